@@ -1,0 +1,37 @@
+/* A polygon mesh as scenes, files and simplifiers hand it around: plain arrays on the CPU, one owner.
+ *
+ * Faces are stored back to back: face f has face_counts[f] corners, its vertex numbers start in `indices`
+ * where those of face f-1 end. Corners run counter-clockwise seen from the front. Units are metres.
+ */
+#ifndef ENGINE_MESH_H
+#define ENGINE_MESH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct engine_mesh {
+	float *positions;           /* 3 * vertex_count, metres, object space */
+	uint32_t vertex_count;
+	uint32_t *face_counts;      /* face_count corner numbers, each >= 3 */
+	uint32_t *indices;          /* index_count vertex numbers */
+	uint32_t *face_materials;   /* face_count material numbers; NULL: all 0 */
+	uint32_t face_count;
+	uint32_t index_count;
+	uint32_t *crease_vertices;  /* 2 * crease_count vertex numbers, one pair per creased edge; NULL when none */
+	float *crease_sharpness;    /* crease_count values >= 0; 10 and above is infinitely sharp */
+	uint32_t crease_count;
+} engine_mesh;
+
+/* Frees every array and zeroes the struct. NULL arrays and an already zeroed struct are fine. */
+void engine_mesh_free(engine_mesh *mesh);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
