@@ -1,0 +1,27 @@
+/* What rays meet of one object: its quads and the bounding volume hierarchy over them, in the rest frame.
+ *
+ * A flat face stands for all its leaves (a wall of 400 leaves is two triangles to a ray): the geometry is the same and
+ * rays get cheaper by what the scene does not need.
+ */
+#ifndef GI_BVH_H
+#define GI_BVH_H
+
+#include "hierarchy.h"
+
+typedef struct gi_bvh {
+	uint32_t node_count;
+	gi_bvh_node *nodes;
+	uint32_t primitive_count;
+	gi_primitive *primitives; /* in the order of the BVH's leaves; leaf numbers local to the object */
+} gi_bvh;
+
+/* Binned surface-area heuristic, one primitive a leaf, the larger-area child first. False when memory ran out. */
+bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out);
+
+/* The same over boxes alone (the scene's objects): order[k] is the box of BVH leaf k, nodes' primitive numbers index
+ * `order`. `nodes` holds 2 * count - 1, `order` count. False when memory ran out; count 0 gives no nodes. */
+bool gi_bvh_build_boxes(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, gi_bvh_node *nodes, uint32_t *order);
+
+void gi_bvh_free(gi_bvh *bvh);
+
+#endif
