@@ -88,4 +88,156 @@ GI_STRUCT(gi_primitive) {
 	GI_VEC4 d;
 } GI_END(gi_primitive)
 
+/* An object of the scene. Slots are dense; the sky, when there is one, is the last.
+ *
+ *   //--------------- 16B ---------------
+ *   row0..row2  rows of the matrix world_from_object: rotation, then translation in w
+ *   lower.xyz upper.xyz  bounds in the rest frame
+ *   sphere.xyz  centre of the world bounding sphere    sphere.w radius
+ *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
+ *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first suspect
+ *   extra.x end suspect    extra.y first vertex    extra.z end vertex    extra.w 0
+ *
+ * Suspects are the objects that may have changed what this object's entries see: the movers for one at rest, those whose
+ * boxes overlap its own for a mover.
+ */
+GI_STRUCT(gi_object_data) {
+	GI_VEC4 row0;
+	GI_VEC4 row1;
+	GI_VEC4 row2;
+	GI_VEC4 lower;
+	GI_VEC4 upper;
+	GI_VEC4 sphere;
+	GI_UVEC4 nodes;
+	GI_UVEC4 bvh;
+	GI_UVEC4 extra;
+} GI_END(gi_object_data)
+
+#define GI_OBJECT_MOVED 1u
+#define GI_OBJECT_SKY 2u
+
+/* A leaf: x node, y object slot, z material, w 0. A material: rho, then exitance. */
+GI_STRUCT(gi_material_data) {
+	GI_VEC4 rho;
+	GI_VEC4 exitance;
+} GI_END(gi_material_data)
+
+/* A run of threads: threads [first, first of the next) work on pair (object, other); offset is added to the thread's number
+ * in the run. Runs are sorted by first; the last one ends at the dispatch's thread count.
+ *   x first    y object    z other    w offset
+ */
+
+/* What one frame's dispatches need to know.
+ *
+ *   //--------------- 16B ---------------
+ *   counts: leaves, nodes, object slots, vertices
+ *   limits: entry pool, queue, link pool, emitter samples
+ *   tolerance: form factor, of emitters, of sky patches, of the solve
+ *   work: pose runs, pose threads, cut runs, cut threads
+ *   misc: TLAS nodes, wide nodes, light vertices, flags GI_FRAME_
+ */
+GI_STRUCT(gi_frame) {
+	GI_UVEC4 counts;
+	GI_UVEC4 limits;
+	GI_VEC4 tolerance;
+	GI_UVEC4 work;
+	GI_UVEC4 misc;
+} GI_END(gi_frame)
+
+#define GI_FRAME_COLD 1u     /* solve from B = E */
+
+/* An entry of a row, in the segment of its (leaf, source object) pair.
+ *   x node
+ *   y form factor, as float bits
+ *   z visible samples as a mask in bits 0..15, GI_BLOCKER_ or slot of the object that hides the others in bits 16..31
+ *   w leaf in bits 0..23, samples taken in bits 24..28, GI_ENTRY_BACK
+ */
+#define GI_ENTRY_LEAF_MASK 0x00FFFFFFu
+#define GI_ENTRY_SAMPLE_SHIFT 24u
+#define GI_ENTRY_SAMPLE_MASK 0x1Fu
+#define GI_ENTRY_BACK 0x80000000u
+#define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
+#define GI_BLOCKER_NONE 0xFFFFu
+
+/* A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c. */
+#define GI_BLOCK_COUNT_MASK 0x00FFFFFFu
+#define GI_BLOCK_NO_CLASS 255u
+#define GI_BLOCK_CLASSES 22u
+#define GI_BLOCK_SMALLEST 4u
+
+/* Row header of a leaf: x link offset, y count and class as a block, z entries touched by this update, w row sum bits. */
+
+/* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
+ * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
+#define GI_STATE_NEW 0u            /* queue entries cut anew */
+#define GI_STATE_QUEUED 1u         /* the same plus flagged ones */
+#define GI_STATE_RAYS 2u
+#define GI_STATE_DIRTY_ROWS 3u
+#define GI_STATE_OVERFLOW 4u       /* a pool or the queue was full */
+#define GI_STATE_ENTRIES 5u        /* in all rows; kept over frames */
+#define GI_STATE_LINKS 6u          /* likewise */
+#define GI_STATE_NOT_FINITE 7u
+#define GI_STATE_SWEEPS 8u
+#define GI_STATE_ACTIVE 9u         /* 1 while the solve has to go on */
+#define GI_STATE_RESIDUAL_BITS 10u /* 3: rgb, of the last sweep */
+#define GI_STATE_Q_BITS 13u        /* 3 */
+#define GI_STATE_B_MAX_BITS 16u    /* 3 */
+#define GI_STATE_BOUND_BITS 19u    /* largest of rgb */
+#define GI_STATE_BOUND_RELATIVE_BITS 20u
+#define GI_STATE_DONE_RESIDUAL_BITS 21u /* largest of rgb, when the solve ended */
+#define GI_STATE_DONE_Q_BITS 22u
+#define GI_STATE_DONE_B_MAX_BITS 23u
+/* Group counts for indirect dispatches, 3 words each. */
+#define GI_STATE_ARGS_FACTOR 24u
+#define GI_STATE_ARGS_TRACE 27u
+#define GI_STATE_ARGS_GATHER 30u
+#define GI_STATE_ARGS_PULL 33u
+#define GI_STATE_ARGS_WIDE 36u
+#define GI_STATE_ARGS_CHECK 39u
+#define GI_STATE_ARGS_RECYCLE 42u
+#define GI_STATE_WORDS 48u
+
+/* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
+#define GI_POOL_BUMP 0u
+#define GI_POOL_PENDING 1u
+#define GI_POOL_LIMIT 2u           /* elements */
+#define GI_POOL_LIST 3u            /* where the free lists begin, in words */
+#define GI_POOL_FREE 4u            /* GI_BLOCK_CLASSES signed counts */
+#define GI_POOL_PENDING_LIST 32u   /* GI_POOL_PENDING_MAX pairs: offset, class */
+#define GI_POOL_PENDING_MAX 131072u
+
+#define GI_BIND_FRAME 0
+#define GI_BIND_OBJECTS 1
+#define GI_BIND_TOPOLOGY 2
+#define GI_BIND_REST 3
+#define GI_BIND_WORLD 4
+#define GI_BIND_VERTICES_REST 5
+#define GI_BIND_VERTICES_WORLD 6
+#define GI_BIND_LEAVES 7
+#define GI_BIND_MATERIALS 8
+#define GI_BIND_BVH 9
+#define GI_BIND_PRIMITIVES 10
+#define GI_BIND_TLAS 11
+#define GI_BIND_SEGMENTS 12
+#define GI_BIND_ENTRIES 13
+#define GI_BIND_ENTRY_POOL 14
+#define GI_BIND_QUEUE 15
+#define GI_BIND_ROWS 16
+#define GI_BIND_LINKS 17
+#define GI_BIND_LINK_POOL 18
+#define GI_BIND_RADIOSITY 19       /* vec4 per node */
+#define GI_BIND_LEAF_RADIOSITY 20  /* vec4 per leaf: rgb, largest step of the last sweep */
+#define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
+#define GI_BIND_STATE 22
+#define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
+#define GI_BIND_SUSPECTS 24
+#define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
+#define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
+#define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
+#define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
+#define GI_BIND_LIGHT 29           /* vec4 per light vertex */
+#define GI_BIND_DRAW 30            /* vertices of the draw meshes */
+
+#define GI_WIDE_LEAVES 64u
+
 #endif

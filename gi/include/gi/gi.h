@@ -1,0 +1,357 @@
+/* Relume gi: dynamic radiosity for a game loop.
+ *
+ * The library computes the diffuse global illumination of moving objects on any OpenGL 4.5 device:
+ *
+ *     B_i = E_i + rho_i * sum_j F_ij V_ij B_j
+ *
+ * B radiosity and E exitance in W/m2 per RGB channel, rho reflectance in [0,1), F_ij the fraction of what leaves patch i that
+ * would arrive at patch j with nothing in between, V_ij in [0,1] how much of j patch i sees. H = B - E over rho is irradiance.
+ *
+ * How to use it:
+ *
+ *     gi_context_def def = gi_context_def_default();
+ *     def.get_proc_address = glfwGetProcAddress;          // an OpenGL 4.5 context is current
+ *     gi_context *gi = NULL;
+ *     gi_result result = gi_context_create(&def, &gi);
+ *     ... gi_create_object() for everything, gi_commit() once ...
+ *     every frame:  gi_set_pose() on what moves;  gi_update();  gi_draw();  gi_get_report();
+ *
+ * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these pieces of OpenGL
+ * state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31, texture unit 0..3, the
+ * GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and viewport. Framebuffer bindings are restored.
+ * Matrices are column-major float[16] as OpenGL and cglm have them, clip space z in [-1,1]. Lengths are metres, but any
+ * unit does if it is the same everywhere. Surfaces emit and reflect on the side their normal points to (corners counter-clockwise
+ * seen from there); their back is black and opaque.
+ *
+ * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to do
+ * about it went to the message callback.
+ */
+#ifndef GI_GI_H
+#define GI_GI_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GI_VERSION_MAJOR 0
+#define GI_VERSION_MINOR 1
+
+/* ---- results ---------------------------------------------------------------------------------------------------- */
+
+/* Name, text: one table, so that they cannot drift. */
+#define GI_RESULTS(X)                                                                                                  \
+	X(GI_OK, "success")                                                                                            \
+	X(GI_ERROR_INVALID_ARGUMENT, "an argument is out of its range")                                                \
+	X(GI_ERROR_INVALID_DEF, "a definition was not made by its _default function")                                  \
+	X(GI_ERROR_INVALID_HANDLE, "a handle is stale or was never valid")                                             \
+	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
+	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
+	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
+	X(GI_ERROR_NOT_COMMITTED, "objects changed since the last gi_commit")                                          \
+	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
+	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
+	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")
+
+#define GI_RESULT_ENUM(name, text) name,
+typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
+
+/* The text of the table above; never NULL. */
+const char *gi_result_text(gi_result result);
+
+/* Receives one line, without a newline, for every error and warning. The text is gone when the callback returns. */
+typedef void gi_message_fn(gi_result result, const char *message, void *user);
+
+/* ---- handles ------------------------------------------------------------------------------------------------------ */
+
+typedef struct gi_context gi_context;
+
+/* By value; zero is no object. A destroyed object's handle is detected, never followed. */
+typedef struct gi_object {
+	uint32_t index1;
+	uint32_t generation;
+} gi_object;
+
+/* ---- context ------------------------------------------------------------------------------------------------------ */
+
+typedef void (*gi_proc)(void);
+typedef gi_proc gi_get_proc_address_fn(const char *name);
+
+/* Whether a row also looks at what lies beyond all objects. */
+typedef enum gi_sky {
+	GI_SKY_AUTO, /* a sky unless one closed object that does not move encloses the others (default) */
+	GI_SKY_OFF,  /* none: rows close without it; right for rooms closed by several objects, wrong for open scenes */
+	GI_SKY_ON,
+} gi_sky;
+
+typedef struct gi_context_def {
+	gi_get_proc_address_fn *get_proc_address; /* required: finds OpenGL functions */
+	gi_message_fn *message;                   /* default NULL: messages go to stderr */
+	void *user;                               /* handed to message */
+	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here */
+
+	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1], default 0.006.
+	 * Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
+	float row_tolerance;
+	float emitter_refinement;  /* emitters are cut at row_tolerance / this; >= 1, default 20 */
+	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
+
+	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4. */
+	float solve_tolerance;
+	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
+
+	gi_sky sky;
+	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; >= 0, default 0 */
+
+	bool profile; /* measure ms per pass with GPU timers; default true */
+	uint32_t internal; /* set by gi_context_def_default */
+} gi_context_def;
+
+gi_context_def gi_context_def_default(void);
+
+/* Compiles the shaders (cold: a second or more). On failure *out is NULL. */
+gi_result gi_context_create(const gi_context_def *def, gi_context **out);
+
+/* Frees everything, its OpenGL objects too. NULL is fine. */
+void gi_context_destroy(gi_context *gi);
+
+/* ---- objects ------------------------------------------------------------------------------------------------------ */
+
+typedef struct gi_material {
+	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
+	float exitance[3]; /* E, W/m2, >= 0; a glTF emissive radiance L is E = pi L */
+} gi_material;
+
+/* World from object: rotate, then translate. A scale belongs to gi_object_def. */
+typedef struct gi_pose {
+	float position[3]; /* metres */
+	float rotation[4]; /* quaternion x y z w; normalised by the library, must not be zero */
+} gi_pose;
+
+gi_pose gi_pose_identity(void);
+
+typedef enum gi_scheme {
+	GI_SCHEME_BILINEAR, /* keeps the cage's shape (default) */
+	GI_SCHEME_CATMULL_CLARK,
+	GI_SCHEME_LOOP, /* triangles only */
+} gi_scheme;
+
+typedef enum gi_boundary {
+	GI_BOUNDARY_EDGE_AND_CORNER, /* boundary edges and corners stay sharp (default) */
+	GI_BOUNDARY_EDGE_ONLY,       /* corners are rounded */
+} gi_boundary;
+
+/* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object returns. */
+typedef struct gi_object_def {
+	const char *name; /* default NULL; copied; for messages and exports */
+
+	const float *positions;          /* 3 * vertex_count */
+	uint32_t vertex_count;
+	const uint32_t *face_counts;     /* face_count corners per face, each >= 3; NULL: all 4 */
+	uint32_t face_count;
+	const uint32_t *indices;         /* index_count vertex numbers, faces back to back */
+	uint32_t index_count;
+	const uint32_t *face_materials;  /* face_count numbers below material_count; NULL: all 0 */
+	const uint32_t *crease_vertices; /* 2 * crease_count: edges */
+	const float *crease_sharpness;   /* crease_count, >= 0, 10 and more is sharp for ever */
+	uint32_t crease_count;
+
+	gi_scheme scheme;
+	gi_boundary boundary;
+	uint32_t levels;      /* refinement steps, 0..8, default 0 */
+	float leaf_size;      /* > 0: instead of levels, refine until the mean leaf edge is at most this, metres; default 0 */
+	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2 */
+
+	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
+	uint32_t material_count;
+	bool double_sided; /* adds a back-to-back side that reflects too; default false */
+
+	float scale[3]; /* default 1 1 1; not zero, not negative */
+	gi_pose pose;
+
+	/* A detailed mesh to draw instead of the cage's surface, lit through it (a scan and its simplified cage); NULL: none. */
+	const float *draw_positions; /* 3 * draw_vertex_count, object space */
+	uint32_t draw_vertex_count;
+	const uint32_t *draw_indices; /* draw_index_count, three a triangle */
+	uint32_t draw_index_count;
+
+	uint32_t internal;
+} gi_object_def;
+
+gi_object_def gi_object_def_default(void);
+
+/* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. */
+gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
+
+/* The object is gone after the next gi_commit. */
+gi_result gi_destroy_object(gi_context *gi, gi_object object);
+
+bool gi_object_is_valid(const gi_context *gi, gi_object object);
+
+/* Values, free to change every frame; they take effect in the next gi_update. Rows follow by themselves. */
+gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
+gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
+gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
+
+/* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of objects that
+ * stay is kept as the start of the next solve. An empty scene is fine: it is black. */
+gi_result gi_commit(gi_context *gi);
+
+/* ---- frames ------------------------------------------------------------------------------------------------------- */
+
+/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed and
+ * converged: no dispatch, no upload. GI_ERROR_NOT_COMMITTED after creating or destroying without gi_commit. */
+gi_result gi_update(gi_context *gi);
+
+/* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
+void gi_invalidate(gi_context *gi);
+
+/* Makes the next solve start from B = E (a cold start). */
+void gi_reset_radiosity(gi_context *gi);
+
+/* Waits for the GPU; afterwards gi_get_report is about the last gi_update. For tests, benchmarks and loading screens. */
+gi_result gi_finish(gi_context *gi);
+
+/* Why the solve ended: > 0 usable, 0 not run, < 0 failed. */
+typedef enum gi_outcome {
+	GI_OUTCOME_NOT_FINITE = -2, /* a NaN or infinity appeared */
+	GI_OUTCOME_TRUNCATED = -1,  /* the entry pool was full; the next gi_update grows it and builds anew */
+	GI_OUTCOME_NOT_RUN = 0,
+	GI_OUTCOME_CONVERGED = 1,   /* the bound meets the tolerance */
+	GI_OUTCOME_SWEEPS = 2,      /* max_sweeps spent; the next frame goes on from here */
+	GI_OUTCOME_AT_REST = 3,     /* nothing had changed: no work */
+} gi_outcome;
+
+typedef enum gi_pass {
+	GI_PASS_POSE,       /* moved nodes and vertices to the world */
+	GI_PASS_CUT,        /* new cuts */
+	GI_PASS_FACTOR,     /* form factors of new entries */
+	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
+	GI_PASS_TRACE,      /* visibility rays */
+	GI_PASS_CLOSE,      /* row sums */
+	GI_PASS_SOLVE,      /* sweeps */
+	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
+	GI_PASS_SHADOW,     /* shadow maps (gi_draw) */
+	GI_PASS_DRAW,       /* the picture (gi_draw) */
+	GI_PASS_COUNT
+} gi_pass;
+
+const char *gi_pass_name(gi_pass pass);
+
+/* One frame in figures. Reports come when the GPU is done with them, a frame or two late unless gi_finish waits. */
+typedef struct gi_report {
+	uint64_t frame; /* which gi_update, counted from 1 */
+	gi_outcome outcome;
+
+	uint32_t objects, leaves, nodes; /* nodes: leaves and their ancestors */
+	uint64_t entries;         /* in all rows, hidden ones too */
+	uint64_t links;           /* entries the solve reads: not hidden, not black */
+	uint64_t new_entries;     /* cut anew this frame */
+	uint64_t flagged_entries; /* at rest, but retested since a mover may have changed them */
+	uint64_t dirty_entries;   /* new_entries + flagged_entries */
+	uint64_t dirty_rows;      /* rows with at least one of those */
+	uint64_t rays;
+
+	uint32_t sweeps;
+	float residual;      /* largest |B_k+1 - B_k| of the last sweep, W/m2 */
+	float contraction;   /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
+	float solve_bound;   /* certified: |B - B*|max <= residual * q / (1 - q) for the rows as they are, exact arithmetic, W/m2 */
+	float solve_relative; /* solve_bound over the largest B */
+	float radiosity_max; /* largest B, W/m2 */
+
+	uint32_t dispatches;     /* compute dispatches issued by gi_update */
+	uint64_t uploaded_bytes; /* by gi_update */
+	uint64_t gpu_bytes;      /* all buffers of the context */
+	float pass_ms[GI_PASS_COUNT]; /* GPU time; 0 without def.profile */
+	float update_ms;         /* CPU time inside gi_update, ms */
+} gi_report;
+
+/* The newest finished report. */
+gi_result gi_get_report(gi_context *gi, gi_report *out);
+
+/* ---- picture ------------------------------------------------------------------------------------------------------- */
+
+typedef enum gi_mode {
+	GI_MODE_GLOBAL, /* direct + indirect (default) */
+	GI_MODE_DIRECT,
+	GI_MODE_INDIRECT,
+} gi_mode;
+
+typedef enum gi_overlay {
+	GI_OVERLAY_NONE,
+	GI_OVERLAY_WIREFRAME, /* the leaves' edges over the picture */
+	GI_OVERLAY_DIRTY,     /* heat map: share of each row's entries touched by the last update */
+	GI_OVERLAY_RESIDUAL,  /* heat map: last |B_k+1 - B_k| of each leaf, logarithmic */
+} gi_overlay;
+
+typedef struct gi_view {
+	float view_from_world[16];
+	float clip_from_view[16];
+	uint32_t width, height; /* viewport, pixels */
+	gi_mode mode;
+	gi_overlay overlay;
+} gi_view;
+
+gi_view gi_view_default(void);
+
+/* Draws the committed objects into the bound framebuffer: linear radiance (W/m2/sr) in RGB, alpha 1; needs a depth attachment. Does
+ * not clear: the host clears colour and depth and draws its own things before or after. Direct light per pixel with soft shadows
+ * of area emitters, indirect light interpolated from the leaves. */
+gi_result gi_draw(gi_context *gi, const gi_view *view);
+
+/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
+typedef struct gi_buffers {
+	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2 */
+	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but the emitters' own exitance, W/m2 */
+	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
+} gi_buffers;
+
+gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
+
+/* ---- read-back (waits for the GPU) ----------------------------------------------------------------------------------- */
+
+typedef struct gi_leaf {
+	float corners[4][3]; /* world; a triangle repeats its third corner; the surface is the triangles a b c and a c d */
+	float area;          /* m2 */
+	float rho[3], exitance[3];
+	float radiosity[3];  /* B */
+	float irradiance[3]; /* H = sum_j F_ij V_ij B_j */
+	float row_sum;       /* sum_j F_ij V_ij over lit and reflecting sides */
+	gi_object object;
+} gi_leaf;
+
+/* Copies up to `capacity` leaves; *count is how many there are. leaves may be NULL to ask for the count. */
+gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
+
+/* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf + leaf_count). */
+typedef struct gi_entry {
+	uint32_t leaf, node;
+	uint32_t first_leaf, leaf_count; /* 0, 0 for a patch of sky */
+	float form_factor;               /* F, unoccluded */
+	uint32_t visible, samples;       /* V = visible / samples; visible <= samples <= 16 */
+	uint32_t back;                   /* 1: a black back, no light comes from it */
+} gi_entry;
+
+/* Copies up to `capacity` entries in no particular order. entries may be NULL to ask for the count. */
+gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
+
+/* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. */
+typedef struct gi_link {
+	uint32_t leaf, node;
+	uint32_t first_leaf, leaf_count;
+	float weight; /* F V after the row was closed */
+} gi_link;
+
+gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);
+
+/* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row sum). */
+gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

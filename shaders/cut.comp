@@ -1,0 +1,166 @@
+#version 450 core
+// The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse where they
+// subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z source object, w first leaf.
+#include "buffers.glsl"
+#include "pool.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+const float PI = 3.14159265358979;
+
+const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
+
+// Heights below this share of the distance are rounding: coplanar patches do not see each other.
+const float HORIZON_SLACK = 1e-5;
+
+// A cluster whose normals spread further than this cosine (45 degrees) is no disc.
+const float CLUSTER_CONE = 0.7;
+
+gi_node_geometry geometry_of(uint node, bool same)
+{
+	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the bit.
+	if (same)
+		return rest[node];
+	return world[node];
+}
+
+float sine_of(float cosine)
+{
+	return cosine >= 1.0 ? 0.0 : sqrt(max(0.0, 1.0 - cosine * cosine));
+}
+
+// How far a surface of radius r whose normals lie in a cone reaches along a direction: a flat one only by its tilt.
+float reach_along(float r, float cosine, float cone)
+{
+	return r * (cone < 0.0 ? 1.0 : min(1.0, sine_of(abs(cosine)) + sine_of(cone)));
+}
+
+uint classify_sky(gi_node_geometry p, gi_node_geometry g, uint flags)
+{
+	float height = dot(p.axis.xyz, g.sphere.xyz) + g.sphere.w;
+	if (height <= 0.0)
+		return CUT_SKIP;
+	float estimate = g.moment.w * min(1.0, height) / PI;
+	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
+}
+
+uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
+{
+	if ((flags & GI_NODE_SKY) != 0u)
+		return classify_sky(p, g, flags);
+	vec3 to = g.sphere.xyz - p.sphere.xyz;
+	float d2 = dot(to, to), d = sqrt(d2);
+	float slack = HORIZON_SLACK * (d + g.sphere.w + p.sphere.w);
+	float cosine = dot(p.axis.xyz, g.axis.xyz);
+
+	float height = dot(p.axis.xyz, to) + reach_along(g.sphere.w, cosine, g.axis.w) + p.sphere.w * sine_of(p.axis.w);
+	if (height <= slack)
+		return CUT_SKIP;
+
+	// The best any normal of the cone can face any point of the receiver.
+	float faced = d;
+	if (g.axis.w >= 0.0) {
+		float away = -dot(g.axis.xyz, to);
+		float across = sqrt(max(0.0, d2 - away * away));
+		float tilted = away >= d * g.axis.w ? d : away * g.axis.w + across * sine_of(g.axis.w);
+		faced = tilted + g.sphere.w * sine_of(g.axis.w) + reach_along(p.sphere.w, cosine, p.axis.w);
+	}
+	if (faced <= slack) {
+		if ((flags & GI_NODE_BACK) == 0u)
+			return CUT_SKIP;
+		faced = d;
+	}
+	if ((flags & GI_NODE_LEAF) != 0u)
+		return CUT_TAKE;
+	if (d < g.sphere.w)
+		return CUT_REFINE;
+	float estimate = g.moment.w * min(1.0, height / d) * min(1.0, faced / d) / (PI * d2 + g.moment.w);
+	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
+	if (estimate > tolerance)
+		return CUT_REFINE;
+	bool cluster = (flags & GI_NODE_POLYGON) == 0u;
+	return cluster && g.axis.w < CLUSTER_CONE && estimate > 0.125 * tolerance ? CUT_REFINE : CUT_TAKE;
+}
+
+uint count_cut(gi_node_geometry p, uvec4 nodes, bool same)
+{
+	uint count = 0u;
+	for (uint n = nodes.x; n < nodes.y;) {
+		uvec4 range = topology[n].range;
+		uint verdict = classify(p, geometry_of(n, same), range.w);
+		count += verdict == CUT_TAKE ? 1u : 0u;
+		n = verdict == CUT_REFINE ? n + 1u : range.x;
+	}
+	return count;
+}
+
+// Moves a full block to one of twice the size; 255 in the result's class when the pool is full.
+uvec2 grow(uvec2 block, uint count)
+{
+	uint c = block.y >> 24u;
+	uint offset = entry_take(c + 1u);
+	if (offset == GI_NONE)
+		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
+	for (uint k = 0u; k < count; k++)
+		entries[offset + k] = entries[block.x + k];
+	entry_give(block.x, c);
+	return uvec2(offset, (c + 1u) << 24u);
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= frame.work.w)
+		return;
+	uvec4 run = find_run(frame.work.x, frame.work.z, t);
+	uint leaf = run.w + (t - run.x);
+	uint source = run.z;
+	bool same = run.y == source;
+	gi_node_geometry p = geometry_of(leaves[leaf].x, same);
+	uvec4 nodes = objects[source].nodes;
+	uint slot = leaf * frame.counts.z + source;
+	uvec2 block = segments[slot];
+	uint old_count = block.y & GI_BLOCK_COUNT_MASK;
+
+	if (block.y >> 24u == GI_BLOCK_NO_CLASS) {
+		uint first_count = count_cut(p, nodes, same);
+		if (first_count == 0u)
+			return;
+		uint c = class_of(first_count);
+		uint offset = entry_take(c);
+		if (offset == GI_NONE)
+			return;
+		block = uvec2(offset, c << 24u);
+	}
+	uint count = 0u;
+	for (uint n = nodes.x; n < nodes.y;) {
+		uvec4 range = topology[n].range;
+		uint verdict = classify(p, geometry_of(n, same), range.w);
+		if (verdict == CUT_TAKE) {
+			if (count == GI_BLOCK_SMALLEST << (block.y >> 24u)) {
+				uvec2 larger = grow(block, count);
+				if (larger.x == GI_NONE)
+					break;
+				block = larger;
+			}
+			entries[block.x + count] = uvec4(n, 0u, 0u, leaf);
+			count++;
+		}
+		n = verdict == CUT_REFINE ? n + 1u : range.x;
+	}
+	segments[slot] = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
+
+	if (count != old_count)
+		atomicAdd(state[GI_STATE_ENTRIES], count - old_count);
+	if (count + old_count > 0u)
+		atomicAdd(rows[leaf].z, max(count, 1u));
+	if (count == 0u)
+		return;
+	uint q = atomicAdd(state[GI_STATE_NEW], count);
+	if (q + count > frame.limits.y) {
+		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+		return;
+	}
+	for (uint k = 0u; k < count; k++)
+		queue[q + k] = block.x + k;
+}

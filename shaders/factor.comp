@@ -1,0 +1,92 @@
+#version 450 core
+// Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source factor.
+#include "buffers.glsl"
+#include "polygon.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+// Gauss-Legendre points and weights on [0,1], two and four per side.
+const float GAUSS_2[2] = float[](0.2113248654, 0.7886751346);
+const float GAUSS_4[4] = float[](0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558);
+const float WEIGHT_4[4] = float[](0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226);
+
+// A source that subtends less than this (radius over distance) is taken as a point: the contour sum would lose digits.
+const float POINT_SOURCE = 0.02;
+
+// Receivers larger than these shares of the distance are averaged over 2 x 2 and 4 x 4 points.
+const float RECEIVER_2 = 0.08;
+const float RECEIVER_4 = 0.35;
+
+vec3 corner_of(uint vertex, bool same)
+{
+	if (same)
+		return vertices_rest[vertex].xyz;
+	return vertices_world[vertex].xyz;
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= min(state[GI_STATE_NEW], frame.limits.y))
+		return;
+	uint slot = queue[t];
+	uvec4 entry = entries[slot];
+	uint leaf = entry.w & GI_ENTRY_LEAF_MASK;
+	uint receiver = leaves[leaf].x;
+	gi_node_topology source = topology[entry.x];
+	uvec4 flags = source.range;
+	bool sky = (flags.w & GI_NODE_SKY) != 0u;
+	bool same = !sky && leaves[leaf].y == leaves[source.range.y].y;
+
+	gi_node_geometry p, g;
+	if (same) {
+		p = rest[receiver];
+		g = rest[entry.x];
+	} else {
+		p = world[receiver];
+		g = world[entry.x];
+	}
+	uvec4 mine = topology[receiver].corners;
+	vec3 a = corner_of(mine.x, same), b = corner_of(mine.y, same), c = corner_of(mine.z, same), d = corner_of(mine.w, same);
+	vec3 n = p.axis.xyz;
+
+	vec3 centre = mine.z == mine.w ? (a + b + c) / 3.0 : (a + b + c + d) * 0.25;
+	float far = sky ? 1e30 : length(g.sphere.xyz - p.sphere.xyz);
+	float size = p.sphere.w / max(far, 1e-30);
+	int side = sky || size < RECEIVER_2 ? 1 : size < RECEIVER_4 ? 2 : 4;
+	bool disc = !sky && ((flags.w & GI_NODE_POLYGON) == 0u || g.sphere.w < POINT_SOURCE * (far - g.sphere.w));
+
+	float sum = 0.0, weight_sum = 0.0;
+	for (int k = 0; k < side * side; k++) {
+		int i = k % side, j = k / side;
+		vec2 u = vec2(0.5);
+		float weight = 1.0;
+		if (side == 2) {
+			u = vec2(GAUSS_2[i], GAUSS_2[j]);
+		} else if (side == 4) {
+			u = vec2(GAUSS_4[i], GAUSS_4[j]);
+			weight = WEIGHT_4[i] * WEIGHT_4[j];
+		}
+		vec3 x = side == 1 ? centre : point_on_quad(a, b, c, d, u);
+		float f;
+		if (disc) {
+			f = disc_factor(g.sphere.xyz - x, n, g.moment.xyz);
+		} else {
+			vec3 origin = sky ? vec3(0.0) : x;
+			vec3 v[4] = vec3[](corner_of(source.corners.x, same) - origin, corner_of(source.corners.y, same) - origin,
+					   corner_of(source.corners.z, same) - origin, corner_of(source.corners.w, same) - origin);
+			f = polygon_factor(v, n);
+		}
+		sum += weight * f;
+		weight_sum += weight;
+	}
+	float f = sum / weight_sum;
+	uint back = 0u;
+	if (f < 0.0) {
+		f = (flags.w & GI_NODE_BACK) != 0u ? -f : 0.0;
+		back = GI_ENTRY_BACK;
+	}
+	entries[slot].y = floatBitsToUint(f);
+	entries[slot].w = leaf | back;
+}

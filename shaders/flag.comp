@@ -1,0 +1,91 @@
+#version 450 core
+// Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect hid, and
+// visible ones whose segments may cross a suspect's new bounds. One thread a leaf; conservative, so that what is not flagged
+// would come out of the rays with the same bits.
+#include "buffers.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+// Every sample lies within this much more than the radii of its ends; covers rounding of a turn into the box's frame.
+const float BOX_SLACK = 1e-4;
+
+bool object_moved(uint object)
+{
+	return (objects[object].bvh.z & GI_OBJECT_MOVED) != 0u;
+}
+
+// Can a point within `radius` of the segment from `origin` along `direction` (unit times length; no end for a sky) be in the box?
+bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, bool endless)
+{
+	vec3 o = rest_from_world(object, origin);
+	vec3 d = rest_direction_from_world(object, direction);
+	vec3 lower = objects[object].lower.xyz, upper = objects[object].upper.xyz;
+	float grown = radius + BOX_SLACK * (length(o) + length(d) * (endless ? 0.0 : 1.0) + length(upper - lower));
+	vec3 safe = mix(d, vec3(1e-30), lessThan(abs(d), vec3(1e-30)));
+	vec3 a = (lower - grown - o) / safe, b = (upper + grown - o) / safe;
+	vec3 near = min(a, b), far = max(a, b);
+	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, endless ? 3e38 : 1.0));
+}
+
+// Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's sphere?
+bool crosses_cone(uint object, vec3 x, float radius, vec3 axis, float spread)
+{
+	vec4 ball = objects[object].sphere;
+	vec3 to = ball.xyz - x;
+	float d = length(to), r = (ball.w + radius) * (1.0 + BOX_SLACK);
+	if (d <= r)
+		return true;
+	float angle = acos(clamp(dot(to, axis) / d, -1.0, 1.0));
+	return angle <= asin(min(1.0, r / d)) + 2.0 * asin(min(1.0, 0.5 * spread)) + BOX_SLACK;
+}
+
+bool may_change(gi_node_geometry p, uint node, uint flags, uvec2 list)
+{
+	vec4 ball = world[node].sphere;
+	for (uint k = list.x; k < list.y; k++) {
+		uint object = suspects[k];
+		bool crosses = (flags & GI_NODE_SKY) != 0u
+				       ? crosses_cone(object, p.sphere.xyz, p.sphere.w, ball.xyz, ball.w)
+				       : crosses_bounds(object, p.sphere.xyz, ball.xyz - p.sphere.xyz, max(ball.w, p.sphere.w), false);
+		if (crosses)
+			return true;
+	}
+	return false;
+}
+
+void main()
+{
+	uint leaf = thread_number();
+	if (leaf >= frame.counts.x)
+		return;
+	uint mine = leaves[leaf].y;
+	bool moved = object_moved(mine);
+	gi_node_geometry p = world[leaves[leaf].x];
+	uvec2 list = uvec2(objects[mine].bvh.w, objects[mine].extra.x);
+	uint touched = 0u;
+	for (uint source = 0u; source < frame.counts.z; source++) {
+		if (moved ? source != mine : object_moved(source))
+			continue; // cut anew
+		uvec2 block = segments[leaf * frame.counts.z + source];
+		uint count = block.y & GI_BLOCK_COUNT_MASK;
+		for (uint k = 0u; k < count; k++) {
+			uvec4 entry = entries[block.x + k];
+			uint taken = (entry.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+			if (taken == 0u)
+				continue; // form factor zero
+			uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
+			bool blocker_moved = blocker == GI_BLOCKER_MIXED ||
+					     (blocker != GI_BLOCKER_NONE && (moved ? blocker != mine : object_moved(blocker)));
+			if (!blocker_moved && !(visible != 0u && may_change(p, entry.x, topology[entry.x].range.w, list)))
+				continue;
+			uint q = atomicAdd(state[GI_STATE_QUEUED], 1u);
+			if (q < frame.limits.y)
+				queue[q] = block.x + k;
+			else
+				atomicOr(state[GI_STATE_OVERFLOW], 1u);
+			touched++;
+		}
+	}
+	if (touched > 0u)
+		rows[leaf].z += touched;
+}

@@ -1,0 +1,22 @@
+#version 450 core
+// Irradiance of a leaf from everything but the emitters' own exitance: sum over links of weight * (B - E). One thread a leaf.
+#include "buffers.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+void main()
+{
+	uint leaf = thread_number();
+	if (leaf >= frame.counts.x)
+		return;
+	uvec4 row = rows[leaf];
+	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
+	vec3 h = vec3(0.0);
+	for (uint k = row.x; k < end; k++) {
+		uvec2 link = links[k];
+		bool sky = (topology[link.x].range.w & GI_NODE_SKY) != 0u;
+		vec3 own = sky ? vec3(0.0) : node_exitance[link.x].xyz;
+		h += uintBitsToFloat(link.y) * (radiosity[link.x].xyz - own);
+	}
+	leaf_indirect[leaf] = vec4(h, 0.0);
+}

@@ -1,0 +1,60 @@
+// Form factors from a point to polygons and discs. Positive when the front of the source is seen, negative for its back.
+
+const float PI = 3.14159265358979;
+
+// One edge of Lambert's contour sum: angle between u and v times the cosine between the receiver's normal and u x v.
+float contour_edge(vec3 u, vec3 v, vec3 n)
+{
+	vec3 w = cross(u, v);
+	float s = length(w);
+	// An edge through the point or seen end-on spans no area.
+	if (s <= 1e-12 * (dot(u, u) + dot(v, v)))
+		return 0.0;
+	return atan(s, dot(u, v)) * dot(w, n) / s;
+}
+
+// Point of the edge u v on the receiver's plane, heights hu and hv of opposite sign.
+vec3 edge_crossing(vec3 u, vec3 v, float hu, float hv)
+{
+	return u + (v - u) * (hu / (hu - hv));
+}
+
+// Lambert's formula for the quad or triangle v (corners relative to the point, counter-clockwise from its front), clipped to the
+// half space above the plane with normal n: F = 1/(2 pi) sum over edges. The contour is that of any surface it bounds.
+float polygon_factor(vec3 v[4], vec3 n)
+{
+	float sum = 0.0;
+	vec3 entry = vec3(0.0), leave = vec3(0.0);
+	bool clipped = false;
+	for (int k = 0; k < 4; k++) {
+		vec3 a = v[k], b = v[(k + 1) & 3];
+		float ha = dot(n, a), hb = dot(n, b);
+		bool above_a = ha > 0.0, above_b = hb > 0.0;
+		if (above_a != above_b) {
+			vec3 c = edge_crossing(a, b, ha, hb);
+			clipped = true;
+			if (above_a) {
+				leave = c;
+				b = c;
+			} else {
+				entry = c;
+				a = c;
+			}
+		}
+		if (above_a || above_b)
+			sum += contour_edge(a, b, n);
+	}
+	// The new edge along the horizon closes the contour.
+	if (clipped)
+		sum += contour_edge(leave, entry, n);
+	return sum * (-0.5 / PI);
+}
+
+// A small source: moment is its area times mean normal, `to` the vector from the point to its centre. Bounded near the point as a disc's.
+float disc_factor(vec3 to, vec3 n, vec3 moment)
+{
+	float d2 = max(dot(to, to), 1e-30);
+	vec3 dir = to * inversesqrt(d2);
+	float facing = -dot(moment, dir);
+	return max(dot(n, dir), 0.0) * facing / (PI * d2 + abs(facing));
+}

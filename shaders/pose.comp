@@ -1,0 +1,24 @@
+#version 450 core
+// Brings nodes and vertices of moved objects from the rest frame to the world. A run is one object's nodes or vertices:
+// x first thread, y object, z 0 nodes / 1 vertices, w index of the first.
+#include "buffers.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= frame.work.y)
+		return;
+	uvec4 run = find_run(0u, frame.work.x, t);
+	uint object = run.y;
+	uint index = run.w + (t - run.x);
+	if (run.z == 1u) {
+		vertices_world[index] = vec4(world_from_rest(object, vertices_rest[index].xyz), 0.0);
+		return;
+	}
+	gi_node_geometry g = rest[index];
+	world[index].sphere = vec4(world_from_rest(object, g.sphere.xyz), g.sphere.w);
+	world[index].axis = vec4(world_direction_from_rest(object, g.axis.xyz), g.axis.w);
+	world[index].moment = vec4(world_direction_from_rest(object, g.moment.xyz), g.moment.w);
+}

@@ -1,0 +1,50 @@
+// Where visibility rays begin and end: pure functions of (receiver leaf, source node, sample number), in the rest frames of their
+// objects, so that a segment is the same in every frame and after every rebuild.
+
+uint hash(uint x)
+{
+	// The finaliser of MurmurHash3 (Appleby): every input bit changes every output bit with probability near 1/2.
+	x ^= x >> 16;
+	x *= 0x85ebca6bu;
+	x ^= x >> 13;
+	x *= 0xc2b2ae35u;
+	return x ^ (x >> 16);
+}
+
+float unit_float(uint x)
+{
+	return float(x >> 8) * (1.0 / 16777216.0);
+}
+
+// Four numbers in [0,1): a hash of the pair, then the R4 sequence (Roberts) over the samples, which fills the square pair evenly.
+vec4 sample_numbers(uint leaf, uint node, uint k)
+{
+	uint h = hash(leaf * 0x9e3779b9u ^ hash(node + 0x7f4a7c15u));
+	uvec4 start = uvec4(h, hash(h ^ 1u), hash(h ^ 2u), hash(h ^ 3u));
+	uvec4 next = start + k * uvec4(0xDB4F2A00u, 0xBBE05633u, 0xA0F2EC75u, 0x89E18285u);
+	return vec4(unit_float(next.x), unit_float(next.y), unit_float(next.z), unit_float(next.w));
+}
+
+// The unit square onto the two triangles a b c and a c d: they, not a bilinear patch, are the surface that rays meet.
+vec3 point_on_quad(vec3 a, vec3 b, vec3 c, vec3 d, vec2 u)
+{
+	return u.x >= u.y ? a + (b - a) * (u.x - u.y) + (c - a) * u.y : a + (d - a) * (u.y - u.x) + (c - a) * u.x;
+}
+
+vec3 rest_point_on_node(uvec4 corners, vec2 u)
+{
+	return point_on_quad(vertices_rest[corners.x].xyz, vertices_rest[corners.y].xyz, vertices_rest[corners.z].xyz,
+			     vertices_rest[corners.w].xyz, u);
+}
+
+// A point on a node's surface: on its polygon where that is the surface, else on one of its leaves. `leaf` tells which.
+vec3 rest_point_on_surface(gi_node_topology t, vec2 u, out uint leaf)
+{
+	leaf = t.range.y;
+	if ((t.range.w & GI_NODE_FLAT) != 0u || t.range.z == 1u)
+		return rest_point_on_node(t.corners, u);
+	float pick = u.x * float(t.range.z);
+	uint k = min(uint(pick), t.range.z - 1u);
+	leaf += k;
+	return rest_point_on_node(topology[leaves[leaf].x].corners, vec2(clamp(pick - float(k), 0.0, 0.99999994), u.y));
+}
