@@ -1,0 +1,507 @@
+/* OpenSubdiv (Far) behind gi/src/refine.h: the one C++ file of the library.
+ *
+ * A cage goes through three stages, each of which may throw:
+ *
+ *   gi_refine_cage --check_cage, clean_cage--> Cage --refine--> Far::TopologyRefiner --export_*--> gi_refined (malloc)
+ *
+ * Everything is validated before OpenSubdiv sees it, because it reports trouble to stderr and not to its caller.
+ * Points are interpolated in double and stored as float: a flat wall stays flat to the last bit of a float.
+ */
+#include "refine.h"
+
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+
+constexpr uint32_t max_levels = 8;
+/* About 4 GiB inside OpenSubdiv; a hierarchy of that many leaves is far beyond any frame. */
+constexpr uint64_t max_faces = uint64_t(1) << 24;
+/* OpenSubdiv numbers the corners round a face or a vertex with 16 bits. */
+constexpr uint32_t max_valence = 65535;
+/* Squared, and summed over a few million faces, this still fits a float. */
+constexpr double max_coordinate = 1e15;
+
+/* What is wrong with the cage, in one line for the user. */
+class Bad_cage : public std::runtime_error {
+public:
+	using std::runtime_error::runtime_error;
+};
+
+[[noreturn, gnu::format(printf, 1, 2)]] void reject(const char *format, ...)
+{
+	char line[256];
+	va_list arguments;
+	va_start(arguments, format);
+	std::vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	throw Bad_cage(line);
+}
+
+/* A point as OpenSubdiv's interpolation wants it. */
+struct Point {
+	glm::dvec3 value{0.0};
+
+	void Clear(void * = nullptr)
+	{
+		value = glm::dvec3(0.0);
+	}
+	void AddWithWeight(const Point &other, double weight)
+	{
+		value += weight * other.value;
+	}
+};
+
+using Points = std::vector<Point>;
+using Refiner_ptr = std::unique_ptr<Far::TopologyRefiner>;
+
+/* The cage without what carries no surface: repeated corners, faces of fewer than three different corners, unused vertices. */
+struct Cage {
+	Points points;
+	std::vector<int> counts;
+	std::vector<int> indices;
+	std::vector<uint32_t> materials;
+	std::vector<int> crease_vertices;
+	std::vector<float> crease_sharpness;
+};
+
+/* ---- the caller's arrays ---- */
+
+void check_arrays(const gi_refine_cage &cage, uint32_t levels)
+{
+	if (levels > max_levels)
+		reject("%u refinement levels; at most %u are possible", levels, max_levels);
+	if (cage.vertex_count == 0 || cage.face_count == 0 || !cage.positions || !cage.indices)
+		reject("the cage has no faces");
+	if (cage.crease_count > 0 && (!cage.crease_vertices || !cage.crease_sharpness))
+		reject("the cage has %u creases but no arrays for them", cage.crease_count);
+	if (cage.vertex_count > max_faces || cage.face_count > max_faces)
+		reject("too many faces or vertices (%u, %u)", cage.face_count, cage.vertex_count);
+}
+
+void check_counts(const gi_refine_cage &cage)
+{
+	uint64_t sum = 0;
+	for (uint32_t face = 0; face < cage.face_count; face++) {
+		const uint32_t count = cage.face_counts ? cage.face_counts[face] : 4;
+		if (count < 3)
+			reject("face %u has %u corners; a face needs three", face, count);
+		if (count > max_valence)
+			reject("face %u has %u corners; at most %u are possible", face, count, max_valence);
+		sum += count;
+	}
+	if (sum != cage.index_count)
+		reject("the faces have %llu corners but there are %u indices", (unsigned long long)sum, cage.index_count);
+}
+
+void check_indices(const gi_refine_cage &cage)
+{
+	for (uint32_t i = 0; i < cage.index_count; i++)
+		if (cage.indices[i] >= cage.vertex_count)
+			reject("index %u is vertex %u; there are %u vertices", i, cage.indices[i], cage.vertex_count);
+	for (uint32_t i = 0; i < cage.crease_count; i++) {
+		const uint32_t *ends = cage.crease_vertices + 2 * size_t(i);
+		if (ends[0] >= cage.vertex_count || ends[1] >= cage.vertex_count)
+			reject("crease %u joins vertices %u and %u; there are %u vertices", i, ends[0], ends[1],
+			       cage.vertex_count);
+		if (!std::isfinite(cage.crease_sharpness[i]) || cage.crease_sharpness[i] < 0.0f)
+			reject("crease %u has a sharpness that is negative or not finite", i);
+	}
+}
+
+void check_positions(const gi_refine_cage &cage)
+{
+	for (int axis = 0; axis < 3; axis++)
+		if (!std::isfinite(cage.scale[axis]) || cage.scale[axis] == 0.0f)
+			reject("the scale is zero or not finite");
+	for (size_t i = 0; i < 3 * size_t(cage.vertex_count); i++) {
+		const double value = double(cage.positions[i]) * cage.scale[i % 3];
+		if (!std::isfinite(value))
+			reject("vertex %zu has a coordinate that is not finite", i / 3);
+		if (std::fabs(value) > max_coordinate)
+			reject("vertex %zu has a coordinate beyond 1e15", i / 3);
+	}
+}
+
+/* ---- clean-up ---- */
+
+/* The corners of a face without repeats of the one before (a triangle written as a quad repeats its third corner). */
+void clean_face(const uint32_t *corners, uint32_t count, std::vector<uint32_t> &out)
+{
+	out.clear();
+	for (uint32_t i = 0; i < count; i++)
+		if (corners[i] != corners[(i + 1) % count])
+			out.push_back(corners[i]);
+}
+
+void check_face(uint32_t face, const std::vector<uint32_t> &corners, gi_refine_scheme scheme)
+{
+	if (scheme == GI_REFINE_LOOP && corners.size() != 3)
+		reject("face %u has %zu corners; Loop subdivision takes triangles alone", face, corners.size());
+	std::vector<uint32_t> sorted(corners);
+	std::sort(sorted.begin(), sorted.end());
+	const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+	if (twice != sorted.end())
+		reject("face %u passes through vertex %u twice", face, *twice);
+}
+
+/* A mirroring scale turns surfaces inside out; corners in the opposite order turn them back (as glTF demands). */
+bool mirrors(const gi_refine_cage &cage)
+{
+	return ((cage.scale[0] < 0.0f) + (cage.scale[1] < 0.0f) + (cage.scale[2] < 0.0f)) % 2 == 1;
+}
+
+void clean_faces(const gi_refine_cage &cage, Cage &out)
+{
+	std::vector<uint32_t> corners;
+	const uint32_t *next = cage.indices;
+	const bool mirror = mirrors(cage);
+	for (uint32_t face = 0; face < cage.face_count; face++) {
+		const uint32_t count = cage.face_counts ? cage.face_counts[face] : 4;
+		clean_face(next, count, corners);
+		next += count;
+		if (corners.size() < 3)
+			continue;
+		check_face(face, corners, cage.scheme);
+		if (mirror)
+			std::reverse(corners.begin() + 1, corners.end());
+		out.counts.push_back(int(corners.size()));
+		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
+		out.materials.push_back(cage.face_materials ? cage.face_materials[face] : 0);
+	}
+	if (out.counts.empty())
+		reject("no face of the cage has three different corners");
+}
+
+/* Keeps the vertices that faces use, in their order. Returns the new number of each old vertex, or -1. */
+std::vector<int> clean_points(const gi_refine_cage &cage, Cage &out)
+{
+	std::vector<int> valence(cage.vertex_count, 0);
+	for (int index : out.indices)
+		if (++valence[index] > int(max_valence) / 2)
+			reject("vertex %d has more than %u faces", index, max_valence / 2);
+	std::vector<int> renumbered(cage.vertex_count, -1);
+	for (uint32_t vertex = 0; vertex < cage.vertex_count; vertex++) {
+		if (valence[vertex] == 0)
+			continue;
+		renumbered[vertex] = int(out.points.size());
+		Point point;
+		for (int axis = 0; axis < 3; axis++)
+			point.value[axis] = double(cage.positions[3 * size_t(vertex) + axis]) * cage.scale[axis];
+		out.points.push_back(point);
+	}
+	for (int &index : out.indices)
+		index = renumbered[index];
+	return renumbered;
+}
+
+using Edge = std::pair<int, int>;
+
+std::vector<Edge> cage_edges(const Cage &cage)
+{
+	std::vector<Edge> edges;
+	edges.reserve(cage.indices.size());
+	size_t first = 0;
+	for (int count : cage.counts) {
+		for (int i = 0; i < count; i++)
+			edges.push_back(std::minmax({cage.indices[first + i], cage.indices[first + (i + 1) % count]}));
+		first += count;
+	}
+	std::sort(edges.begin(), edges.end());
+	return edges;
+}
+
+void clean_creases(const gi_refine_cage &cage, const std::vector<int> &renumbered, Cage &out)
+{
+	if (cage.crease_count == 0)
+		return;
+	const std::vector<Edge> edges = cage_edges(out);
+	for (uint32_t i = 0; i < cage.crease_count; i++) {
+		const uint32_t *ends = cage.crease_vertices + 2 * size_t(i);
+		const Edge edge = std::minmax({renumbered[ends[0]], renumbered[ends[1]]});
+		if (!std::binary_search(edges.begin(), edges.end(), edge))
+			reject("crease %u joins vertices %u and %u, which no face joins", i, ends[0], ends[1]);
+		out.crease_vertices.insert(out.crease_vertices.end(), {edge.first, edge.second});
+		out.crease_sharpness.push_back(cage.crease_sharpness[i]);
+	}
+}
+
+Cage clean_cage(const gi_refine_cage &cage)
+{
+	Cage out;
+	clean_faces(cage, out);
+	const std::vector<int> renumbered = clean_points(cage, out);
+	clean_creases(cage, renumbered, out);
+	return out;
+}
+
+/* ---- OpenSubdiv ---- */
+
+/* The limit masks of Catmull-Clark hold round quads; faces of more than four corners have no place in a level. Both are gone
+ * after one refinement. */
+uint32_t least_levels(const Cage &cage, gi_refine_scheme scheme)
+{
+	for (int count : cage.counts)
+		if (count > 4 || (scheme == GI_REFINE_CATMULL_CLARK && count != 4))
+			return 1;
+	return 0;
+}
+
+void check_size(const Cage &cage, gi_refine_scheme scheme, uint32_t levels)
+{
+	uint64_t faces = cage.counts.size();
+	if (levels > 0)
+		faces = (scheme == GI_REFINE_LOOP ? 4 * faces : cage.indices.size()) << 2 * (levels - 1);
+	if (faces > max_faces)
+		reject("too many faces: %llu after %u levels; at most %llu are possible", (unsigned long long)faces, levels,
+		       (unsigned long long)max_faces);
+}
+
+Sdc::SchemeType scheme_type(gi_refine_scheme scheme)
+{
+	switch (scheme) {
+	case GI_REFINE_BILINEAR:
+		return Sdc::SCHEME_BILINEAR;
+	case GI_REFINE_CATMULL_CLARK:
+		return Sdc::SCHEME_CATMARK;
+	case GI_REFINE_LOOP:
+		return Sdc::SCHEME_LOOP;
+	}
+	reject("unknown subdivision scheme %d", int(scheme));
+}
+
+Refiner_ptr make_refiner(const Cage &cage, const gi_refine_cage &source, uint32_t levels)
+{
+	Far::TopologyDescriptor topology;
+	topology.numVertices = int(cage.points.size());
+	topology.numFaces = int(cage.counts.size());
+	topology.numVertsPerFace = cage.counts.data();
+	topology.vertIndicesPerFace = cage.indices.data();
+	topology.numCreases = int(cage.crease_sharpness.size());
+	topology.creaseVertexIndexPairs = cage.crease_vertices.data();
+	topology.creaseWeights = cage.crease_sharpness.data();
+
+	Sdc::Options options;
+	options.SetVtxBoundaryInterpolation(source.boundary == GI_REFINE_BOUNDARY_EDGE_ONLY
+						? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+						: Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+	using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+	Refiner_ptr refiner(Factory::Create(topology, Factory::Options(scheme_type(source.scheme), options)));
+	if (!refiner)
+		reject("OpenSubdiv refuses the cage: the faces round some edge or vertex do not form a surface");
+
+	Far::TopologyRefiner::UniformOptions uniform{int(levels)};
+	uniform.fullTopologyInLastLevel = true; /* limit masks look at the neighbours */
+	refiner->RefineUniform(uniform);
+	return refiner;
+}
+
+Points interpolate(const Far::TopologyRefiner &refiner, Points points)
+{
+	const Far::PrimvarRefinerReal<double> primvar(refiner);
+	for (int level = 1; level <= refiner.GetMaxLevel(); level++) {
+		Points finer(size_t(refiner.GetLevel(level).GetNumVertices()));
+		primvar.Interpolate(level, points, finer);
+		points.swap(finer);
+	}
+	return points;
+}
+
+/* ---- what the caller gets ---- */
+
+template <class T> T *allocate(size_t count)
+{
+	void *memory = std::calloc(std::max<size_t>(count, 1), sizeof(T));
+	if (!memory)
+		throw std::bad_alloc();
+	return static_cast<T *>(memory);
+}
+
+void export_faces(const Far::TopologyLevel &level, const std::vector<uint32_t> &finest_vertex, gi_refine_level &out)
+{
+	for (int face = 0; face < level.GetNumFaces(); face++) {
+		const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
+		for (int i = 0; i < 4; i++)
+			out.corners[face][i] =
+			    vertices.size() > 4 ? UINT32_MAX : finest_vertex[vertices[std::min(i, vertices.size() - 1)]];
+	}
+}
+
+void export_parents(const Far::TopologyLevel &level, const gi_refine_level &above, gi_refine_level &out)
+{
+	out.parent = allocate<uint32_t>(out.face_count);
+	for (uint32_t face = 0; face < out.face_count; face++) {
+		out.parent[face] = uint32_t(level.GetFaceParentFace(int(face)));
+		out.material[face] = above.material[out.parent[face]];
+	}
+}
+
+void export_levels(const Far::TopologyRefiner &refiner, const Cage &cage, gi_refined &out)
+{
+	const int finest = refiner.GetMaxLevel();
+	out.levels = allocate<gi_refine_level>(size_t(finest) + 1);
+	out.level_count = uint32_t(finest) + 1;
+	for (int level = 0; level <= finest; level++) {
+		gi_refine_level &to = out.levels[level];
+		to.face_count = uint32_t(refiner.GetLevel(level).GetNumFaces());
+		to.corners = allocate<uint32_t[4]>(to.face_count);
+		to.material = allocate<uint32_t>(to.face_count);
+		if (level == 0)
+			std::copy(cage.materials.begin(), cage.materials.end(), to.material);
+		else
+			export_parents(refiner.GetLevel(level), out.levels[level - 1], to);
+	}
+	/* A vertex of a level is followed down to its descendant in the finest. */
+	std::vector<uint32_t> descendant(size_t(refiner.GetLevel(finest).GetNumVertices()));
+	for (size_t i = 0; i < descendant.size(); i++)
+		descendant[i] = uint32_t(i);
+	for (int level = finest; level >= 0; level--) {
+		const Far::TopologyLevel &from = refiner.GetLevel(level);
+		if (level < finest) {
+			std::vector<uint32_t> coarser(size_t(from.GetNumVertices()));
+			for (size_t i = 0; i < coarser.size(); i++)
+				coarser[i] = descendant[from.GetVertexChildVertex(int(i))];
+			descendant.swap(coarser);
+		}
+		export_faces(from, descendant, out.levels[level]);
+	}
+}
+
+/* Has the limit surface one normal at the vertex? Not on an edge that is still sharp between two faces. */
+bool is_smooth(const Far::TopologyLevel &level, int vertex)
+{
+	if (level.IsVertexNonManifold(vertex))
+		return false;
+	for (int edge : level.GetVertexEdges(vertex))
+		if (!level.IsEdgeBoundary(edge) && level.GetEdgeSharpness(edge) > 0.0f)
+			return false;
+	return true;
+}
+
+/* The unit normal of two tangents, or zero where they span no plane: the sine of their angle is the test, so scale plays no
+ * part; 1e-6 is what interpolation in double of coordinates given as float can still tell from parallel. */
+glm::dvec3 tangent_normal(const glm::dvec3 &tangent1, const glm::dvec3 &tangent2)
+{
+	const glm::dvec3 normal = glm::cross(tangent1, tangent2);
+	const double length = glm::length(normal);
+	const bool plane = length > 1e-6 * glm::length(tangent1) * glm::length(tangent2);
+	return plane && length > 0.0 ? normal / length : glm::dvec3(0.0);
+}
+
+void export_points(const Points &points, float (*out)[3])
+{
+	for (size_t i = 0; i < points.size(); i++)
+		for (int axis = 0; axis < 3; axis++)
+			out[i][axis] = float(points[i].value[axis]);
+}
+
+void export_limit(const Far::TopologyRefiner &refiner, const Points &points, gi_refined &out)
+{
+	Points limit(points.size()), tangents1(points.size()), tangents2(points.size());
+	Far::PrimvarRefinerReal<double>(refiner).Limit(points, limit, tangents1, tangents2);
+	export_points(limit, out.positions);
+	const Far::TopologyLevel &level = refiner.GetLevel(refiner.GetMaxLevel());
+	for (size_t i = 0; i < points.size(); i++) {
+		if (!is_smooth(level, int(i)))
+			continue;
+		const glm::dvec3 normal = tangent_normal(tangents1[i].value, tangents2[i].value);
+		for (int axis = 0; axis < 3; axis++)
+			out.normals[i][axis] = float(normal[axis]);
+	}
+}
+
+void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, gi_refined &out)
+{
+	out.vertex_count = uint32_t(points.size());
+	out.positions = allocate<float[3]>(points.size());
+	out.normals = allocate<float[3]>(points.size());
+	if (refiner.GetSchemeType() == Sdc::SCHEME_BILINEAR)
+		export_points(points, out.positions);
+	else
+		export_limit(refiner, points, out);
+}
+
+bool is_closed(const Far::TopologyLevel &base)
+{
+	for (int edge = 0; edge < base.GetNumEdges(); edge++)
+		if (base.GetEdgeFaces(edge).size() != 2 || base.IsEdgeNonManifold(edge))
+			return false;
+	return true;
+}
+
+void refine(const gi_refine_cage &source, uint32_t levels, gi_refined &out)
+{
+	check_arrays(source, levels);
+	check_counts(source);
+	check_indices(source);
+	check_positions(source);
+	const Cage cage = clean_cage(source);
+	levels = std::max(levels, least_levels(cage, source.scheme));
+	check_size(cage, source.scheme, levels);
+
+	const Refiner_ptr refiner = make_refiner(cage, source, levels);
+	export_levels(*refiner, cage, out);
+	export_vertices(*refiner, interpolate(*refiner, cage.points), out);
+	out.closed = is_closed(refiner->GetLevel(0));
+}
+
+bool fail(gi_refined *out, char *message, size_t message_size, const char *text)
+{
+	gi_refined_free(out);
+	if (message && message_size > 0)
+		std::snprintf(message, message_size, "%s", text);
+	return false;
+}
+
+} // namespace
+
+bool gi_refine(const gi_refine_cage *cage, uint32_t levels, gi_refined *out, char *message, size_t message_size)
+{
+	*out = gi_refined{};
+	try {
+		refine(*cage, levels, *out);
+		return true;
+	} catch (const std::bad_alloc &) {
+		return fail(out, message, message_size, "out of memory while refining the cage");
+	} catch (const std::exception &error) {
+		return fail(out, message, message_size, error.what());
+	} catch (...) {
+		return fail(out, message, message_size, "refining the cage failed");
+	}
+}
+
+void gi_refined_free(gi_refined *refined)
+{
+	if (!refined)
+		return;
+	for (uint32_t i = 0; i < refined->level_count; i++) {
+		std::free(refined->levels[i].corners);
+		std::free(refined->levels[i].parent);
+		std::free(refined->levels[i].material);
+	}
+	std::free(refined->levels);
+	std::free(refined->positions);
+	std::free(refined->normals);
+	*refined = gi_refined{};
+}

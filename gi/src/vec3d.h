@@ -1,0 +1,59 @@
+/* Three doubles: sums over thousands of leaves and measures that decide flags are taken in double, where cglm has float. */
+#ifndef GI_VEC3D_H
+#define GI_VEC3D_H
+
+#include "gi_shared.h"
+
+#include <math.h>
+
+typedef struct gi_vec3d {
+	double x, y, z;
+} gi_vec3d;
+
+static inline gi_vec3d gi_vec3d_load(const float v[3])
+{
+	return (gi_vec3d){v[0], v[1], v[2]};
+}
+
+static inline gi_vec3d gi_vec3d_from(gi_vec4 v)
+{
+	return (gi_vec3d){v.x, v.y, v.z};
+}
+
+static inline gi_vec3d gi_vec3d_add(gi_vec3d a, gi_vec3d b)
+{
+	return (gi_vec3d){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline gi_vec3d gi_vec3d_sub(gi_vec3d a, gi_vec3d b)
+{
+	return (gi_vec3d){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline gi_vec3d gi_vec3d_scale(gi_vec3d a, double s)
+{
+	return (gi_vec3d){a.x * s, a.y * s, a.z * s};
+}
+
+static inline double gi_vec3d_dot(gi_vec3d a, gi_vec3d b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline gi_vec3d gi_vec3d_cross(gi_vec3d a, gi_vec3d b)
+{
+	return (gi_vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline double gi_vec3d_length(gi_vec3d a)
+{
+	return sqrt(gi_vec3d_dot(a, a));
+}
+
+/* Area times normal of the triangle a b c. */
+static inline gi_vec3d gi_vec3d_triangle(gi_vec3d a, gi_vec3d b, gi_vec3d c)
+{
+	return gi_vec3d_scale(gi_vec3d_cross(gi_vec3d_sub(b, a), gi_vec3d_sub(c, a)), 0.5);
+}
+
+#endif
