@@ -3,6 +3,7 @@
 // It is given back in proportion to the variance of each entry (the least correction in that norm), and the row never
 // exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not black.
 #include "buffers.glsl"
+#define POOL link_pool
 #include "pool.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -89,9 +90,9 @@ void main()
 	uint old_count = row.y & GI_BLOCK_COUNT_MASK, size_class = row.y >> 24u;
 	if (needed > 0u && (size_class == GI_BLOCK_NO_CLASS || needed > GI_BLOCK_SMALLEST << size_class)) {
 		if (size_class != GI_BLOCK_NO_CLASS)
-			link_give(row.x, size_class);
+			pool_give(row.x, size_class);
 		size_class = class_of(needed);
-		row.x = link_take(size_class);
+		row.x = pool_take(size_class);
 		if (row.x == GI_NONE) {
 			size_class = GI_BLOCK_NO_CLASS;
 			needed = 0u;

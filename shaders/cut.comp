@@ -2,6 +2,7 @@
 // The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse where they
 // subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z source object, w first leaf.
 #include "buffers.glsl"
+#define POOL entry_pool
 #include "pool.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -98,12 +99,12 @@ uint count_cut(gi_node_geometry p, uvec4 nodes, bool same)
 uvec2 grow(uvec2 block, uint count)
 {
 	uint c = block.y >> 24u;
-	uint offset = entry_take(c + 1u);
+	uint offset = pool_take(c + 1u);
 	if (offset == GI_NONE)
 		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
 	for (uint k = 0u; k < count; k++)
 		entries[offset + k] = entries[block.x + k];
-	entry_give(block.x, c);
+	pool_give(block.x, c);
 	return uvec2(offset, (c + 1u) << 24u);
 }
 
@@ -127,7 +128,7 @@ void main()
 		if (first_count == 0u)
 			return;
 		uint c = class_of(first_count);
-		uint offset = entry_take(c);
+		uint offset = pool_take(c);
 		if (offset == GI_NONE)
 			return;
 		block = uvec2(offset, c << 24u);

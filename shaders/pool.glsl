@@ -1,49 +1,13 @@
 // Blocks of power-of-two sizes from a pool of elements, for growing arrays. Within one dispatch blocks are only taken, and those
 // given back wait in a pending list for recycle.comp: no block is ever given and taken at once.
-//
-// POOL is the array that holds the allocator's words (GI_POOL_*), NAME the suffix of the functions defined here.
 
-#define GI_DEFINE_POOL(NAME, POOL)                                                                                     \
-	uint NAME##_take(uint size_class)                                                                              \
-	{                                                                                                              \
-		int left = int(atomicAdd(POOL[GI_POOL_FREE + size_class], 0xFFFFFFFFu));                               \
-		if (left > 0)                                                                                          \
-			return POOL[POOL[GI_POOL_LIST] + NAME##_list(size_class) + uint(left - 1)];                    \
-		atomicAdd(POOL[GI_POOL_FREE + size_class], 1u);                                                        \
-		uint size = GI_BLOCK_SMALLEST << size_class;                                                           \
-		uint offset = atomicAdd(POOL[GI_POOL_BUMP], size);                                                     \
-		if (offset + size <= POOL[GI_POOL_LIMIT])                                                              \
-			return offset;                                                                                 \
-		atomicAdd(POOL[GI_POOL_BUMP], 0u - size);                                                              \
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);                                                                \
-		return GI_NONE;                                                                                        \
-	}                                                                                                              \
-	void NAME##_give(uint offset, uint size_class)                                                                 \
-	{                                                                                                              \
-		uint k = atomicAdd(POOL[GI_POOL_PENDING], 1u);                                                         \
-		if (k < GI_POOL_PENDING_MAX) {                                                                         \
-			POOL[GI_POOL_PENDING_LIST + 2u * k] = offset;                                                  \
-			POOL[GI_POOL_PENDING_LIST + 2u * k + 1u] = size_class;                                         \
-		}                                                                                                      \
-	}
-
-// Where the free list of a class begins: class c has at most limit / (4 << c) blocks.
+// Where the free list of a class begins in a pool of `limit` elements: class c has at most limit / (4 << c) blocks.
 uint pool_list_begin(uint limit, uint size_class)
 {
 	uint begin = 0u;
 	for (uint c = 0u; c < size_class; c++)
 		begin += limit / (GI_BLOCK_SMALLEST << c);
 	return begin;
-}
-
-uint entry_list(uint size_class)
-{
-	return pool_list_begin(entry_pool[GI_POOL_LIMIT], size_class);
-}
-
-uint link_list(uint size_class)
-{
-	return pool_list_begin(link_pool[GI_POOL_LIMIT], size_class);
 }
 
 // Smallest class that holds n elements.
@@ -54,3 +18,30 @@ uint class_of(uint n)
 		c++;
 	return c;
 }
+
+// Shaders that take blocks define POOL, the array of the allocator's words (GI_POOL_*), before including this file.
+#ifdef POOL
+uint pool_take(uint size_class)
+{
+	int left = int(atomicAdd(POOL[GI_POOL_FREE + size_class], 0xFFFFFFFFu));
+	if (left > 0)
+		return POOL[POOL[GI_POOL_LIST] + pool_list_begin(POOL[GI_POOL_LIMIT], size_class) + uint(left - 1)];
+	atomicAdd(POOL[GI_POOL_FREE + size_class], 1u);
+	uint size = GI_BLOCK_SMALLEST << size_class;
+	uint offset = atomicAdd(POOL[GI_POOL_BUMP], size);
+	if (offset + size <= POOL[GI_POOL_LIMIT])
+		return offset;
+	atomicAdd(POOL[GI_POOL_BUMP], 0u - size);
+	atomicOr(state[GI_STATE_OVERFLOW], 1u);
+	return GI_NONE;
+}
+
+void pool_give(uint offset, uint size_class)
+{
+	uint k = atomicAdd(POOL[GI_POOL_PENDING], 1u);
+	if (k < GI_POOL_PENDING_MAX) {
+		POOL[GI_POOL_PENDING_LIST + 2u * k] = offset;
+		POOL[GI_POOL_PENDING_LIST + 2u * k + 1u] = size_class;
+	}
+}
+#endif
