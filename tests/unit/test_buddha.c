@@ -1,0 +1,254 @@
+/* The Buddha cage must be what Catmull-Clark refinement and the radiosity hierarchy rely on: a closed, consistently
+ * oriented quad surface without holes or handles, of known size, the same at every call. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh.h"
+#include "scenes/buddha.h"
+
+static int setup(void **state)
+{
+	engine_mesh *mesh = calloc(1, sizeof *mesh);
+
+	if (!mesh || !buddha_cage(mesh)) {
+		free(mesh);
+		return -1;
+	}
+	*state = mesh;
+	return 0;
+}
+
+static int teardown(void **state)
+{
+	engine_mesh_free(*state);
+	free(*state);
+	return 0;
+}
+
+static const float *position(const engine_mesh *mesh, uint32_t face, uint32_t corner)
+{
+	return &mesh->positions[3 * mesh->indices[4 * face + corner % 4]];
+}
+
+/* How often the directed edge a -> b occurs in the mesh's quads, looked up in a vertex_count^2 table. */
+static uint8_t *count_directed_edges(const engine_mesh *mesh)
+{
+	uint8_t *count = calloc((size_t)mesh->vertex_count * mesh->vertex_count, 1);
+	uint32_t f, k;
+
+	assert_non_null(count);
+	for (f = 0; f < mesh->face_count; f++) {
+		for (k = 0; k < 4; k++) {
+			uint32_t a = mesh->indices[4 * f + k], b = mesh->indices[4 * f + (k + 1) % 4];
+
+			count[(size_t)a * mesh->vertex_count + b]++;
+		}
+	}
+	return count;
+}
+
+static void all_faces_are_quads_in_the_agreed_number(void **state)
+{
+	const engine_mesh *mesh = *state;
+	uint32_t i;
+
+	assert_in_range(mesh->face_count, 700, 1000);
+	assert_int_equal(mesh->index_count, 4 * mesh->face_count);
+	for (i = 0; i < mesh->face_count; i++)
+		assert_int_equal(mesh->face_counts[i], 4);
+	for (i = 0; i < mesh->index_count; i++)
+		assert_true(mesh->indices[i] < mesh->vertex_count);
+	assert_int_equal(mesh->crease_count, 0);
+}
+
+static void surface_is_a_closed_manifold_and_a_topological_sphere(void **state)
+{
+	const engine_mesh *mesh = *state;
+	uint8_t *count = count_directed_edges(mesh);
+	uint32_t n = mesh->vertex_count, a, b, edges = 0;
+
+	for (a = 0; a < n; a++) {
+		assert_int_equal(count[(size_t)a * n + a], 0);
+		for (b = a + 1; b < n; b++) {
+			assert_true(count[(size_t)a * n + b] <= 1);
+			assert_int_equal(count[(size_t)a * n + b], count[(size_t)b * n + a]);
+			edges += count[(size_t)a * n + b];
+		}
+	}
+	free(count);
+	assert_int_equal((int)n - (int)edges + (int)mesh->face_count, 2);
+}
+
+/* With one component and Euler characteristic 2 the surface is a single sphere, and no vertex is a pinch point. */
+static void surface_is_one_piece_and_uses_every_vertex(void **state)
+{
+	const engine_mesh *mesh = *state;
+	uint32_t *label = malloc(mesh->vertex_count * sizeof *label);
+	uint32_t v, f, k;
+	int changed = 1;
+
+	assert_non_null(label);
+	for (v = 0; v < mesh->vertex_count; v++)
+		label[v] = v;
+	while (changed) {
+		changed = 0;
+		for (f = 0; f < mesh->face_count; f++) {
+			for (k = 0; k < 8; k++) {
+				uint32_t a = mesh->indices[4 * f + k % 4], b = mesh->indices[4 * f + (k + 1) % 4];
+
+				if (label[b] > label[a]) {
+					label[b] = label[a];
+					changed = 1;
+				}
+			}
+		}
+	}
+	for (v = 0; v < mesh->vertex_count; v++)
+		assert_int_equal(label[v], 0);
+	free(label);
+}
+
+static void faces_look_outward_and_have_area(void **state)
+{
+	const engine_mesh *mesh = *state;
+	double volume = 0.0;
+	uint32_t f, k;
+
+	for (f = 0; f < mesh->face_count; f++) {
+		const float *a = position(mesh, f, 0), *c = position(mesh, f, 2);
+		double area[3] = {0.0, 0.0, 0.0};
+
+		for (k = 1; k < 3; k++) {
+			const float *p = position(mesh, f, k), *q = position(mesh, f, k + 1);
+			double u[3] = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
+			double w[3] = {q[0] - a[0], q[1] - a[1], q[2] - a[2]};
+			double n[3] = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+			int i;
+
+			for (i = 0; i < 3; i++)
+				area[i] += 0.5 * n[i];
+			volume += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0;
+		}
+		assert_true(sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]) > 1e-6);
+		assert_true(memcmp(a, c, 3 * sizeof *a) != 0);
+	}
+	/* The bounding box holds about 0.5; a figure that fills less than a fifth of it has been turned inside out. */
+	assert_true(volume > 0.1 && volume < 0.4);
+}
+
+static void left_mirrors_right(void **state)
+{
+	const engine_mesh *mesh = *state;
+	uint32_t a, b, on_plane = 0;
+
+	for (a = 0; a < mesh->vertex_count; a++) {
+		const float *p = &mesh->positions[3 * a];
+		int found = 0;
+
+		for (b = 0; b < mesh->vertex_count && !found; b++) {
+			const float *q = &mesh->positions[3 * b];
+
+			found = q[0] == -p[0] && q[1] == p[1] && q[2] == p[2];
+		}
+		assert_true(found);
+		on_plane += p[0] == 0.0f;
+	}
+	assert_true(on_plane > 20); /* an edge loop runs along the plane of symmetry */
+}
+
+/* The limit of vertex v among quads: (n^2 v + 4 edge neighbours + face opposites) / (n (n + 5)). */
+static double limit_height(const engine_mesh *mesh, uint32_t v)
+{
+	double sum = 0.0;
+	uint32_t f, k, n = 0;
+
+	for (f = 0; f < mesh->face_count; f++) {
+		for (k = 0; k < 4; k++) {
+			if (mesh->indices[4 * f + k] != v)
+				continue;
+			sum += 2.0 * (position(mesh, f, k + 1)[1] + position(mesh, f, k + 3)[1]);
+			sum += position(mesh, f, k + 2)[1];
+			n++;
+		}
+	}
+	return (sum + (double)n * n * mesh->positions[3 * v + 1]) / (n * (n + 5.0));
+}
+
+static void stands_on_the_floor_and_is_one_high(void **state)
+{
+	const engine_mesh *mesh = *state;
+	double low = 1e9, high = -1e9;
+	float widest = 0.0f, deepest = 0.0f;
+	uint32_t v;
+
+	for (v = 0; v < mesh->vertex_count; v++) {
+		const float *p = &mesh->positions[3 * v];
+		double y = limit_height(mesh, v);
+
+		low = fmin(low, y);
+		high = fmax(high, y);
+		widest = fmaxf(widest, p[0]);
+		deepest = fmaxf(deepest, fabsf(p[2]));
+		assert_true(p[1] >= 0.0f); /* so that no refinement can dip below the floor */
+	}
+	assert_true(fabs(low) < 1e-6);
+	assert_true(fabs(high - 1.0) < 1e-4);
+	assert_true(widest > 0.3f && widest < 0.55f);
+	assert_true(deepest > 0.25f && deepest < 0.55f);
+}
+
+/* The face looks to +z: near the height of the nose the surface reaches further forward than at the temples. */
+static void faces_forward(void **state)
+{
+	const engine_mesh *mesh = *state;
+	float front = -1.0f, back = 1.0f;
+	uint32_t v;
+
+	for (v = 0; v < mesh->vertex_count; v++) {
+		const float *p = &mesh->positions[3 * v];
+
+		if (p[1] > 0.3f && p[1] < 0.5f) {
+			front = fmaxf(front, p[2]);
+			back = fminf(back, p[2]);
+		}
+	}
+	assert_true(front > -back); /* the lap and the hands */
+}
+
+static void two_calls_give_the_same_bits(void **state)
+{
+	const engine_mesh *mesh = *state;
+	engine_mesh again;
+
+	assert_true(buddha_cage(&again));
+	assert_int_equal(again.vertex_count, mesh->vertex_count);
+	assert_int_equal(again.face_count, mesh->face_count);
+	assert_int_equal(again.index_count, mesh->index_count);
+	assert_memory_equal(again.positions, mesh->positions, 3 * mesh->vertex_count * sizeof *mesh->positions);
+	assert_memory_equal(again.indices, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+	assert_memory_equal(again.face_counts, mesh->face_counts, mesh->face_count * sizeof *mesh->face_counts);
+	engine_mesh_free(&again);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(all_faces_are_quads_in_the_agreed_number),
+		cmocka_unit_test(surface_is_a_closed_manifold_and_a_topological_sphere),
+		cmocka_unit_test(surface_is_one_piece_and_uses_every_vertex),
+		cmocka_unit_test(faces_look_outward_and_have_area),
+		cmocka_unit_test(left_mirrors_right),
+		cmocka_unit_test(stands_on_the_floor_and_is_one_high),
+		cmocka_unit_test(faces_forward),
+		cmocka_unit_test(two_calls_give_the_same_bits),
+	};
+
+	return cmocka_run_group_tests(tests, setup, teardown);
+}
