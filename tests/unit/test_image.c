@@ -1,0 +1,96 @@
+/* PNG there and back, and frame names that cannot be turned into format string attacks. */
+#define _POSIX_C_SOURCE 200809L /* mkdtemp */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "engine/image.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void pixels_come_back(void **state)
+{
+	(void)state;
+	enum { WIDTH = 37, HEIGHT = 23 };
+	uint8_t rgb[WIDTH * HEIGHT * 3], *back = NULL;
+	char folder[] = "/tmp/relume-image-XXXXXX", path[64], message[256] = "";
+	int width = 0, height = 0;
+	for (size_t i = 0; i < sizeof rgb; i++)
+		rgb[i] = (uint8_t)(i * 7 + i / 111);
+	assert_non_null(mkdtemp(folder));
+	snprintf(path, sizeof path, "%s/a.png", folder);
+	assert_true(engine_image_write_png(path, WIDTH, HEIGHT, rgb, message, sizeof message));
+	assert_true(engine_image_read_png(path, &width, &height, &back, message, sizeof message));
+	assert_int_equal(width, WIDTH);
+	assert_int_equal(height, HEIGHT);
+	assert_memory_equal(rgb, back, sizeof rgb);
+	free(back);
+	unlink(path);
+	rmdir(folder);
+}
+
+static void failures_are_one_line(void **state)
+{
+	(void)state;
+	uint8_t rgb[3] = {1, 2, 3}, *back = NULL;
+	char message[256] = "";
+	int width, height;
+	assert_false(engine_image_write_png("/nowhere/at/all.png", 1, 1, rgb, message, sizeof message));
+	assert_string_equal(message, "cannot write /nowhere/at/all.png: No such file or directory");
+	assert_false(engine_image_read_png("/nowhere/at/all.png", &width, &height, &back, message, sizeof message));
+	assert_non_null(strstr(message, "cannot read /nowhere/at/all.png"));
+	assert_null(back);
+	if (access("/dev/full", W_OK) == 0)
+		assert_false(engine_image_write_png("/dev/full", 1, 1, rgb, message, sizeof message));
+}
+
+static void check_name(const char *pattern, int frame, const char *expected)
+{
+	char name[64], message[256];
+	assert_true(engine_frame_pattern_check(pattern, message, sizeof message));
+	assert_true(engine_frame_pattern_name(pattern, frame, name, sizeof name));
+	assert_string_equal(name, expected);
+}
+
+static void frames_are_numbered(void **state)
+{
+	(void)state;
+	check_name("frame_%04d.png", 7, "frame_0007.png");
+	check_name("frame_%04d.png", 123456, "frame_123456.png");
+	check_name("%d", 0, "0");
+	check_name("a%3d.ply", 5, "a  5.ply");
+	check_name("a%0d.ply", 5, "a5.ply");
+}
+
+static void other_patterns_are_refused(void **state)
+{
+	(void)state;
+	static const char *const bad[] = {"frame.png", "%s.png",  "%n",       "%d%d.png", "%04d%%.png", "%",
+					  "%0",        "%*d.png", "%-4d.png", "%04x.png", "%ld.png",    "%123d.png"};
+	char name[64], message[256];
+	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+		message[0] = '\0';
+		assert_false(engine_frame_pattern_check(bad[i], message, sizeof message));
+		assert_non_null(strstr(message, "%04d"));
+		assert_false(engine_frame_pattern_name(bad[i], 1, name, sizeof name));
+		assert_string_equal(name, "");
+	}
+	assert_false(engine_frame_pattern_name("frame_%04d.png", 1, name, 8));
+	assert_string_equal(name, "");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(pixels_come_back),
+	    cmocka_unit_test(failures_are_one_line),
+	    cmocka_unit_test(frames_are_numbered),
+	    cmocka_unit_test(other_patterns_are_refused),
+	};
+	return cmocka_run_group_tests_name("image", tests, NULL, NULL);
+}
