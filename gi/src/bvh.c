@@ -1,0 +1,331 @@
+/* Bounding volume hierarchies over boxes: of an object's primitives, and of the scene's objects.
+ *
+ * Binned surface-area heuristic after Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007). Nodes
+ * come out depth-first with skip links, in one pass: a node's skip is known when its subtree is written.
+ */
+#include "bvh.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BINS 16
+/* Below this depth splits are at the median, so that no input makes the recursion deep: 40 + log2(count) at most. */
+#define MAX_SAH_DEPTH 40
+/* Boxes grow by this many ulps of the largest coordinate of them all. The slab test rounds thrice a plane, relative to the
+ * distance from the ray's origin: 8 ulps cover origins as far away as twice the size of what the boxes hold. */
+#define PAD_ULPS 8.0f
+
+typedef struct box {
+	float lower[3], upper[3];
+} box;
+
+typedef struct builder {
+	const box *boxes;
+	uint32_t *order;
+	gi_bvh_node *nodes;
+	uint32_t node_count;
+	uint32_t leaf_count;
+	float pad;
+} builder;
+
+typedef struct bin {
+	box bounds;
+	uint32_t count;
+} bin;
+
+/* Where to cut: boxes whose centre falls into the bins below `bin` of the axis go left. */
+typedef struct split {
+	int axis; /* -1: no cut parts the boxes */
+	int bin;
+	float cost;
+} split;
+
+static float as_float(uint32_t bits)
+{
+	float value;
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+static box empty_box(void)
+{
+	return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+static void grow(box *to, const box *by)
+{
+	for (int axis = 0; axis < 3; axis++) {
+		to->lower[axis] = fminf(to->lower[axis], by->lower[axis]);
+		to->upper[axis] = fmaxf(to->upper[axis], by->upper[axis]);
+	}
+}
+
+static float half_area(const box *b)
+{
+	const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1], z = b->upper[2] - b->lower[2];
+	return x * y + y * z + z * x;
+}
+
+/* Halves before adding: no overflow near the end of the floats. */
+static float centre(const box *b, int axis)
+{
+	return 0.5f * b->lower[axis] + 0.5f * b->upper[axis];
+}
+
+static box bounds_of(const builder *b, uint32_t begin, uint32_t end)
+{
+	box bounds = empty_box();
+	for (uint32_t i = begin; i < end; i++)
+		grow(&bounds, &b->boxes[b->order[i]]);
+	return bounds;
+}
+
+static box bounds_of_centres(const builder *b, uint32_t begin, uint32_t end)
+{
+	box bounds = empty_box();
+	for (uint32_t i = begin; i < end; i++) {
+		const box *item = &b->boxes[b->order[i]];
+		const box point = {{centre(item, 0), centre(item, 1), centre(item, 2)},
+				   {centre(item, 0), centre(item, 1), centre(item, 2)}};
+		grow(&bounds, &point);
+	}
+	return bounds;
+}
+
+static int bin_of(const box *item, const box *centres, int axis)
+{
+	const float extent = centres->upper[axis] - centres->lower[axis];
+	const int index = (int)(BINS * ((centre(item, axis) - centres->lower[axis]) / extent));
+	return index < BINS ? index : BINS - 1;
+}
+
+/* The cheapest cut along one axis: a sweep from the right keeps the costs of the right sides, one from the left adds its own. */
+static split best_on_axis(const bin bins[BINS], int axis)
+{
+	float right_cost[BINS];
+	box side = empty_box();
+	uint32_t count = 0;
+	for (int i = BINS - 1; i > 0; i--) {
+		grow(&side, &bins[i].bounds);
+		count += bins[i].count;
+		right_cost[i] = count > 0 ? half_area(&side) * (float)count : INFINITY;
+	}
+	split best = {-1, 0, INFINITY};
+	side = empty_box();
+	count = 0;
+	for (int i = 1; i < BINS; i++) {
+		grow(&side, &bins[i - 1].bounds);
+		count += bins[i - 1].count;
+		const float cost = count > 0 ? half_area(&side) * (float)count + right_cost[i] : INFINITY;
+		if (cost < best.cost)
+			best = (split){axis, i, cost};
+	}
+	return best;
+}
+
+static split best_split(const builder *b, uint32_t begin, uint32_t end, const box *centres)
+{
+	split best = {-1, 0, INFINITY};
+	for (int axis = 0; axis < 3; axis++) {
+		if (!(centres->upper[axis] > centres->lower[axis]))
+			continue;
+		bin bins[BINS];
+		for (int i = 0; i < BINS; i++)
+			bins[i] = (bin){empty_box(), 0};
+		for (uint32_t i = begin; i < end; i++) {
+			const box *item = &b->boxes[b->order[i]];
+			bin *into = &bins[bin_of(item, centres, axis)];
+			grow(&into->bounds, item);
+			into->count++;
+		}
+		const split found = best_on_axis(bins, axis);
+		if (found.cost < best.cost)
+			best = found;
+	}
+	return best;
+}
+
+/* Left items forward in order, right ones backward: a function of the input alone. */
+static uint32_t partition(builder *b, uint32_t begin, uint32_t end, const split *cut, const box *centres)
+{
+	while (begin < end) {
+		if (bin_of(&b->boxes[b->order[begin]], centres, cut->axis) < cut->bin) {
+			begin++;
+			continue;
+		}
+		const uint32_t swapped = b->order[begin];
+		b->order[begin] = b->order[--end];
+		b->order[end] = swapped;
+	}
+	return begin;
+}
+
+static void store_bounds(builder *b, uint32_t node, const box *bounds)
+{
+	const float *l = bounds->lower, *u = bounds->upper, pad = b->pad;
+	b->nodes[node].lower = (gi_vec4){l[0] - pad, l[1] - pad, l[2] - pad, 0.0f};
+	b->nodes[node].upper = (gi_vec4){u[0] + pad, u[1] + pad, u[2] + pad, as_float(GI_NONE)};
+}
+
+static void swap_halves(builder *b, uint32_t begin, uint32_t middle, uint32_t end)
+{
+	/* Rotation by three reversals. */
+	const uint32_t parts[3][2] = {{begin, middle}, {middle, end}, {begin, end}};
+	for (int part = 0; part < 3; part++)
+		for (uint32_t i = parts[part][0], j = parts[part][1]; i + 1 < j; i++) {
+			const uint32_t swapped = b->order[i];
+			b->order[i] = b->order[--j];
+			b->order[j] = swapped;
+		}
+}
+
+/* Cuts [begin, end) in two, the half of larger area first: a ray more likely meets it, and any-hit rays end there. */
+static uint32_t cut_in_two(builder *b, uint32_t begin, uint32_t end, int depth)
+{
+	const box centres = bounds_of_centres(b, begin, end);
+	const split cut = depth < MAX_SAH_DEPTH ? best_split(b, begin, end, &centres) : (split){-1, 0, 0.0f};
+	uint32_t middle = begin + (end - begin) / 2;
+	if (cut.axis >= 0)
+		middle = partition(b, begin, end, &cut, &centres);
+	const box left = bounds_of(b, begin, middle), right = bounds_of(b, middle, end);
+	if (half_area(&right) > half_area(&left)) {
+		swap_halves(b, begin, middle, end);
+		middle = begin + (end - middle);
+	}
+	return middle;
+}
+
+static void build_node(builder *b, uint32_t begin, uint32_t end, int depth)
+{
+	const uint32_t node = b->node_count++;
+	const box bounds = bounds_of(b, begin, end);
+	store_bounds(b, node, &bounds);
+	if (end - begin == 1) {
+		b->nodes[node].upper.w = as_float(b->leaf_count++);
+	} else {
+		const uint32_t middle = cut_in_two(b, begin, end, depth);
+		build_node(b, begin, middle, depth + 1);
+		build_node(b, middle, end, depth + 1);
+	}
+	b->nodes[node].lower.w = as_float(b->node_count);
+}
+
+static float padding(const box *boxes, uint32_t count)
+{
+	float largest = 0.0f;
+	for (uint32_t i = 0; i < count; i++)
+		for (int axis = 0; axis < 3; axis++)
+			largest = fmaxf(largest, fmaxf(fabsf(boxes[i].lower[axis]), fabsf(boxes[i].upper[axis])));
+	return PAD_ULPS * FLT_EPSILON * largest;
+}
+
+static void build(const box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t *order)
+{
+	builder b = {.boxes = boxes, .order = order, .nodes = nodes, .pad = padding(boxes, count)};
+	for (uint32_t i = 0; i < count; i++)
+		order[i] = i;
+	if (count > 0)
+		build_node(&b, 0, count, 0);
+}
+
+/* One more than asked for: no size is zero. */
+static void *allocate(size_t count, size_t size)
+{
+	return calloc(count + 1, size);
+}
+
+bool gi_bvh_build_boxes(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, gi_bvh_node *nodes, uint32_t *order)
+{
+	box *boxes = allocate(count, sizeof *boxes);
+	if (!boxes)
+		return false;
+	for (uint32_t i = 0; i < count; i++)
+		boxes[i] = (box){{lower[i].x, lower[i].y, lower[i].z}, {upper[i].x, upper[i].y, upper[i].z}};
+	build(boxes, count, nodes, order);
+	free(boxes);
+	return true;
+}
+
+/* ---- an object's primitives ---- */
+
+/* A vertex with a number where its w would be. */
+static gi_vec4 corner(const gi_hierarchy *h, uint32_t vertex, uint32_t bits)
+{
+	gi_vec4 v = h->vertices[vertex];
+	v.w = as_float(bits);
+	return v;
+}
+
+static gi_primitive primitive_of(const gi_hierarchy *h, uint32_t node)
+{
+	const gi_uvec4 corners = h->topology[node].corners, range = h->topology[node].range;
+	return (gi_primitive){corner(h, corners.x, range.y), corner(h, corners.y, range.y + range.z),
+			      corner(h, corners.z, 0), corner(h, corners.w, 0)};
+}
+
+static box box_of(const gi_primitive *p)
+{
+	const gi_vec4 corners[4] = {p->a, p->b, p->c, p->d};
+	box bounds = empty_box();
+	for (int i = 0; i < 4; i++) {
+		const box point = {{corners[i].x, corners[i].y, corners[i].z}, {corners[i].x, corners[i].y, corners[i].z}};
+		grow(&bounds, &point);
+	}
+	return bounds;
+}
+
+/* The largest flat nodes, and the leaves that lie in none. Counts them where `out` is NULL. */
+static uint32_t collect(const gi_hierarchy *h, gi_primitive *out)
+{
+	uint32_t count = 0;
+	for (uint32_t node = 0; node < h->node_count;) {
+		const gi_uvec4 range = h->topology[node].range;
+		if (!(range.w & (GI_NODE_FLAT | GI_NODE_LEAF))) {
+			node++;
+			continue;
+		}
+		if (out)
+			out[count] = primitive_of(h, node);
+		count++;
+		node = range.x;
+	}
+	return count;
+}
+
+bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
+{
+	const uint32_t count = collect(hierarchy, NULL);
+	gi_primitive *found = allocate(count, sizeof *found);
+	box *boxes = allocate(count, sizeof *boxes);
+	uint32_t *order = allocate(count, sizeof *order);
+	*out = (gi_bvh){.nodes = allocate(2 * (size_t)count, sizeof *out->nodes),
+			.primitives = allocate(count, sizeof *out->primitives)};
+	const bool enough = found && boxes && order && out->nodes && out->primitives;
+	if (enough) {
+		collect(hierarchy, found);
+		for (uint32_t i = 0; i < count; i++)
+			boxes[i] = box_of(&found[i]);
+		build(boxes, count, out->nodes, order);
+		for (uint32_t i = 0; i < count; i++)
+			out->primitives[i] = found[order[i]];
+		out->primitive_count = count;
+		out->node_count = count > 0 ? 2 * count - 1 : 0;
+	} else {
+		gi_bvh_free(out);
+	}
+	free(found);
+	free(boxes);
+	free(order);
+	return enough;
+}
+
+void gi_bvh_free(gi_bvh *bvh)
+{
+	if (!bvh)
+		return;
+	free(bvh->nodes);
+	free(bvh->primitives);
+	*bvh = (gi_bvh){0};
+}
