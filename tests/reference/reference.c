@@ -1,7 +1,7 @@
 /* Path tracing as in Veach's thesis (1997, chapters 8 to 10), specialised to diffuse leaves.
  *
- * With cosine sampling, pdf_b = cos/pi, and emitter points picked by power, pdf_l = (pdf per area) r^2/cos', the balance
- * heuristic gives both strategies the same contribution to irradiance,
+ * With cosine sampling, pdf_b = cos/pi, and emitter points picked by power, pdf_l = (pdf per area) r^2/cos', the
+ * balance heuristic gives both strategies the same contribution to irradiance,
  *
  *     H += T E pdf_b / (pdf_b + pdf_l)  <=  T E,      T = product of rho along the path,
  *
@@ -99,7 +99,8 @@ typedef struct tracer {
 	vec3 sky;
 	uint32_t *light_triangles; /* light_count triangle numbers */
 	uint32_t *light_ends;      /* light_count: top of each one's slice of the 32-bit line, inclusive */
-	uint32_t *light_guide;     /* light_count: first light whose slice can reach bucket k (Chen and Asau's cut points) */
+	uint32_t
+	    *light_guide; /* light_count: first light whose slice can reach bucket k (Chen and Asau's cut points) */
 	uint32_t light_count;
 	uint32_t sobol[SOBOL_DIMS][32];
 	reference_result *out;
@@ -234,8 +235,8 @@ static float scene_extent(const reference_scene *scene, double centre[3])
 	return (float)extent;
 }
 
-/* 2^-18 is 64 float steps at the far end of the (centred) scene: above the rounding of a point on a slanted triangle and
- * of the intersection, which is a few steps, and 20 micrometres in a room of 10 m. */
+/* 2^-18 is 64 float steps at the far end of the (centred) scene: above the rounding of a point on a slanted triangle
+ * and of the intersection, which is a few steps, and 20 micrometres in a room of 10 m. */
 float reference_ray_offset(const reference_scene *scene)
 {
 	double centre[3];
@@ -298,8 +299,8 @@ static void keep_front_hits(const struct RTCFilterFunctionNArguments *args)
 		args->valid[0] = 0;
 }
 
-/* A back was hit. Where a sheet has two leaves in the same place, back to back, either can be reported: look for a front
- * within the ray offset of that surface. */
+/* A back was hit. Where a sheet has two leaves in the same place, back to back, either can be reported: look for a
+ * front within the ray offset of that surface. */
 static bool front_of_sheet(const tracer *t, struct RTCRayHit *rh, vec3 origin, vec3 direction)
 {
 	float cosine = fmaxf(dot(t->triangles[rh->hit.primID].n, direction), 1e-3f);
@@ -307,7 +308,8 @@ static bool front_of_sheet(const tracer *t, struct RTCRayHit *rh, vec3 origin, v
 	front_context context = {.triangles = t->triangles};
 	rtcInitIntersectContext(&context.base);
 	context.base.filter = keep_front_hits;
-	struct RTCRayHit again = {.ray = make_ray(origin, direction, fmaxf(distance - window, 0.0f), distance + window)};
+	struct RTCRayHit again = {.ray =
+				      make_ray(origin, direction, fmaxf(distance - window, 0.0f), distance + window)};
 	again.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 	rtcIntersect1(t->scene, &context.base, &again);
 	if (again.hit.geomID == RTC_INVALID_GEOMETRY_ID)
@@ -420,7 +422,8 @@ static uint32_t trace_path(const tracer *t, vertex v, const uint32_t first[5], r
 			break;
 		float before = max3(throughput);
 		throughput = mul(throughput, t->leaves[next.tri->leaf].rho);
-		if (!(max3(throughput) > 0.0f) || (bounce >= FIRST_ROULETTE_BOUNCE && !roulette(r, &throughput, before)))
+		if (!(max3(throughput) > 0.0f) ||
+		    (bounce >= FIRST_ROULETTE_BOUNCE && !roulette(r, &throughput, before)))
 			break;
 		for (int k = 0; k < 5; k++)
 			u[k] = rng_next(r);
@@ -544,7 +547,8 @@ static bool build_triangles(tracer *t, const reference_scene *s)
 	if (!t->triangles || !t->leaves || !t->first_triangle || !t->first_share)
 		return false;
 	for (uint32_t i = 0; i < s->leaf_count; i++) {
-		const float *p = s->corners + 12 * (size_t)i, *rho = s->rho + 3 * (size_t)i, *e = s->exitance + 3 * (size_t)i;
+		const float *p = s->corners + 12 * (size_t)i, *rho = s->rho + 3 * (size_t)i,
+			    *e = s->exitance + 3 * (size_t)i;
 		t->leaves[i] = (leaf){{rho[0], rho[1], rho[2]}, 0, {e[0], e[1], e[2]}, 0};
 		uint32_t before = t->triangle_count;
 		for (int half = 0; half < 2; half++) {

@@ -14,27 +14,28 @@
 
 /* A scene as flat arrays. The caller owns them; they are read during the call only. */
 typedef struct reference_scene {
-	const float *corners;   /* leaf_count * 4 * 3, world space, metres: corners a b c d. The leaf is the two triangles
-				 * a b c and a c d, each one-sided: the front is where (b-a) x (c-a), (c-a) x (d-a) points.
-				 * A triangle has d == c. Backs are black but opaque. */
-	const float *rho;       /* leaf_count * 3, reflectance, [0,1) */
-	const float *exitance;  /* leaf_count * 3, W/m2, >= 0 */
+	const float *corners; /* leaf_count * 4 * 3, world space, metres: corners a b c d. The leaf is the two triangles
+			       * a b c and a c d, each one-sided: the front is where (b-a) x (c-a), (c-a) x (d-a)
+			       * points. A triangle has d == c. Backs are black but opaque. */
+	const float *rho;     /* leaf_count * 3, reflectance, [0,1) */
+	const float *exitance; /* leaf_count * 3, W/m2, >= 0 */
 	uint32_t leaf_count;
-	float sky_exitance[3];  /* W/m2, >= 0: a ray that misses sees radiance sky_exitance/pi; 0 is a black outside */
+	float sky_exitance[3]; /* W/m2, >= 0: a ray that misses sees radiance sky_exitance/pi; 0 is a black outside */
 } reference_scene;
 
 typedef struct reference_options {
-	uint32_t paths_per_leaf; /* >= 1, rounded up to even; best at powers of two, where the stratification is whole */
-	uint64_t seed;           /* another seed gives an independent result */
-	uint32_t thread_count;   /* 0: one per processor. Never changes a bit of the result */
-	uint32_t max_bounces;    /* reflections followed; 0: no limit. A limit leaves the light of longer paths out */
+	uint32_t
+	    paths_per_leaf;    /* >= 1, rounded up to even; best at powers of two, where the stratification is whole */
+	uint64_t seed;         /* another seed gives an independent result */
+	uint32_t thread_count; /* 0: one per processor. Never changes a bit of the result */
+	uint32_t max_bounces;  /* reflections followed; 0: no limit. A limit leaves the light of longer paths out */
 } reference_options;
 
 /* Two independent unbiased estimates ("halves") of the area mean of irradiance over each leaf, W/m2. Their mean is the
  * best estimate, their difference twice its noise; products across halves are free of noise bias (error.h). */
 typedef struct reference_result {
-	double *irradiance[2];   /* leaf_count * 3 each: all light */
-	double *direct[2];       /* leaf_count * 3 each: the part straight from emitters and sky, same paths */
+	double *irradiance[2]; /* leaf_count * 3 each: all light */
+	double *direct[2];     /* leaf_count * 3 each: the part straight from emitters and sky, same paths */
 	uint32_t leaf_count;
 	uint32_t paths_per_half; /* per leaf */
 	uint64_t segments;       /* path segments traced, each one closest-hit ray and at most one shadow ray */
