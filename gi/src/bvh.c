@@ -5,10 +5,11 @@
  */
 #include "bvh.h"
 
+#include "bits.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define BINS 16
 /* Below this depth splits are at the median, so that no input makes the recursion deep: 40 + log2(count) at most. */
@@ -41,13 +42,6 @@ typedef struct split {
 	int bin;
 	float cost;
 } split;
-
-static float as_float(uint32_t bits)
-{
-	float value;
-	memcpy(&value, &bits, sizeof value);
-	return value;
-}
 
 static box empty_box(void)
 {
@@ -166,7 +160,7 @@ static void store_bounds(builder *b, uint32_t node, const box *bounds)
 {
 	const float *l = bounds->lower, *u = bounds->upper, pad = b->pad;
 	b->nodes[node].lower = (gi_vec4){l[0] - pad, l[1] - pad, l[2] - pad, 0.0f};
-	b->nodes[node].upper = (gi_vec4){u[0] + pad, u[1] + pad, u[2] + pad, as_float(GI_NONE)};
+	b->nodes[node].upper = (gi_vec4){u[0] + pad, u[1] + pad, u[2] + pad, gi_float_from_bits(GI_NONE)};
 }
 
 static void swap_halves(builder *b, uint32_t begin, uint32_t middle, uint32_t end)
@@ -203,13 +197,13 @@ static void build_node(builder *b, uint32_t begin, uint32_t end, int depth)
 	const box bounds = bounds_of(b, begin, end);
 	store_bounds(b, node, &bounds);
 	if (end - begin == 1) {
-		b->nodes[node].upper.w = as_float(b->leaf_count++);
+		b->nodes[node].upper.w = gi_float_from_bits(b->leaf_count++);
 	} else {
 		const uint32_t middle = cut_in_two(b, begin, end, depth);
 		build_node(b, begin, middle, depth + 1);
 		build_node(b, middle, end, depth + 1);
 	}
-	b->nodes[node].lower.w = as_float(b->node_count);
+	b->nodes[node].lower.w = gi_float_from_bits(b->node_count);
 }
 
 static float padding(const box *boxes, uint32_t count)
@@ -254,7 +248,7 @@ bool gi_bvh_build_boxes(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t cou
 static gi_vec4 corner(const gi_hierarchy *h, uint32_t vertex, uint32_t bits)
 {
 	gi_vec4 v = h->vertices[vertex];
-	v.w = as_float(bits);
+	v.w = gi_float_from_bits(bits);
 	return v;
 }
 
