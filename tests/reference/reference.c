@@ -25,8 +25,11 @@
 #define SOBOL_DIMS 7
 #define LEAVES_PER_GRAB 8
 #define MAX_THREADS 64
-#define FIRST_ROULETTE_BOUNCE 3
 static const float PI = 3.14159265358979f;
+
+/* Roulette begins where the throughput is below this. Time times variance in a room with a bumpy ball, against a start
+ * after 3 bounces: rho 0.3 31 : 35, 0.7 83 : 119, 0.95 581 : 1387; 0.05 and 0.2 are within 16 % of 0.1. */
+static const float ROULETTE_BELOW = 0.1f;
 
 typedef struct vec3 {
 	float x, y, z;
@@ -99,8 +102,7 @@ typedef struct tracer {
 	vec3 sky;
 	uint32_t *light_triangles; /* light_count triangle numbers */
 	uint32_t *light_ends;      /* light_count: top of each one's slice of the 32-bit line, inclusive */
-	uint32_t
-	    *light_guide; /* light_count: first light whose slice can reach bucket k (Chen and Asau's cut points) */
+	uint32_t *light_guide;     /* light_count: first light that reaches bucket k (Chen and Asau's cut points) */
 	uint32_t light_count;
 	uint32_t sobol[SOBOL_DIMS][32];
 	reference_result *out;
@@ -308,8 +310,8 @@ static bool front_of_sheet(const tracer *t, struct RTCRayHit *rh, vec3 origin, v
 	front_context context = {.triangles = t->triangles};
 	rtcInitIntersectContext(&context.base);
 	context.base.filter = keep_front_hits;
-	struct RTCRayHit again = {.ray =
-				      make_ray(origin, direction, fmaxf(distance - window, 0.0f), distance + window)};
+	float near = fmaxf(distance - window, 0.0f), far = distance + window;
+	struct RTCRayHit again = {.ray = make_ray(origin, direction, near, far)};
 	again.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 	rtcIntersect1(t->scene, &context.base, &again);
 	if (again.hit.geomID == RTC_INVALID_GEOMETRY_ID)
@@ -422,8 +424,8 @@ static uint32_t trace_path(const tracer *t, vertex v, const uint32_t first[5], r
 			break;
 		float before = max3(throughput);
 		throughput = mul(throughput, t->leaves[next.tri->leaf].rho);
-		if (!(max3(throughput) > 0.0f) ||
-		    (bounce >= FIRST_ROULETTE_BOUNCE && !roulette(r, &throughput, before)))
+		float after = max3(throughput);
+		if (!(after > 0.0f) || (after < ROULETTE_BELOW && !roulette(r, &throughput, before)))
 			break;
 		for (int k = 0; k < 5; k++)
 			u[k] = rng_next(r);
@@ -547,8 +549,8 @@ static bool build_triangles(tracer *t, const reference_scene *s)
 	if (!t->triangles || !t->leaves || !t->first_triangle || !t->first_share)
 		return false;
 	for (uint32_t i = 0; i < s->leaf_count; i++) {
-		const float *p = s->corners + 12 * (size_t)i, *rho = s->rho + 3 * (size_t)i,
-			    *e = s->exitance + 3 * (size_t)i;
+		const float *p = s->corners + 12 * (size_t)i;
+		const float *rho = s->rho + 3 * (size_t)i, *e = s->exitance + 3 * (size_t)i;
 		t->leaves[i] = (leaf){{rho[0], rho[1], rho[2]}, 0, {e[0], e[1], e[2]}, 0};
 		uint32_t before = t->triangle_count;
 		for (int half = 0; half < 2; half++) {

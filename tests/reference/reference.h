@@ -24,11 +24,10 @@ typedef struct reference_scene {
 } reference_scene;
 
 typedef struct reference_options {
-	uint32_t
-	    paths_per_leaf;    /* >= 1, rounded up to even; best at powers of two, where the stratification is whole */
-	uint64_t seed;         /* another seed gives an independent result */
-	uint32_t thread_count; /* 0: one per processor. Never changes a bit of the result */
-	uint32_t max_bounces;  /* reflections followed; 0: no limit. A limit leaves the light of longer paths out */
+	uint32_t paths_per_leaf; /* >= 1, rounded up to even; powers of two stratify best */
+	uint64_t seed;           /* another seed gives an independent result */
+	uint32_t thread_count;   /* 0: one per processor. Never changes a bit of the result */
+	uint32_t max_bounces;    /* reflections followed; 0: no limit. A limit leaves the light of longer paths out */
 } reference_options;
 
 /* Two independent unbiased estimates ("halves") of the area mean of irradiance over each leaf, W/m2. Their mean is the
