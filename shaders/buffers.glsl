@@ -30,6 +30,7 @@ layout(std430, binding = GI_BIND_WIDE_NODES) restrict readonly buffer wide_block
 layout(std430, binding = GI_BIND_LEAF_INDIRECT) restrict buffer leaf_indirect_block { vec4 leaf_indirect[]; };
 layout(std430, binding = GI_BIND_LIGHT_LINKS) restrict readonly buffer light_link_block { uvec2 light_links[]; };
 layout(std430, binding = GI_BIND_LIGHT_FIRST) restrict readonly buffer light_first_block { uint light_first[]; };
+layout(std430, binding = GI_BIND_TOUCHED) restrict buffer touched_block { uint touched[]; };
 layout(std430, binding = GI_BIND_LIGHT) restrict buffer light_block { vec4 light[]; };
 
 // Dispatches of many groups are folded into y: OpenGL promises only 65,535 groups in x.

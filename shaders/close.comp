@@ -60,7 +60,7 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	uvec4 row = rows[leaf];
-	if (row.z == 0u)
+	if (touched[leaf] == 0u)
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 	uint base = leaf * frame.counts.z;

@@ -154,7 +154,7 @@ void main()
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_ENTRIES], count - old_count);
 	if (count + old_count > 0u)
-		atomicAdd(rows[leaf].z, max(count, 1u));
+		atomicAdd(touched[leaf], max(count, 1u));
 	if (count == 0u)
 		return;
 	uint q = atomicAdd(state[GI_STATE_NEW], count);

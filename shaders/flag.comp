@@ -62,7 +62,7 @@ void main()
 	bool moved = object_moved(mine);
 	gi_node_geometry p = world[leaves[leaf].x];
 	uvec2 list = uvec2(objects[mine].bvh.w, objects[mine].extra.x);
-	uint touched = 0u;
+	uint flagged = 0u;
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		if (moved ? source != mine : object_moved(source))
 			continue; // cut anew
@@ -83,9 +83,9 @@ void main()
 				queue[q] = block.x + k;
 			else
 				atomicOr(state[GI_STATE_OVERFLOW], 1u);
-			touched++;
+			flagged++;
 		}
 	}
-	if (touched > 0u)
-		rows[leaf].z += touched;
+	if (flagged > 0u)
+		touched[leaf] += flagged;
 }

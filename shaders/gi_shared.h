@@ -165,7 +165,7 @@ GI_STRUCT(gi_frame) {
 #define GI_BLOCK_CLASSES 22u
 #define GI_BLOCK_SMALLEST 4u
 
-/* Row header of a leaf: x link offset, y count and class as a block, z entries touched by this update, w row sum bits. */
+/* Row header of a leaf: x link offset, y count and class as a block, z 0, w row sum bits. */
 
 /* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
  * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
@@ -236,7 +236,8 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
-#define GI_BIND_DRAW 30            /* vertices of the draw meshes */
+#define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
+#define GI_BIND_DRAW 31            /* vertices of the draw meshes */
 
 #define GI_WIDE_LEAVES 64u
 

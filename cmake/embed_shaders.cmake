@@ -1,0 +1,12 @@
+# Writes OUT, a C file that holds every file of FILES (;-list) as a string, in the form of gi/src/shader_source.h.
+set(text "#include \"shader_source.h\"\n\n")
+set(table "")
+foreach(file IN LISTS FILES)
+	get_filename_component(name "${file}" NAME)
+	string(MAKE_C_IDENTIFIER "${name}" id)
+	file(READ "${file}" hex HEX)
+	string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+	string(APPEND text "static const char ${id}[] = {${bytes}0};\n")
+	string(APPEND table "\t{\"${name}\", ${id}},\n")
+endforeach()
+file(WRITE "${OUT}" "${text}\nconst gi_shader_source gi_shader_sources[] = {\n${table}\t{0, 0},\n};\n")

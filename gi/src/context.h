@@ -1,0 +1,142 @@
+/* What a gi_context is made of. Each part belongs to one module; gi.c holds the public functions that join them.
+ *
+ *   gi.c -> scene.c, sky.c     objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
+ *        -> rows.c             cuts, factors, visibility, closing
+ *        -> solver.c           sweeps, light
+ *        -> shade.c            the picture
+ *             all -> gpu.c     OpenGL
+ */
+#ifndef GI_CONTEXT_H
+#define GI_CONTEXT_H
+
+#include "bvh.h"
+#include "gpu.h"
+#include "hierarchy.h"
+#include "skin.h"
+
+/* ---- scene ---- */
+
+typedef struct scene_object {
+	uint32_t generation; /* of the handle that owns this place; odd while alive */
+	bool committed;      /* part of the uploaded scene */
+	bool moved;          /* since the last update */
+	bool relit;          /* emission began or ended, or black became not black: its cut changes */
+	bool material_changed;
+	char *name;
+	gi_pose pose;
+	gi_material *materials;
+	uint32_t material_count;
+	gi_hierarchy hierarchy;
+	gi_bvh bvh;
+	gi_skin skin;
+
+	/* Place in the uploaded scene. */
+	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
+	gi_vec4 world_lower, world_upper;
+} scene_object;
+
+typedef struct gi_scene {
+	scene_object *objects; /* by handle index */
+	uint32_t object_count; /* places, dead ones too */
+	bool uncommitted;
+	bool ever_committed;
+
+	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
+	uint32_t slot_count; /* the sky's too */
+	uint32_t sky_slot;   /* GI_NONE: none */
+	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
+
+	gi_object_data *object_data; /* slot_count */
+	gi_node_topology *topology;  /* node_count, as uploaded */
+	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
+	gi_bvh_node *tlas;
+	uint32_t *tlas_order;
+	uint32_t tlas_count;         /* nodes */
+
+	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu, materials_gpu,
+		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu;
+} gi_scene;
+
+/* ---- rows ---- */
+
+typedef struct gi_rows {
+	bool rebuild;      /* everything is to be cut anew */
+	bool fitted;       /* the pools held the rows at least once since the commit */
+	uint64_t entry_limit, link_limit;
+	gpu_buffer segments, entries, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
+	gi_uvec4 *run_data; /* pose runs, then cut runs */
+	uint32_t run_capacity;
+	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
+		prepare_program;
+} gi_rows;
+
+/* ---- solver ---- */
+
+typedef struct gi_solver {
+	bool cold;         /* start from B = E */
+	bool unconverged;  /* the newest report did not meet the tolerance */
+	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
+	uint32_t gather_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
+} gi_solver;
+
+typedef struct gi_shade gi_shade;
+
+struct gi_context {
+	gi_context_def def;
+	gpu gpu;
+	gi_scene scene;
+	gi_rows rows;
+	gi_solver solver;
+	gi_shade *shade; /* made by the first gi_draw */
+	gpu_buffer state;
+	gpu_readback readback;
+	gpu_timer timers[GI_PASS_COUNT];
+	gi_frame frame;
+	bool truncated;    /* a report said that a pool was full */
+	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
+	gi_report report;
+	struct {
+		uint64_t frame;
+		uint32_t dispatches;
+		uint64_t uploaded_bytes;
+		float update_ms;
+	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
+};
+
+/* scene.c */
+gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
+void scene_free_object(scene_object *object);
+scene_object *scene_find(const gi_context *gi, gi_object handle);
+gi_object scene_handle(const gi_context *gi, uint32_t index);
+gi_result scene_upload(gi_context *gi);
+gi_result scene_upload_changes(gi_context *gi);
+void scene_bind(const gi_context *gi);
+void scene_free(gi_context *gi);
+bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
+bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
+void scene_update_exitance(gi_context *gi, scene_object *object);
+bool scene_encloses(const gi_context *gi);
+
+/* sky.c: the patches at infinity as a hierarchy of directions. */
+bool sky_build(gi_hierarchy *out);
+
+/* rows.c */
+gi_result rows_init(gi_context *gi);
+gi_result rows_allocate(gi_context *gi);
+gi_result rows_grow(gi_context *gi);
+gi_result rows_update(gi_context *gi);
+void rows_bind(const gi_context *gi);
+void rows_free(gi_context *gi);
+
+/* solver.c */
+gi_result solver_init(gi_context *gi);
+gi_result solver_allocate(gi_context *gi);
+void solver_update(gi_context *gi);
+void solver_bind(const gi_context *gi);
+void solver_free(gi_context *gi);
+
+/* shade.c */
+void shade_invalidate(gi_context *gi);
+void shade_free(gi_context *gi);
+
+#endif

@@ -1,0 +1,443 @@
+#include "gpu.h"
+
+#include "shader_source.h"
+
+#include <glad/gl.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
+{
+	char line[1024];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(line, sizeof line, format, arguments);
+	va_end(arguments);
+	if (log->message)
+		log->message(result, line, log->user);
+	else
+		fprintf(stderr, "gi: %s\n", line);
+	return result;
+}
+
+/* ---- start ---- */
+
+gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
+{
+	int version = gladLoadGL((GLADloadfunc)get_proc_address);
+	if (version < GLAD_MAKE_VERSION(4, 5))
+		return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
+			       "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
+			       GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
+	GLint64 bytes = 0;
+	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+	g->max_block_bytes = (uint64_t)bytes;
+	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)glGetString(GL_RENDERER));
+	/* 64 threads fill a wavefront or two warps; software renderers take any multiple of their vectors. */
+	g->group_size = 64;
+	return GI_OK;
+}
+
+/* ---- buffers ---- */
+
+void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
+{
+	if (!buffer->name)
+		return;
+	glDeleteBuffers(1, &buffer->name);
+	g->buffer_bytes -= buffer->size;
+	*buffer = (gpu_buffer){0};
+}
+
+gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
+{
+	/* A binding of no bytes is an error, and empty scenes are not. */
+	uint64_t padded = size < 16 ? 16 : size;
+	if (padded > g->max_block_bytes)
+		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
+			       "a buffer of %" PRIu64 " MiB is more than the %" PRIu64
+			       " MiB this renderer binds at once: raise row_tolerance or leaf_size",
+			       padded >> 20, g->max_block_bytes >> 20);
+	gpu_buffer fresh = {.size = padded};
+	glCreateBuffers(1, &fresh.name);
+	while (glGetError() != GL_NO_ERROR)
+		;
+	glNamedBufferStorage(fresh.name, (GLsizeiptr)padded, padded == size ? data : NULL, GL_DYNAMIC_STORAGE_BIT);
+	if (glGetError() != GL_NO_ERROR) {
+		glDeleteBuffers(1, &fresh.name);
+		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", padded);
+	}
+	if (padded != size && size && data)
+		glNamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
+	if (data)
+		g->uploaded_bytes += size;
+	gpu_buffer_free(g, buffer);
+	*buffer = fresh;
+	g->buffer_bytes += padded;
+	return GI_OK;
+}
+
+void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data)
+{
+	if (!size)
+		return;
+	glNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, data);
+	g->uploaded_bytes += size;
+}
+
+void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word)
+{
+	glClearNamedBufferSubData(buffer->name, GL_R32UI, (GLintptr)offset, (GLsizeiptr)size, GL_RED_INTEGER,
+				  GL_UNSIGNED_INT, &word);
+}
+
+void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size)
+{
+	glCopyNamedBufferSubData(from->name, to->name, (GLintptr)from_offset, (GLintptr)to_offset, (GLsizeiptr)size);
+}
+
+void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out)
+{
+	glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+	if (size)
+		glGetNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, out);
+}
+
+void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer)
+{
+	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->name);
+}
+
+/* ---- programs ---- */
+
+typedef struct text {
+	char *data;
+	size_t length, capacity;
+} text;
+
+static bool text_append(text *t, const char *data, size_t length)
+{
+	if (t->length + length + 1 > t->capacity) {
+		size_t capacity = 2 * (t->length + length + 1);
+		char *grown = realloc(t->data, capacity);
+		if (!grown)
+			return false;
+		t->data = grown;
+		t->capacity = capacity;
+	}
+	memcpy(t->data + t->length, data, length);
+	t->length += length;
+	t->data[t->length] = 0;
+	return true;
+}
+
+static char *read_shader_file(const char *directory, const char *name)
+{
+	char path[1024];
+	snprintf(path, sizeof path, "%s/%s", directory, name);
+	FILE *file = fopen(path, "rb");
+	if (!file)
+		return NULL;
+	text t = {0};
+	char chunk[4096];
+	size_t got;
+	while ((got = fread(chunk, 1, sizeof chunk, file)) > 0)
+		if (!text_append(&t, chunk, got))
+			break;
+	fclose(file);
+	return t.data;
+}
+
+static char *copy_of(const char *source)
+{
+	size_t size = strlen(source) + 1;
+	char *copy = malloc(size);
+	if (copy)
+		memcpy(copy, source, size);
+	return copy;
+}
+
+static char *load_shader(const gpu *g, const char *name)
+{
+	if (g->shader_directory)
+		return read_shader_file(g->shader_directory, name);
+	for (const gi_shader_source *s = gi_shader_sources; s->name; s++)
+		if (strcmp(s->name, name) == 0)
+			return copy_of(s->text);
+	return NULL;
+}
+
+/* Appends a file with its #include "..." lines replaced by the files they name; after #version goes the group size. */
+static bool flatten_shader(const gpu *g, const char *name, int depth, text *out)
+{
+	char *source = depth < 8 ? load_shader(g, name) : NULL;
+	if (!source)
+		return false;
+	bool ok = true;
+	for (const char *line = source; ok && *line;) {
+		size_t length = strcspn(line, "\n");
+		length += line[length] == '\n';
+		char included[128];
+		if (sscanf(line, "#include \"%127[^\"\n]\"", included) == 1) {
+			ok = flatten_shader(g, included, depth + 1, out);
+		} else {
+			ok = text_append(out, line, length);
+			if (ok && strncmp(line, "#version", 8) == 0) {
+				char define[64];
+				int n = snprintf(define, sizeof define, "#define GI_GROUP_SIZE %uu\n", g->group_size);
+				ok = text_append(out, define, (size_t)n);
+			}
+		}
+		line += length;
+	}
+	free(source);
+	return ok;
+}
+
+static GLuint compile_shader(const gpu *g, GLenum kind, const char *file)
+{
+	text source = {0};
+	if (!flatten_shader(g, file, 0, &source)) {
+		free(source.data);
+		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s or a file it includes was not found", file);
+		return 0;
+	}
+	GLuint shader = glCreateShader(kind);
+	const char *text = source.data;
+	glShaderSource(shader, 1, &text, NULL);
+	glCompileShader(shader);
+	free(source.data);
+	GLint ok = 0;
+	glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+	if (ok)
+		return shader;
+	char log[800] = "";
+	glGetShaderInfoLog(shader, sizeof log, NULL, log);
+	gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not compile: %s", file, log);
+	glDeleteShader(shader);
+	return 0;
+}
+
+static gi_result link_program(const gpu *g, const char *file, const GLuint *shaders, int count, uint32_t *out)
+{
+	GLuint program = glCreateProgram();
+	bool complete = true;
+	for (int k = 0; k < count; k++) {
+		complete = complete && shaders[k];
+		if (shaders[k])
+			glAttachShader(program, shaders[k]);
+	}
+	GLint ok = 0;
+	if (complete) {
+		glLinkProgram(program);
+		glGetProgramiv(program, GL_LINK_STATUS, &ok);
+	}
+	for (int k = 0; k < count; k++)
+		if (shaders[k])
+			glDeleteShader(shaders[k]);
+	if (ok) {
+		*out = program;
+		return GI_OK;
+	}
+	if (complete) {
+		char log[800] = "";
+		glGetProgramInfoLog(program, sizeof log, NULL, log);
+		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not link: %s", file, log);
+	}
+	glDeleteProgram(program);
+	*out = 0;
+	return GI_ERROR_SHADER;
+}
+
+gi_result gpu_program_compute(gpu *g, const char *file, uint32_t *out)
+{
+	GLuint shader = compile_shader(g, GL_COMPUTE_SHADER, file);
+	return link_program(g, file, &shader, 1, out);
+}
+
+gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out)
+{
+	GLuint shaders[2] = {compile_shader(g, GL_VERTEX_SHADER, vertex_file),
+			     compile_shader(g, GL_FRAGMENT_SHADER, fragment_file)};
+	return link_program(g, fragment_file, shaders, 2, out);
+}
+
+void gpu_program_free(uint32_t *program)
+{
+	if (*program)
+		glDeleteProgram(*program);
+	*program = 0;
+}
+
+void gpu_set_uint(uint32_t program, int location, uint32_t value)
+{
+	glProgramUniform1ui(program, location, value);
+}
+
+void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values)
+{
+	switch (components) {
+	case 1:
+		glProgramUniform1fv(program, location, count, values);
+		break;
+	case 2:
+		glProgramUniform2fv(program, location, count, values);
+		break;
+	case 3:
+		glProgramUniform3fv(program, location, count, values);
+		break;
+	default:
+		glProgramUniform4fv(program, location, count, values);
+	}
+}
+
+void gpu_set_matrices(uint32_t program, int location, int count, const float *values)
+{
+	glProgramUniformMatrix4fv(program, location, count, GL_FALSE, values);
+}
+
+/* ---- dispatches ---- */
+
+static void order_after(void)
+{
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)
+{
+	if (!groups)
+		return;
+	/* thread_number() of buffers.glsl undoes the fold. */
+	uint64_t x = groups < 32768 ? groups : 32768;
+	glUseProgram(program);
+	glDispatchCompute((GLuint)x, (GLuint)((groups + x - 1) / x), 1);
+	order_after();
+	g->dispatches++;
+}
+
+void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads)
+{
+	gpu_dispatch_groups(g, program, (threads + g->group_size - 1) / g->group_size);
+}
+
+void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset)
+{
+	glUseProgram(program);
+	glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->name);
+	glDispatchComputeIndirect((GLintptr)offset);
+	order_after();
+	g->dispatches++;
+}
+
+/* ---- timers ---- */
+
+void gpu_timer_begin(gpu *g, gpu_timer *timer)
+{
+	if (!g->profile)
+		return;
+	if (!timer->query[0])
+		glCreateQueries(GL_TIME_ELAPSED, GPU_TIMER_RING, timer->query);
+	if (timer->pending == GPU_TIMER_RING)
+		timer->pending--; /* nobody asked: the oldest is lost */
+	glBeginQuery(GL_TIME_ELAPSED, timer->query[timer->next]);
+}
+
+void gpu_timer_end(gpu *g, gpu_timer *timer)
+{
+	if (!g->profile)
+		return;
+	glEndQuery(GL_TIME_ELAPSED);
+	timer->next = (timer->next + 1) % GPU_TIMER_RING;
+	timer->pending++;
+}
+
+void gpu_timer_poll(gpu_timer *timer, bool wait)
+{
+	while (timer->pending) {
+		GLuint query = timer->query[(timer->next + GPU_TIMER_RING - timer->pending) % GPU_TIMER_RING];
+		GLuint ready = 0;
+		glGetQueryObjectuiv(query, GL_QUERY_RESULT_AVAILABLE, &ready);
+		if (!ready && !wait)
+			return;
+		GLuint64 ns = 0;
+		glGetQueryObjectui64v(query, GL_QUERY_RESULT, &ns);
+		timer->ms = (float)((double)ns * 1e-6);
+		timer->pending--;
+	}
+}
+
+void gpu_timer_free(gpu_timer *timer)
+{
+	if (timer->query[0])
+		glDeleteQueries(GPU_TIMER_RING, timer->query);
+	*timer = (gpu_timer){0};
+}
+
+/* ---- read-back ---- */
+
+gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
+{
+	*r = (gpu_readback){.slot_bytes = bytes, .buffer.size = (uint64_t)bytes * GPU_READBACK_RING};
+	GLbitfield access = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+	glCreateBuffers(1, &r->buffer.name);
+	glNamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);
+	r->mapped = glMapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
+	g->buffer_bytes += r->buffer.size;
+	return r->mapped ? GI_OK : gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "a read-back buffer could not be mapped");
+}
+
+static void drop_fence(gpu_readback *r, uint32_t slot)
+{
+	if (r->fence[slot])
+		glDeleteSync((GLsync)r->fence[slot]);
+	r->fence[slot] = NULL;
+}
+
+void gpu_readback_free(gpu *g, gpu_readback *r)
+{
+	for (uint32_t k = 0; k < GPU_READBACK_RING; k++)
+		drop_fence(r, k);
+	if (r->mapped)
+		glUnmapNamedBuffer(r->buffer.name);
+	gpu_buffer_free(g, &r->buffer);
+	*r = (gpu_readback){0};
+}
+
+void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag)
+{
+	if (r->pending == GPU_READBACK_RING) {
+		drop_fence(r, r->oldest);
+		r->oldest = (r->oldest + 1) % GPU_READBACK_RING;
+		r->pending--;
+	}
+	gpu_buffer_copy(from, 0, &r->buffer, (uint64_t)r->next * r->slot_bytes, r->slot_bytes);
+	glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+	r->fence[r->next] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+	r->tag[r->next] = tag;
+	r->next = (r->next + 1) % GPU_READBACK_RING;
+	r->pending++;
+}
+
+bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag)
+{
+	if (!r->pending)
+		return false;
+	uint32_t slot = r->oldest;
+	GLenum state = glClientWaitSync((GLsync)r->fence[slot], GL_SYNC_FLUSH_COMMANDS_BIT, wait ? GL_TIMEOUT_IGNORED : 0);
+	if (state == GL_TIMEOUT_EXPIRED)
+		return false;
+	memcpy(out, (const char *)r->mapped + (size_t)slot * r->slot_bytes, r->slot_bytes);
+	*tag = r->tag[slot];
+	drop_fence(r, slot);
+	r->oldest = (slot + 1) % GPU_READBACK_RING;
+	r->pending--;
+	return true;
+}
+
+void gpu_finish(void)
+{
+	glFinish();
+}

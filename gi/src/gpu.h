@@ -1,0 +1,100 @@
+/* The only place of gi/ that calls OpenGL: buffers, programs, dispatches, timers, read-backs.
+ *
+ * Nothing here knows what the buffers mean. Counters tell a frame what it cost.
+ */
+#ifndef GI_GPU_H
+#define GI_GPU_H
+
+#include "gi/gi.h"
+
+#include <stdarg.h>
+
+/* Lines that go to the host. */
+typedef struct gi_log {
+	gi_message_fn *message;
+	void *user;
+} gi_log;
+
+/* Formats one line, hands it to the host and returns `result`. */
+__attribute__((format(printf, 3, 4))) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
+
+typedef struct gpu_buffer {
+	uint32_t name;
+	uint64_t size; /* bytes; at least 16 once created */
+} gpu_buffer;
+
+enum { GPU_TIMER_RING = 4 };
+
+typedef struct gpu_timer {
+	uint32_t query[GPU_TIMER_RING];
+	uint32_t next, pending; /* ring position, queries not yet read */
+	float ms;               /* newest finished time */
+} gpu_timer;
+
+typedef struct gpu {
+	gi_log log;
+	const char *shader_directory; /* NULL: built in */
+	uint32_t group_size;          /* threads of a compute group, a power of two */
+	uint64_t max_block_bytes;     /* of one storage buffer binding */
+	bool profile;
+
+	uint32_t dispatches;     /* since the counters were last zeroed */
+	uint64_t uploaded_bytes; /* likewise */
+	uint64_t buffer_bytes;   /* of all live buffers */
+	char renderer[160];
+} gpu;
+
+/* Loads OpenGL's functions and asks for its limits. */
+gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address);
+
+/* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others. */
+gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data);
+void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
+void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
+void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
+void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size);
+/* Waits for the GPU. */
+void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);
+void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer);
+
+/* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host. */
+gi_result gpu_program_compute(gpu *g, const char *file, uint32_t *out);
+gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
+void gpu_program_free(uint32_t *program);
+void gpu_set_uint(uint32_t program, int location, uint32_t value);
+void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values);
+void gpu_set_matrices(uint32_t program, int location, int count, const float *values);
+
+/* One thread per item; nothing for no items. Ends with a barrier for storage buffers and indirect arguments. */
+void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads);
+void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups);
+void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset);
+
+/* Time between begin and end; timers do not nest. Without profile they do nothing. */
+void gpu_timer_begin(gpu *g, gpu_timer *timer);
+void gpu_timer_end(gpu *g, gpu_timer *timer);
+/* Reads what is finished, or waits for all of it. */
+void gpu_timer_poll(gpu_timer *timer, bool wait);
+void gpu_timer_free(gpu_timer *timer);
+
+/* A small read-back that does not stall: copies into mapped memory behind a fence. */
+enum { GPU_READBACK_RING = 4 };
+
+typedef struct gpu_readback {
+	gpu_buffer buffer;
+	void *mapped;
+	void *fence[GPU_READBACK_RING];
+	uint64_t tag[GPU_READBACK_RING];
+	uint32_t slot_bytes, next, oldest, pending;
+} gpu_readback;
+
+gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes);
+void gpu_readback_free(gpu *g, gpu_readback *r);
+/* Queues a copy; the oldest unread one is dropped when the ring is full. */
+void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag);
+/* Takes the oldest finished copy. False when none is; `wait` waits for the oldest queued one. */
+bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag);
+
+void gpu_finish(void);
+
+#endif

@@ -1,0 +1,396 @@
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU. */
+#include "context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4 };
+
+/* Refinement multiplies faces by four each level; the hierarchy addresses leaves with 24 bits. */
+static const uint64_t MAX_LEAVES = 1u << 24;
+
+/* Draw levels stop here: a picture has no use for more triangles than this per object. */
+static const uint64_t MAX_DRAW_FACES = 200000;
+
+static bool all_finite(const float *values, size_t count)
+{
+	for (size_t k = 0; k < count; k++)
+		if (!isfinite(values[k]))
+			return false;
+	return true;
+}
+
+bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const char *object, uint32_t index)
+{
+	for (int c = 0; c < 3; c++) {
+		if (!(m->rho[c] >= 0.0f && m->rho[c] < 1.0f)) {
+			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
+				"object '%s', material %u: rho %g is outside [0,1): a surface that reflects all light never settles",
+				object, index, (double)m->rho[c]);
+			return false;
+		}
+		if (!(m->exitance[c] >= 0.0f && isfinite(m->exitance[c]))) {
+			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
+				"object '%s', material %u: exitance %g W/m2 must be finite and not negative", object, index,
+				(double)m->exitance[c]);
+			return false;
+		}
+	}
+	return true;
+}
+
+bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object)
+{
+	double length = 0;
+	for (int k = 0; k < 4; k++)
+		length += (double)pose->rotation[k] * pose->rotation[k];
+	length = sqrt(length);
+	if (!all_finite(pose->position, 3) || !isfinite(length) || length < 1e-6) {
+		gi_fail(&gi->gpu.log, GI_ERROR_INVALID_POSE,
+			"object '%s': the pose needs a finite position and a rotation quaternion that is not zero", object);
+		return false;
+	}
+	for (int k = 0; k < 4; k++)
+		pose->rotation[k] = (float)(pose->rotation[k] / length);
+	return true;
+}
+
+/* ---- the cage ---- */
+
+/* Arrays of a cage that is not the caller's own: the two-sided copy. */
+typedef struct own_cage {
+	float *positions;
+	uint32_t *face_counts, *indices, *face_materials, *crease_vertices;
+	float *crease_sharpness;
+} own_cage;
+
+static void own_cage_free(own_cage *own)
+{
+	free(own->positions);
+	free(own->face_counts);
+	free(own->indices);
+	free(own->face_materials);
+	free(own->crease_vertices);
+	free(own->crease_sharpness);
+}
+
+static uint32_t corners_of(const gi_object_def *def, uint32_t face)
+{
+	return def->face_counts ? def->face_counts[face] : 4;
+}
+
+/* A second copy of the cage with its faces turned round, on vertices of its own: two sides that do not touch. */
+static bool make_two_sided(const gi_object_def *def, gi_refine_cage *cage, own_cage *own)
+{
+	const uint32_t n = def->vertex_count, f = def->face_count, i = def->index_count, c = def->crease_count;
+	own->positions = malloc(sizeof(float) * 6 * n);
+	own->face_counts = malloc(sizeof(uint32_t) * 2 * f);
+	own->indices = malloc(sizeof(uint32_t) * 2 * i);
+	own->face_materials = calloc(2 * (size_t)f, sizeof(uint32_t));
+	own->crease_vertices = malloc(sizeof(uint32_t) * 4 * (c + 1));
+	own->crease_sharpness = malloc(sizeof(float) * 2 * (c + 1));
+	if (!own->positions || !own->face_counts || !own->indices || !own->face_materials || !own->crease_vertices ||
+	    !own->crease_sharpness)
+		return false;
+	memcpy(own->positions, def->positions, sizeof(float) * 3 * n);
+	memcpy(own->positions + 3 * n, def->positions, sizeof(float) * 3 * n);
+	memcpy(own->indices, def->indices, sizeof(uint32_t) * i);
+	for (uint32_t face = 0, first = 0; face < f; face++) {
+		const uint32_t corners = corners_of(def, face);
+		own->face_counts[face] = own->face_counts[f + face] = corners;
+		if (def->face_materials)
+			own->face_materials[face] = own->face_materials[f + face] = def->face_materials[face];
+		for (uint32_t k = 0; k < corners; k++)
+			own->indices[i + first + k] = n + def->indices[first + corners - 1 - k];
+		first += corners;
+	}
+	for (uint32_t k = 0; k < 2 * c; k++) {
+		own->crease_vertices[k] = def->crease_vertices[k];
+		own->crease_vertices[2 * c + k] = n + def->crease_vertices[k];
+	}
+	for (uint32_t k = 0; k < c; k++)
+		own->crease_sharpness[k] = own->crease_sharpness[c + k] = def->crease_sharpness[k];
+	cage->positions = own->positions;
+	cage->face_counts = own->face_counts;
+	cage->indices = own->indices;
+	cage->face_materials = own->face_materials;
+	cage->crease_vertices = own->crease_vertices;
+	cage->crease_sharpness = own->crease_sharpness;
+	cage->vertex_count = 2 * n;
+	cage->face_count = 2 * f;
+	cage->index_count = 2 * i;
+	cage->crease_count = 2 * c;
+	return true;
+}
+
+static gi_refine_cage cage_of(const gi_object_def *def)
+{
+	static const gi_refine_scheme schemes[] = {GI_REFINE_BILINEAR, GI_REFINE_CATMULL_CLARK, GI_REFINE_LOOP};
+	gi_refine_cage cage = {
+		.positions = def->positions,
+		.face_counts = def->face_counts,
+		.indices = def->indices,
+		.face_materials = def->face_materials,
+		.crease_vertices = def->crease_vertices,
+		.crease_sharpness = def->crease_sharpness,
+		.vertex_count = def->vertex_count,
+		.face_count = def->face_count,
+		.index_count = def->index_count,
+		.crease_count = def->crease_count,
+		.scheme = schemes[def->scheme],
+		.boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
+								     : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
+	};
+	memcpy(cage.scale, def->scale, sizeof cage.scale);
+	return cage;
+}
+
+/* Mean edge of the base faces: the side of a square of their mean area, fan triangles from the first corner. */
+static double mean_edge(const gi_object_def *def)
+{
+	double area = 0;
+	for (uint32_t face = 0, first = 0; face < def->face_count; face++) {
+		const uint32_t corners = corners_of(def, face);
+		for (uint32_t k = 1; k + 1 < corners; k++) {
+			float p[3][3];
+			const uint32_t v[3] = {def->indices[first], def->indices[first + k], def->indices[first + k + 1]};
+			for (int a = 0; a < 3; a++)
+				for (int c = 0; c < 3; c++)
+					p[a][c] = def->positions[3 * v[a] + c] * def->scale[c];
+			area += gi_quad_area(p[0], p[1], p[2], p[2]);
+		}
+		first += corners;
+	}
+	return sqrt(area / def->face_count);
+}
+
+static uint32_t levels_of(const gi_object_def *def)
+{
+	if (!(def->leaf_size > 0.0f))
+		return def->levels;
+	uint32_t levels = 0;
+	/* A hundredth more than asked is not worth four times the leaves. */
+	for (double edge = mean_edge(def); edge > 1.01 * def->leaf_size && levels < MAX_LEVELS; edge *= 0.5)
+		levels++;
+	return levels;
+}
+
+/* ---- checks ---- */
+
+static bool indices_are_valid(const gi_object_def *def)
+{
+	uint64_t corners = 0;
+	for (uint32_t face = 0; face < def->face_count; face++) {
+		if (corners_of(def, face) < 3)
+			return false;
+		corners += corners_of(def, face);
+	}
+	if (corners != def->index_count)
+		return false;
+	for (uint32_t k = 0; k < def->index_count; k++)
+		if (def->indices[k] >= def->vertex_count)
+			return false;
+	return true;
+}
+
+static const char *broken_geometry(const gi_object_def *def)
+{
+	if (!def->positions || !def->indices || !def->vertex_count || !def->face_count)
+		return "positions, indices, vertex_count and face_count are required";
+	if (!indices_are_valid(def))
+		return "a face has fewer than 3 corners, the face counts do not add up to index_count, or an index is out of range";
+	if (!all_finite(def->positions, 3 * (size_t)def->vertex_count))
+		return "a position is not finite";
+	if (def->crease_count && (!def->crease_vertices || !def->crease_sharpness))
+		return "crease_count without crease arrays";
+	for (int k = 0; k < 3; k++)
+		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
+			return "scale must be finite and above zero";
+	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
+		if (def->face_materials[k] >= def->material_count)
+			return "a face's material number is not below material_count";
+	if (def->draw_index_count % 3 != 0 || (def->draw_index_count && (!def->draw_positions || !def->draw_indices)))
+		return "a draw mesh needs positions and three indices a triangle";
+	for (uint32_t k = 0; k < def->draw_index_count; k++)
+		if (def->draw_indices[k] >= def->draw_vertex_count)
+			return "an index of the draw mesh is out of range";
+	if (def->draw_index_count && !all_finite(def->draw_positions, 3 * (size_t)def->draw_vertex_count))
+		return "a position of the draw mesh is not finite";
+	return NULL;
+}
+
+static gi_result check_def(const gi_context *gi, const gi_object_def *def, const char *name)
+{
+	const gi_log *log = &gi->gpu.log;
+	if (def->scheme > GI_SCHEME_LOOP || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
+	    def->draw_levels > MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
+			       name, MAX_LEVELS, MAX_DRAW_LEVELS);
+	const char *broken = broken_geometry(def);
+	if (broken)
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
+	for (uint32_t k = 0; k < def->material_count; k++)
+		if (!scene_material_is_valid(gi, &def->materials[k], name, k))
+			return GI_ERROR_INVALID_MATERIAL;
+	return GI_OK;
+}
+
+/* ---- building ---- */
+
+void scene_free_object(scene_object *o)
+{
+	const uint32_t generation = o->generation;
+	free(o->name);
+	free(o->materials);
+	gi_hierarchy_free(&o->hierarchy);
+	gi_bvh_free(&o->bvh);
+	gi_skin_free(&o->skin);
+	*o = (scene_object){.generation = generation};
+}
+
+static char *duplicate_text(const char *text)
+{
+	const size_t size = strlen(text) + 1;
+	char *copy = malloc(size);
+	if (copy)
+		memcpy(copy, text, size);
+	return copy;
+}
+
+static bool copy_values(scene_object *o, const gi_object_def *def, const char *name)
+{
+	static const gi_material grey = {.rho = {0.5f, 0.5f, 0.5f}};
+	o->material_count = def->material_count ? def->material_count : 1;
+	o->materials = malloc(sizeof(gi_material) * o->material_count);
+	o->name = duplicate_text(name);
+	if (!o->materials || !o->name)
+		return false;
+	if (def->material_count)
+		memcpy(o->materials, def->materials, sizeof(gi_material) * def->material_count);
+	else
+		o->materials[0] = grey;
+	o->pose = def->pose;
+	return true;
+}
+
+static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
+		       scene_object *o)
+{
+	if (def->draw_index_count) {
+		float *scaled = malloc(sizeof(float) * 3 * def->draw_vertex_count);
+		if (!scaled)
+			return false;
+		for (size_t k = 0; k < 3 * (size_t)def->draw_vertex_count; k++)
+			scaled[k] = def->draw_positions[k] * def->scale[k % 3];
+		const bool ok = gi_skin_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
+						  def->draw_index_count, &o->skin);
+		free(scaled);
+		return ok;
+	}
+	/* Bilinear surfaces gain nothing from finer drawing. */
+	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
+	while (extra && ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES)
+		extra--;
+	if (extra == 0)
+		return gi_skin_from_surface(&o->hierarchy, coarse, coarse, 0, &o->skin);
+	gi_refined fine;
+	char message[256];
+	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
+		return false;
+	const bool ok = gi_skin_from_surface(&o->hierarchy, coarse, &fine, extra, &o->skin);
+	gi_refined_free(&fine);
+	return ok;
+}
+
+/* Two sides that cover each other never show a back. */
+static void hide_backs(gi_hierarchy *h)
+{
+	for (uint32_t n = 0; n < h->node_count; n++)
+		h->topology[n].range.w &= ~GI_NODE_BACK;
+}
+
+static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name, scene_object *o)
+{
+	const gi_log *log = &gi->gpu.log;
+	char message[256] = "out of memory";
+	const uint32_t levels = levels_of(def);
+	if (((uint64_t)cage->index_count << (2 * levels)) > 4 * MAX_LEAVES)
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves", name,
+			       cage->face_count, levels);
+	gi_refined refined;
+	if (!gi_refine(cage, levels, &refined, message, sizeof message))
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
+	gi_result result = GI_OK;
+	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
+		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
+	} else {
+		if (def->double_sided)
+			hide_backs(&o->hierarchy);
+		if (!gi_bvh_build(&o->hierarchy, &o->bvh) || !copy_values(o, def, name) ||
+		    !build_skin(def, cage, &refined, refined.level_count - 1, o))
+			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	}
+	gi_refined_free(&refined);
+	return result;
+}
+
+static uint32_t free_place(gi_scene *scene)
+{
+	for (uint32_t k = 0; k < scene->object_count; k++)
+		if (!(scene->objects[k].generation & 1) && !scene->objects[k].committed)
+			return k;
+	scene_object *grown = realloc(scene->objects, sizeof *grown * (scene->object_count + 1));
+	if (!grown)
+		return GI_NONE;
+	scene->objects = grown;
+	grown[scene->object_count] = (scene_object){0};
+	return scene->object_count++;
+}
+
+gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
+{
+	const char *name = def->name ? def->name : "unnamed";
+	gi_result result = check_def(gi, def, name);
+	if (result)
+		return result;
+	gi_pose pose = def->pose;
+	if (!scene_normalise_pose(gi, &pose, name))
+		return GI_ERROR_INVALID_POSE;
+
+	scene_object made = {0};
+	own_cage own = {0};
+	gi_refine_cage cage = cage_of(def);
+	if (def->double_sided && !make_two_sided(def, &cage, &own))
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	else
+		result = build(gi, def, &cage, name, &made);
+	own_cage_free(&own);
+	const uint32_t place = result ? GI_NONE : free_place(&gi->scene);
+	if (!result && place == GI_NONE)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	if (result) {
+		scene_free_object(&made);
+		return result;
+	}
+	made.pose = pose;
+	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
+	gi->scene.objects[place] = made;
+	gi->scene.uncommitted = true;
+	*out = scene_handle(gi, place);
+	return GI_OK;
+}
+
+scene_object *scene_find(const gi_context *gi, gi_object handle)
+{
+	if (handle.index1 == 0 || handle.index1 > gi->scene.object_count)
+		return NULL;
+	scene_object *o = &gi->scene.objects[handle.index1 - 1];
+	return (o->generation & 1) && o->generation == handle.generation ? o : NULL;
+}
+
+gi_object scene_handle(const gi_context *gi, uint32_t index)
+{
+	return (gi_object){index + 1, gi->scene.objects[index].generation};
+}

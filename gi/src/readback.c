@@ -1,0 +1,239 @@
+/* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
+#include "context.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void *read_buffer(const gpu_buffer *buffer, uint64_t bytes)
+{
+	void *data = malloc(bytes + 1);
+	if (data)
+		gpu_buffer_read(buffer, 0, bytes, data);
+	return data;
+}
+
+static gi_result begin_read(gi_context *gi, const void *count)
+{
+	if (!gi || !count)
+		return GI_ERROR_INVALID_ARGUMENT;
+	return gi_finish(gi);
+}
+
+static gi_result no_memory(const gi_context *gi)
+{
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
+static float float_of(uint32_t bits)
+{
+	float value;
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+/* ---- leaves ---- */
+
+typedef struct leaf_arrays {
+	gi_vec4 *vertices, *radiosity;
+	gi_uvec4 *headers;
+} leaf_arrays;
+
+static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_object *o, uint32_t index, uint32_t local, gi_leaf *out)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	const uint32_t leaf = o->leaf_base + local, node = h->leaf_node[local];
+	const uint32_t *corners = &h->topology[node].corners.x;
+	const gi_material *m = &o->materials[h->leaf_material[local]];
+	*out = (gi_leaf){.area = h->geometry[node].moment.w,
+			 .row_sum = float_of(a->headers[leaf].w),
+			 .object = scene_handle(gi, index)};
+	for (int c = 0; c < 4; c++)
+		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
+	memcpy(out->rho, m->rho, sizeof out->rho);
+	memcpy(out->exitance, m->exitance, sizeof out->exitance);
+	memcpy(out->radiosity, &a->radiosity[leaf], sizeof out->radiosity);
+}
+
+/* H = sum of weight * B over the leaf's links; also right where rho is zero. */
+static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count, const gi_uvec4 *headers)
+{
+	const gi_rows *r = &gi->rows;
+	gi_vec4 *b = read_buffer(&gi->solver.radiosity, sizeof *b * gi->scene.node_count);
+	uint32_t *links = read_buffer(&r->links, r->links.size);
+	for (uint32_t leaf = 0; b && links && leaf < count; leaf++) {
+		const uint32_t first = headers[leaf].x, n = headers[leaf].y & GI_BLOCK_COUNT_MASK;
+		double h[3] = {0};
+		for (uint32_t k = 0; k < n; k++) {
+			const gi_vec4 node = b[links[2 * (first + k)]];
+			const double weight = float_of(links[2 * (first + k) + 1]);
+			h[0] += weight * node.x;
+			h[1] += weight * node.y;
+			h[2] += weight * node.z;
+		}
+		for (int c = 0; c < 3; c++)
+			leaves[leaf].irradiance[c] = (float)h[c];
+	}
+	const bool ok = b && links;
+	free(b);
+	free(links);
+	return ok ? GI_OK : no_memory(gi);
+}
+
+gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count)
+{
+	gi_result result = begin_read(gi, count);
+	if (result)
+		return result;
+	const gi_scene *s = &gi->scene;
+	*count = s->leaf_count;
+	if (!leaves || !s->leaf_count)
+		return GI_OK;
+	leaf_arrays a = {
+		.vertices = read_buffer(&s->vertices_world_gpu, sizeof(gi_vec4) * s->vertex_count),
+		.radiosity = read_buffer(&gi->solver.leaf_radiosity, sizeof(gi_vec4) * s->leaf_count),
+		.headers = read_buffer(&gi->rows.headers, sizeof(gi_uvec4) * s->leaf_count),
+	};
+	const uint32_t wanted = capacity < s->leaf_count ? capacity : s->leaf_count;
+	if (!a.vertices || !a.radiosity || !a.headers) {
+		result = no_memory(gi);
+	} else {
+		for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+			if (s->slots[slot] == GI_NONE)
+				continue;
+			const scene_object *o = &s->objects[s->slots[slot]];
+			for (uint32_t k = 0; k < o->hierarchy.leaf_count && o->leaf_base + k < wanted; k++)
+				fill_leaf(gi, &a, o, s->slots[slot], k, &leaves[o->leaf_base + k]);
+		}
+		result = fill_irradiance(gi, leaves, wanted, a.headers);
+	}
+	free(a.vertices);
+	free(a.radiosity);
+	free(a.headers);
+	return result;
+}
+
+/* ---- rows ---- */
+
+static void leaf_range(const gi_scene *s, uint32_t node, uint32_t *first, uint32_t *count)
+{
+	const gi_uvec4 range = s->topology[node].range;
+	const bool sky = range.w & GI_NODE_SKY;
+	*first = sky ? 0 : range.y;
+	*count = sky ? 0 : range.z;
+}
+
+static gi_entry entry_of(const gi_scene *s, gi_uvec4 e)
+{
+	gi_entry out = {.leaf = e.w & GI_ENTRY_LEAF_MASK,
+			.node = e.x,
+			.form_factor = float_of(e.y),
+			.samples = (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK,
+			.back = (e.w & GI_ENTRY_BACK) != 0};
+	for (uint32_t mask = e.z & 0xFFFFu; mask; mask &= mask - 1)
+		out.visible++;
+	leaf_range(s, e.x, &out.first_leaf, &out.leaf_count);
+	return out;
+}
+
+gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count)
+{
+	gi_result result = begin_read(gi, count);
+	if (result)
+		return result;
+	const gi_scene *s = &gi->scene;
+	const uint64_t segments = (uint64_t)s->leaf_count * s->slot_count;
+	*count = 0;
+	if (!segments)
+		return GI_OK;
+	uint32_t *segment = read_buffer(&gi->rows.segments, 2 * sizeof(uint32_t) * segments);
+	gi_uvec4 *pool = entries ? read_buffer(&gi->rows.entries, gi->rows.entries.size) : NULL;
+	if (!segment || (entries && !pool))
+		result = no_memory(gi);
+	for (uint64_t k = 0; !result && k < segments; k++) {
+		const uint32_t n = segment[2 * k + 1] & GI_BLOCK_COUNT_MASK;
+		for (uint32_t e = 0; e < n; e++, (*count)++)
+			if (entries && *count < capacity)
+				entries[*count] = entry_of(s, pool[segment[2 * k] + e]);
+	}
+	free(segment);
+	free(pool);
+	return result;
+}
+
+gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count)
+{
+	gi_result result = begin_read(gi, count);
+	if (result)
+		return result;
+	const gi_scene *s = &gi->scene;
+	*count = 0;
+	if (!s->leaf_count)
+		return GI_OK;
+	gi_uvec4 *headers = read_buffer(&gi->rows.headers, sizeof *headers * s->leaf_count);
+	uint32_t *pool = links ? read_buffer(&gi->rows.links, gi->rows.links.size) : NULL;
+	if (!headers || (links && !pool))
+		result = no_memory(gi);
+	for (uint32_t leaf = 0; !result && leaf < s->leaf_count; leaf++) {
+		const uint32_t n = headers[leaf].y & GI_BLOCK_COUNT_MASK;
+		for (uint32_t k = 0; k < n; k++, (*count)++) {
+			if (!links || *count >= capacity)
+				continue;
+			const uint32_t at = 2 * (headers[leaf].x + k);
+			gi_link *out = &links[*count];
+			*out = (gi_link){.leaf = leaf, .node = pool[at], .weight = float_of(pool[at + 1])};
+			leaf_range(s, out->node, &out->first_leaf, &out->leaf_count);
+		}
+	}
+	free(headers);
+	free(pool);
+	return result;
+}
+
+/* ---- form factors between objects ---- */
+
+/* Objects' parts of the links of `from`, area weighted: sums[slot]; the rest is sky. */
+static gi_result sum_links(gi_context *gi, const scene_object *from, double *sums, double *area)
+{
+	const gi_scene *s = &gi->scene;
+	gi_uvec4 *headers = read_buffer(&gi->rows.headers, sizeof *headers * s->leaf_count);
+	uint32_t *pool = read_buffer(&gi->rows.links, gi->rows.links.size);
+	gi_uvec4 *leaves = read_buffer(&s->leaves_gpu, sizeof *leaves * s->leaf_count);
+	const bool ok = headers && pool && leaves;
+	for (uint32_t k = 0; ok && k < from->hierarchy.leaf_count; k++) {
+		const gi_uvec4 header = headers[from->leaf_base + k];
+		const double a = from->hierarchy.geometry[from->hierarchy.leaf_node[k]].moment.w;
+		*area += a;
+		for (uint32_t l = 0; l < (header.y & GI_BLOCK_COUNT_MASK); l++) {
+			const gi_uvec4 range = s->topology[pool[2 * (header.x + l)]].range;
+			const uint32_t slot = range.w & GI_NODE_SKY ? s->sky_slot : leaves[range.y].y;
+			sums[slot] += a * float_of(pool[2 * (header.x + l) + 1]);
+		}
+	}
+	free(headers);
+	free(pool);
+	free(leaves);
+	return ok ? GI_OK : no_memory(gi);
+}
+
+gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out)
+{
+	gi_result result = begin_read(gi, out);
+	if (result)
+		return result;
+	const bool all = to.index1 == 0;
+	const scene_object *a = scene_find(gi, from), *b = all ? NULL : scene_find(gi, to);
+	if (!a || (!all && !b) || !a->committed || (b && !b->committed))
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "gi_form_factor: an object is stale or not committed");
+	double *sums = calloc(gi->scene.slot_count, sizeof *sums), area = 0;
+	if (!sums)
+		return no_memory(gi);
+	result = sum_links(gi, a, sums, &area);
+	double sum = 0;
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
+		if (all ? slot != gi->scene.sky_slot : slot == b->slot)
+			sum += sums[slot];
+	free(sums);
+	if (!result)
+		*out = sum / area;
+	return result;
+}

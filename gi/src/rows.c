@@ -1,0 +1,395 @@
+/* The rows of M: which nodes each leaf receives from, form factors, visibility, closing. Builds them and keeps them current.
+ *
+ *   segments   one block per (leaf, object): the cut of that object's hierarchy in the leaf's row
+ *   entries    pool of blocks; an entry is node, F, visibility
+ *   queue      entries to work on in this update: cut anew first, flagged ones behind them
+ *   links      pool of blocks, one per leaf: the closed row as the solve reads it
+ *
+ * An update cuts anew the segments with a mover at one end, flags what a mover may have changed between bodies at rest to each
+ * other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows kept by updates
+ * are those of a rebuild, bit for bit.
+ */
+#include "context.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Entries per leaf are about this over the row tolerance in a closed room; the pool doubles when that was too few. */
+static const double ENTRIES_TIMES_TOLERANCE = 2.0;
+
+/* Black sky only has to close rows: patches of a few per cent of the hemisphere do. */
+static const float BLACK_SKY_TOLERANCE = 0.04f;
+
+gi_result rows_init(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	const struct {
+		const char *file;
+		uint32_t *program;
+	} programs[] = {{"pose.comp", &r->pose_program},     {"cut.comp", &r->cut_program},
+			{"factor.comp", &r->factor_program}, {"flag.comp", &r->flag_program},
+			{"trace.comp", &r->trace_program},   {"close.comp", &r->close_program},
+			{"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
+		gi_result result = gpu_program_compute(&gi->gpu, programs[k].file, programs[k].program);
+		if (result)
+			return result;
+	}
+	return gpu_buffer_allocate(&gi->gpu, &r->frame, sizeof(gi_frame), NULL);
+}
+
+/* Free lists of all classes of a pool together, in words. */
+static uint64_t list_words(uint64_t limit)
+{
+	uint64_t words = 0;
+	for (uint32_t c = 0; c < GI_BLOCK_CLASSES; c++)
+		words += limit / ((uint64_t)GI_BLOCK_SMALLEST << c);
+	return words;
+}
+
+static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
+{
+	const uint64_t list = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
+	return gpu_buffer_allocate(&gi->gpu, pool, sizeof(uint32_t) * (list + list_words(limit)), NULL);
+}
+
+static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
+{
+	uint32_t head[GI_POOL_PENDING_LIST] = {0};
+	head[GI_POOL_LIMIT] = (uint32_t)limit;
+	head[GI_POOL_LIST] = GI_POOL_PENDING_LIST + 2 * GI_POOL_PENDING_MAX;
+	gpu_buffer_upload(&gi->gpu, pool, 0, sizeof head, head);
+}
+
+static gi_result allocate_pools(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	gpu *g = &gi->gpu;
+	gi_result result = gpu_buffer_allocate(g, &r->entries, sizeof(gi_uvec4) * r->entry_limit, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(g, &r->queue, sizeof(uint32_t) * r->entry_limit, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(g, &r->links, 2 * sizeof(uint32_t) * r->link_limit, NULL);
+	if (!result)
+		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
+	if (!result)
+		result = allocate_pool(gi, &r->link_pool, r->link_limit);
+	r->rebuild = true;
+	return result;
+}
+
+gi_result rows_allocate(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	const gi_scene *s = &gi->scene;
+	gpu *g = &gi->gpu;
+	const uint64_t leaves = s->leaf_count;
+	gi_result result =
+		gpu_buffer_allocate(g, &r->segments, 2 * sizeof(uint32_t) * leaves * s->slot_count, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
+	if (result)
+		return result;
+	const double per_leaf = ENTRIES_TIMES_TOLERANCE / gi->def.row_tolerance + 64;
+	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
+	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
+	r->entry_limit = limit < most ? limit : most;
+	r->link_limit = r->entry_limit;
+	r->fitted = false;
+	return allocate_pools(gi);
+}
+
+gi_result rows_grow(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	const uint64_t most = gi->gpu.max_block_bytes / sizeof(gi_uvec4);
+	if (r->entry_limit >= most)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+			       "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
+			       (unsigned)(gi->gpu.max_block_bytes >> 20));
+	r->entry_limit = 2 * r->entry_limit < most ? 2 * r->entry_limit : most;
+	r->link_limit = r->entry_limit;
+	return allocate_pools(gi);
+}
+
+/* ---- what has to be done ---- */
+
+typedef struct plan {
+	uint32_t pose_runs, pose_threads, cut_runs;
+	uint64_t cut_threads;
+} plan;
+
+static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
+{
+	if (at >= r->run_capacity) {
+		const uint32_t capacity = 2 * at + 64;
+		gi_uvec4 *grown = realloc(r->run_data, sizeof *grown * capacity);
+		if (!grown)
+			return false;
+		r->run_data = grown;
+		r->run_capacity = capacity;
+	}
+	r->run_data[at] = run;
+	return true;
+}
+
+static bool slot_moved(const gi_context *gi, uint32_t slot)
+{
+	return gi->rows.rebuild || (gi->scene.object_data[slot].bvh.z & GI_OBJECT_MOVED);
+}
+
+static bool slot_relit(const gi_context *gi, uint32_t slot)
+{
+	const uint32_t index = gi->scene.slots[slot];
+	return index != GI_NONE && gi->scene.objects[index].relit;
+}
+
+/* Does the cut of `source` for leaves of `receiver` have to be done again? */
+static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t source)
+{
+	if (gi->rows.rebuild || slot_relit(gi, source))
+		return true;
+	return receiver != source && (slot_moved(gi, receiver) || slot_moved(gi, source));
+}
+
+static bool plan_poses(gi_context *gi, plan *p)
+{
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
+		if (!slot_moved(gi, slot))
+			continue;
+		const gi_object_data *data = &gi->scene.object_data[slot];
+		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 0, data->nodes.x}))
+			return false;
+		p->pose_threads += data->nodes.y - data->nodes.x;
+		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 1, data->extra.y}))
+			return false;
+		p->pose_threads += data->extra.z - data->extra.y;
+	}
+	return true;
+}
+
+static bool plan_cuts(gi_context *gi, plan *p)
+{
+	const gi_scene *s = &gi->scene;
+	for (uint32_t receiver = 0; receiver < s->slot_count; receiver++) {
+		const gi_uvec4 nodes = s->object_data[receiver].nodes;
+		if (nodes.w == nodes.z)
+			continue;
+		for (uint32_t source = 0; source < s->slot_count; source++) {
+			if (!pair_is_dirty(gi, receiver, source))
+				continue;
+			const gi_uvec4 run = {(uint32_t)p->cut_threads, receiver, source, nodes.z};
+			if (!add_run(&gi->rows, p->pose_runs + p->cut_runs++, run))
+				return false;
+			p->cut_threads += nodes.w - nodes.z;
+		}
+	}
+	return true;
+}
+
+static bool boxes_overlap(const scene_object *a, const scene_object *b)
+{
+	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
+	for (int k = 0; k < 3; k++)
+		if (al[k] > bu[k] || bl[k] > au[k])
+			return false;
+	return true;
+}
+
+static bool is_suspect(const gi_context *gi, uint32_t observer, uint32_t slot)
+{
+	const gi_scene *s = &gi->scene;
+	if (slot == observer || s->slots[slot] == GI_NONE)
+		return false;
+	if (!slot_moved(gi, observer))
+		return slot_moved(gi, slot);
+	/* Segments within a mover stay inside its box. */
+	return boxes_overlap(&s->objects[s->slots[observer]], &s->objects[s->slots[slot]]);
+}
+
+/* Objects that may have changed what each object's entries see (gi_object_data); all at rest share the movers. */
+static gi_result upload_suspects(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	uint32_t *list = NULL, count = 0, capacity = 0, rest_first = GI_NONE, rest_end = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		gi_object_data *data = &s->object_data[slot];
+		const bool moved = slot_moved(gi, slot);
+		if (!moved && rest_first != GI_NONE) {
+			data->bvh.w = rest_first;
+			data->extra.x = rest_end;
+			continue;
+		}
+		data->bvh.w = count;
+		for (uint32_t other = 0; other < s->slot_count && s->slots[slot] != GI_NONE; other++) {
+			if (!is_suspect(gi, slot, other))
+				continue;
+			if (count == capacity) {
+				capacity = 2 * capacity + 64;
+				uint32_t *grown = realloc(list, sizeof *list * capacity);
+				if (!grown) {
+					free(list);
+					return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+				}
+				list = grown;
+			}
+			list[count++] = other;
+		}
+		data->extra.x = count;
+		if (!moved) {
+			rest_first = data->bvh.w;
+			rest_end = count;
+		}
+	}
+	gi_result result = GI_OK;
+	const uint64_t bytes = sizeof *list * count;
+	if (bytes > gi->rows.suspects.size || !gi->rows.suspects.name)
+		result = gpu_buffer_allocate(&gi->gpu, &gi->rows.suspects, 2 * bytes, NULL);
+	if (!result)
+		gpu_buffer_upload(&gi->gpu, &gi->rows.suspects, 0, bytes, list);
+	free(list);
+	return result;
+}
+
+static gi_result upload_plan(gi_context *gi, const plan *p)
+{
+	gi_rows *r = &gi->rows;
+	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
+	if (bytes > r->runs.size || !r->runs.name) {
+		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, bytes + bytes / 2, NULL);
+		if (result)
+			return result;
+	}
+	gpu_buffer_upload(&gi->gpu, &r->runs, 0, bytes, r->run_data);
+	gpu_buffer_upload(&gi->gpu, &gi->scene.objects_gpu, 0, sizeof(gi_object_data) * gi->scene.slot_count,
+			  gi->scene.object_data);
+	return GI_OK;
+}
+
+static void upload_frame(gi_context *gi, const plan *p)
+{
+	const gi_scene *s = &gi->scene;
+	const gi_context_def *def = &gi->def;
+	const float *sky = def->sky_exitance;
+	const bool lit = sky[0] + sky[1] + sky[2] > 0;
+	const float sky_tolerance = lit || def->row_tolerance > BLACK_SKY_TOLERANCE ? def->row_tolerance : BLACK_SKY_TOLERANCE;
+	gi->frame = (gi_frame){
+		.counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
+		.limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.link_limit,
+			   def->emitter_samples},
+		.tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance, def->solve_tolerance},
+		.work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
+		.misc = {s->tlas_count, s->wide_count, s->light_count, 0},
+	};
+	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
+}
+
+/* ---- the passes ---- */
+
+static void begin(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
+	if (!r->rebuild) {
+		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		return;
+	}
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
+	reset_pool(gi, &r->entry_pool, r->entry_limit);
+	reset_pool(gi, &r->link_pool, r->link_limit);
+	/* No block: class 255, and any offset. */
+	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
+	gpu_buffer_clear(&r->headers, 0, r->headers.size, GI_BLOCK_NO_CLASS << 24);
+}
+
+static void prepare(gi_context *gi, uint32_t stage)
+{
+	gpu_set_uint(gi->rows.prepare_program, 0, stage);
+	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
+}
+
+static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
+{
+	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
+	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
+	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
+}
+
+static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads)
+{
+	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
+	gpu_dispatch(&gi->gpu, program, threads);
+	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
+}
+
+gi_result rows_update(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	plan p = {0};
+	gi_result result = scene_upload_changes(gi);
+	if (!result && (!plan_poses(gi, &p) || !plan_cuts(gi, &p)))
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	if (!result && p.cut_threads > UINT32_MAX / 2)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
+				 gi->scene.leaf_count, gi->scene.slot_count);
+	if (!result)
+		result = upload_suspects(gi);
+	if (!result)
+		result = upload_plan(gi, &p);
+	if (result)
+		return result;
+	upload_frame(gi, &p);
+	scene_bind(gi);
+	rows_bind(gi);
+	solver_bind(gi);
+	begin(gi);
+	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
+	run(gi, GI_PASS_CUT, r->cut_program, p.cut_threads);
+	prepare(gi, 0);
+	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
+	if (!r->rebuild)
+		run(gi, GI_PASS_FLAG, r->flag_program, gi->scene.leaf_count);
+	prepare(gi, 1);
+	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
+	run(gi, GI_PASS_CLOSE, r->close_program, gi->scene.leaf_count);
+	prepare(gi, 2);
+	gpu_dispatch_indirect(&gi->gpu, r->recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
+	r->rebuild = false;
+	return GI_OK;
+}
+
+void rows_bind(const gi_context *gi)
+{
+	const gi_rows *r = &gi->rows;
+	gpu_bind_storage(GI_BIND_FRAME, &r->frame);
+	gpu_bind_storage(GI_BIND_SEGMENTS, &r->segments);
+	gpu_bind_storage(GI_BIND_ENTRIES, &r->entries);
+	gpu_bind_storage(GI_BIND_ENTRY_POOL, &r->entry_pool);
+	gpu_bind_storage(GI_BIND_QUEUE, &r->queue);
+	gpu_bind_storage(GI_BIND_ROWS, &r->headers);
+	gpu_bind_storage(GI_BIND_LINKS, &r->links);
+	gpu_bind_storage(GI_BIND_LINK_POOL, &r->link_pool);
+	gpu_bind_storage(GI_BIND_TOUCHED, &r->touched);
+	gpu_bind_storage(GI_BIND_RUNS, &r->runs);
+	gpu_bind_storage(GI_BIND_SUSPECTS, &r->suspects);
+	gpu_bind_storage(GI_BIND_STATE, &gi->state);
+}
+
+void rows_free(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	gpu_buffer *buffers[] = {&r->segments, &r->entries,   &r->entry_pool, &r->queue, &r->headers, &r->links,
+				 &r->link_pool, &r->touched, &r->runs,       &r->suspects, &r->frame};
+	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
+		gpu_buffer_free(&gi->gpu, buffers[k]);
+	uint32_t *programs[] = {&r->pose_program,  &r->cut_program,   &r->factor_program,  &r->flag_program,
+				&r->trace_program, &r->close_program, &r->recycle_program, &r->prepare_program};
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
+		gpu_program_free(programs[k]);
+	free(r->run_data);
+}

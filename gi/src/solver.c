@@ -1,0 +1,99 @@
+/* The solve: Jacobi from last frame's B until the certified bound meets the tolerance, then the light of what is drawn.
+ *
+ * A sweep is gather (leaves), pull (ancestors as area means) and check, which ends the solve on the GPU by zeroing the group counts of
+ * the sweeps that are still queued: no read-back in the frame.
+ */
+#include "context.h"
+
+gi_result solver_init(gi_context *gi)
+{
+	gi_solver *s = &gi->solver;
+	const struct {
+		const char *file;
+		uint32_t *program;
+	} programs[] = {{"gather.comp", &s->gather_program}, {"pull.comp", &s->pull_program},
+			{"pull_wide.comp", &s->wide_program}, {"check.comp", &s->check_program},
+			{"start.comp", &s->start_program},   {"indirect.comp", &s->indirect_program},
+			{"light.comp", &s->light_program}};
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
+		gi_result result = gpu_program_compute(&gi->gpu, programs[k].file, programs[k].program);
+		if (result)
+			return result;
+	}
+	return GI_OK;
+}
+
+gi_result solver_allocate(gi_context *gi)
+{
+	gi_solver *s = &gi->solver;
+	const gi_scene *scene = &gi->scene;
+	const uint64_t vec = sizeof(gi_vec4);
+	gi_result result = gpu_buffer_allocate(&gi->gpu, &s->radiosity, vec * scene->node_count, scene->node_exitance);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &s->leaf_radiosity, vec * scene->leaf_count, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &s->leaf_indirect, vec * scene->leaf_count, NULL);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &s->light, vec * scene->light_count, NULL);
+	if (result)
+		return result;
+	gpu_buffer_clear(&s->leaf_radiosity, 0, s->leaf_radiosity.size, 0);
+	gpu_buffer_clear(&s->leaf_indirect, 0, s->leaf_indirect.size, 0);
+	gpu_buffer_clear(&s->light, 0, s->light.size, 0);
+	return GI_OK;
+}
+
+static void sweep(gi_context *gi)
+{
+	const gi_solver *s = &gi->solver;
+	const uint64_t word = sizeof(uint32_t);
+	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
+	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
+	if (gi->scene.wide_count)
+		gpu_dispatch_indirect(&gi->gpu, s->wide_program, &gi->state, word * GI_STATE_ARGS_WIDE);
+	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
+}
+
+void solver_update(gi_context *gi)
+{
+	gi_solver *s = &gi->solver;
+	scene_bind(gi);
+	rows_bind(gi);
+	solver_bind(gi);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
+	if (s->cold)
+		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
+	s->cold = false;
+	gpu_set_uint(s->check_program, 0, 1);
+	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
+	gpu_set_uint(s->check_program, 0, 0);
+	for (uint32_t k = 0; k < gi->def.max_sweeps; k++)
+		sweep(gi);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
+
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
+	gpu_dispatch(&gi->gpu, s->indirect_program, gi->scene.leaf_count);
+	gpu_dispatch(&gi->gpu, s->light_program, gi->scene.light_count);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
+}
+
+void solver_bind(const gi_context *gi)
+{
+	const gi_solver *s = &gi->solver;
+	gpu_bind_storage(GI_BIND_RADIOSITY, &s->radiosity);
+	gpu_bind_storage(GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
+	gpu_bind_storage(GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
+	gpu_bind_storage(GI_BIND_LIGHT, &s->light);
+}
+
+void solver_free(gi_context *gi)
+{
+	gi_solver *s = &gi->solver;
+	gpu_buffer *buffers[] = {&s->radiosity, &s->leaf_radiosity, &s->leaf_indirect, &s->light};
+	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
+		gpu_buffer_free(&gi->gpu, buffers[k]);
+	uint32_t *programs[] = {&s->gather_program, &s->pull_program,	  &s->wide_program, &s->check_program,
+				&s->start_program,  &s->indirect_program, &s->light_program};
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
+		gpu_program_free(programs[k]);
+}
