@@ -218,16 +218,22 @@ std::vector<int> clean_points(const gi_refine_cage &cage, Cage &out)
 
 using Edge = std::pair<int, int>;
 
+/* Calls visit(from, to) for the edges of every face, as the face walks them. */
+template <class Visit> void for_each_edge(const Cage &cage, Visit visit)
+{
+	size_t first = 0;
+	for (int count : cage.counts) {
+		for (int i = 0; i < count; i++)
+			visit(cage.indices[first + i], cage.indices[first + (i + 1) % count]);
+		first += count;
+	}
+}
+
 std::vector<Edge> cage_edges(const Cage &cage)
 {
 	std::vector<Edge> edges;
 	edges.reserve(cage.indices.size());
-	size_t first = 0;
-	for (int count : cage.counts) {
-		for (int i = 0; i < count; i++)
-			edges.push_back(std::minmax({cage.indices[first + i], cage.indices[first + (i + 1) % count]}));
-		first += count;
-	}
+	for_each_edge(cage, [&](int from, int to) { edges.push_back(std::minmax({from, to})); });
 	std::sort(edges.begin(), edges.end());
 	return edges;
 }
@@ -442,11 +448,23 @@ void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, 
 		export_limit(refiner, points, out);
 }
 
-bool is_closed(const Far::TopologyLevel &base)
+/* Is every edge walked as often one way as the other? Then the surface has no boundary, and what it encloses hides its backs. Two
+ * faces an edge is the usual case; simplified scans also fold edges of four. */
+bool is_closed(const Cage &cage)
 {
-	for (int edge = 0; edge < base.GetNumEdges(); edge++)
-		if (base.GetEdgeFaces(edge).size() != 2 || base.IsEdgeNonManifold(edge))
+	std::vector<std::pair<Edge, int>> walks;
+	walks.reserve(cage.indices.size());
+	for_each_edge(cage, [&](int from, int to) {
+		walks.push_back({std::minmax({from, to}), from < to ? 1 : -1});
+	});
+	std::sort(walks.begin(), walks.end());
+	int balance = 0;
+	for (size_t i = 0; i < walks.size(); i++) {
+		balance += walks[i].second;
+		const bool last = i + 1 == walks.size() || walks[i + 1].first != walks[i].first;
+		if (last && balance != 0)
 			return false;
+	}
 	return true;
 }
 
@@ -463,7 +481,7 @@ void refine(const gi_refine_cage &source, uint32_t levels, gi_refined &out)
 	const Refiner_ptr refiner = make_refiner(cage, source, levels);
 	export_levels(*refiner, cage, out);
 	export_vertices(*refiner, interpolate(*refiner, cage.points), out);
-	out.closed = is_closed(refiner->GetLevel(0));
+	out.closed = is_closed(cage);
 }
 
 bool fail(gi_refined *out, char *message, size_t message_size, const char *text)

@@ -53,7 +53,7 @@ typedef struct gi_refined {
 	uint32_t vertex_count; /* of the finest level */
 	float (*positions)[3]; /* on the limit surface (bilinear: the refined positions) */
 	float (*normals)[3];   /* unit limit normals; zero where the surface has none (bilinear, on a sharp crease) */
-	bool closed;           /* every edge of the cage has two faces */
+	bool closed;           /* no boundary: faces walk every edge of the cage as often one way as the other */
 } gi_refined;
 
 /* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for Loop
