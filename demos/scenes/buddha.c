@@ -16,20 +16,14 @@
 enum {
 	COLUMNS = 24,                        /* around the figure; column 0 is the front, 6 its left (+x), 12 the back */
 	HALF = COLUMNS / 2,                  /* columns 0..HALF are modelled, the others are their mirror images */
-	LOTUS_RINGS = 9,
-	BODY_RINGS = 29,
-	NECK_RING = 17,                      /* the body ring from which on rays see the head */
+	LOTUS_RINGS = 8,
+	BODY_RINGS = 32,
+	NECK_RING = 16,                      /* the body ring from which on rays see the head */
 	RINGS = LOTUS_RINGS + BODY_RINGS,
-	CAP = COLUMNS / 4,                   /* the square grids at both ends have CAP x CAP faces */
-	CAP_INNER = (CAP - 1) * (CAP - 1),   /* vertices of such a grid that no ring owns */
-	BOTTOM_FIRST = RINGS * COLUMNS,      /* vertex numbers: rings, then inner bottom, then inner top */
-	TOP_FIRST = BOTTOM_FIRST + CAP_INNER,
-	VERTICES = TOP_FIRST + CAP_INNER,
-	FACES = (RINGS - 1) * COLUMNS + 2 * CAP * CAP,
 	FIT_ROUNDS = 8                       /* cage corrections; the error of the finest waves is still a third of itself */
 };
 
-static const double DEGREE = 0.017453292519943295;
+static const double DEGREE = 0.017453292519943295, TURN = 6.283185307179586; /* radians */
 
 typedef struct vec3 {
 	double x, y, z;
@@ -58,6 +52,11 @@ static vec3 scale(vec3 a, double s)
 static double dot(vec3 a, vec3 b)
 {
 	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vec3 cross(vec3 a, vec3 b)
+{
+	return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
 static double length(vec3 a)
@@ -114,57 +113,64 @@ static double carve(double a, double hole, double soft)
 
 static double legs(vec3 p)
 {
-	double thigh = limb(p, v3(0.08, 0.285, -0.06), 0.095, v3(0.285, 0.268, 0.10), 0.068);
-	double shin = limb(p, v3(0.29, 0.262, 0.115), 0.062, v3(0.0, 0.262, 0.235), 0.052);
-	double knee = ellipsoid(p, v3(0.295, 0.262, 0.11), v3(0.072, 0.062, 0.075));
-	double apron = ellipsoid(p, v3(0.0, 0.205, 0.235), v3(0.15, 0.028, 0.085));
-	double sole = ellipsoid(p, v3(0.155, 0.335, 0.155), v3(0.075, 0.026, 0.036));
-	double lap = ellipsoid(p, v3(0.0, 0.30, 0.14), v3(0.14, 0.045, 0.10));
-	double d = join(join(thigh, shin, 0.03), knee, 0.03);
+	double thigh = limb(p, v3(0.08, 0.285, -0.06), 0.095, v3(0.285, 0.262, 0.10), 0.066);
+	double shin = limb(p, v3(0.285, 0.258, 0.12), 0.060, v3(-0.02, 0.280, 0.225), 0.046);
+	double knee = ellipsoid(p, v3(0.295, 0.257, 0.11), v3(0.072, 0.060, 0.075));
+	double apron = ellipsoid(p, v3(0.0, 0.205, 0.235), v3(0.16, 0.030, 0.080));
+	double hem = limb(p, v3(0.275, 0.232, 0.115), 0.042, v3(0.0, 0.235, 0.205), 0.045);
+	double lap = ellipsoid(p, v3(0.0, 0.285, 0.10), v3(0.26, 0.052, 0.11));
+	double pleat = 0.006 * cos(12.0 * atan2(p.x, p.z - 0.02)); /* one fold to every second column */
+	double sole = ellipsoid(p, v3(0.135, 0.338, 0.178), v3(0.065, 0.024, 0.030));
+	double d = join(join(thigh, shin, 0.012), knee, 0.03);
 
-	d = join(join(d, apron, 0.02), lap, 0.03);
-	return join(d, sole, 0.012);
+	d = join(join(d, hem, 0.015), apron - pleat, 0.02);
+	d = join(d, lap, 0.02);
+	return join(d, sole, 0.008);
 }
 
 static double trunk(vec3 p)
 {
 	double hips = ellipsoid(p, v3(0.0, 0.29, -0.05), v3(0.20, 0.12, 0.135));
 	double belly = ellipsoid(p, v3(0.0, 0.41, -0.005), v3(0.138, 0.14, 0.112));
-	double chest = ellipsoid(p, v3(0.0, 0.555, -0.015), v3(0.158, 0.125, 0.105));
-	double breast = ellipsoid(p, v3(0.07, 0.575, 0.045), v3(0.07, 0.05, 0.045));
-	double shoulders = limb(p, v3(0.0, 0.645, -0.03), 0.055, v3(0.165, 0.63, -0.03), 0.055);
-	double slope = limb(p, v3(0.0, 0.705, -0.03), 0.045, v3(0.13, 0.65, -0.03), 0.035);
+	double chest = ellipsoid(p, v3(0.0, 0.555, -0.015), v3(0.152, 0.125, 0.105));
+	double breast = ellipsoid(p, v3(0.065, 0.575, 0.045), v3(0.07, 0.05, 0.034));
+	double shoulders = limb(p, v3(0.0, 0.645, -0.03), 0.055, v3(0.150, 0.622, -0.03), 0.052);
+	double slope = limb(p, v3(0.0, 0.695, -0.03), 0.045, v3(0.13, 0.645, -0.03), 0.030);
 	double d = join(join(hips, belly, 0.08), chest, 0.07);
 
 	d = join(d, breast, 0.05);
-	return join(join(d, shoulders, 0.05), slope, 0.03);
+	return join(join(d, shoulders, 0.08), slope, 0.03);
 }
 
 static double arms(vec3 p)
 {
-	vec3 elbow = v3(0.232, 0.43, -0.015);
-	double upper = limb(p, v3(0.188, 0.625, -0.028), 0.056, elbow, 0.053);
-	double lower = limb(p, elbow, 0.053, v3(0.075, 0.372, 0.165), 0.036);
-	double sleeve = limb(p, v3(0.235, 0.37, -0.01), 0.05, v3(0.15, 0.345, 0.10), 0.035);
+	vec3 elbow = v3(0.222, 0.425, -0.015);
+	double upper = limb(p, v3(0.176, 0.612, -0.028), 0.054, elbow, 0.054);
+	double lower = limb(p, elbow, 0.054, v3(0.118, 0.384, 0.135), 0.046);
+	double sleeve = limb(p, v3(0.225, 0.36, -0.02), 0.055, v3(0.15, 0.345, 0.10), 0.035);
 
-	return join(join(upper, lower, 0.03), sleeve, 0.04);
+	double fold = 0.005 * cos((p.y - 0.3 * p.z - 0.505) * TURN / 0.088); /* across the sleeve, every second ring */
+
+	return join(join(upper, lower, 0.03), sleeve, 0.05) - fold;
 }
 
 static double hands(vec3 p)
 {
-	double palm = ellipsoid(p, v3(0.035, 0.372, 0.19), v3(0.075, 0.028, 0.042));
-	double thumb = limb(p, v3(0.06, 0.385, 0.185), 0.014, v3(0.0, 0.418, 0.192), 0.012);
+	double palm = ellipsoid(p, v3(0.035, 0.368, 0.188), v3(0.085, 0.024, 0.044));
+	double thumb = limb(p, v3(0.065, 0.382, 0.185), 0.016, v3(0.0, 0.402, 0.192), 0.015);
 
-	return join(palm, thumb, 0.01);
+	return join(palm, thumb, 0.016);
 }
 
-/* The robe is a second skin over the trunk; its edges run down from the neck and meet above the hands. */
+/* The robe is a second skin over the trunk with a rolled hem. The hems run down from the neck and meet behind the
+ * hands. */
 static double robe(vec3 p, double trunk_distance)
 {
-	const double thickness = 0.016;
-	double edge = (p.x - 0.012) * 0.95 - (p.y - 0.43) * 0.33; /* > 0: covered */
+	const double cloth = 0.010, roll = 0.016, roll_width = 0.025;
+	double inside = (p.x - 0.010) * 0.945 - (p.y - 0.42) * 0.327; /* distance from the hem, > 0: covered */
+	double thickness = cloth + roll * exp(-inside * inside / (roll_width * roll_width));
 
-	return fmax(trunk_distance - thickness, p.z > -0.02 ? -edge : -1.0);
+	return fmax(trunk_distance - thickness, p.z > -0.02 ? -inside : -1.0);
 }
 
 static double neck(vec3 p)
@@ -174,39 +180,41 @@ static double neck(vec3 p)
 
 static double face(vec3 p)
 {
-	double skull = ellipsoid(p, v3(0.0, 0.845, -0.012), v3(0.083, 0.092, 0.094));
-	double jaw = ellipsoid(p, v3(0.0, 0.795, 0.022), v3(0.070, 0.078, 0.066));
-	double chin = ellipsoid(p, v3(0.0, 0.735, 0.058), v3(0.026, 0.018, 0.022));
-	double socket = ellipsoid(p, v3(0.034, 0.824, 0.098), v3(0.022, 0.010, 0.018));
-	double lid = ellipsoid(p, v3(0.036, 0.819, 0.066), v3(0.020, 0.011, 0.016));
-	double brow = limb(p, v3(0.010, 0.838, 0.084), 0.007, v3(0.050, 0.845, 0.062), 0.006);
-	double nose = limb(p, v3(0.0, 0.835, 0.086), 0.008, v3(0.0, 0.792, 0.100), 0.012);
-	double wing = ellipsoid(p, v3(0.011, 0.789, 0.092), v3(0.009, 0.008, 0.010));
-	double upper_lip = limb(p, v3(0.0, 0.770, 0.090), 0.008, v3(0.025, 0.769, 0.076), 0.005);
-	double lower_lip = limb(p, v3(0.0, 0.757, 0.086), 0.009, v3(0.018, 0.760, 0.076), 0.005);
+	double skull = ellipsoid(p, v3(0.0, 0.842, -0.008), v3(0.082, 0.080, 0.096));
+	double jaw = ellipsoid(p, v3(0.0, 0.790, 0.020), v3(0.074, 0.078, 0.070));
+	double chin = ellipsoid(p, v3(0.0, 0.727, 0.073), v3(0.024, 0.016, 0.018));
+	double socket = ellipsoid(p, v3(0.036, 0.828, 0.102), v3(0.026, 0.014, 0.018));
+	double lid = ellipsoid(p, v3(0.036, 0.825, 0.071), v3(0.022, 0.011, 0.014));
+	double brow = join(limb(p, v3(0.010, 0.844, 0.089), 0.006, v3(0.036, 0.852, 0.080), 0.005),
+			   limb(p, v3(0.036, 0.852, 0.080), 0.005, v3(0.060, 0.846, 0.060), 0.005), 0.004);
+	double nose = limb(p, v3(0.0, 0.845, 0.090), 0.007, v3(0.0, 0.792, 0.110), 0.008);
+	double wing = ellipsoid(p, v3(0.007, 0.793, 0.097), v3(0.007, 0.007, 0.010));
+	double upper_lip = limb(p, v3(0.0, 0.768, 0.098), 0.007, v3(0.025, 0.766, 0.083), 0.005);
+	double lower_lip = limb(p, v3(0.0, 0.747, 0.090), 0.008, v3(0.016, 0.749, 0.082), 0.006);
 	double d = join(join(skull, jaw, 0.03), chin, 0.03);
 
-	d = carve(d, socket, 0.012);
-	d = join(d, lid, 0.006);
-	d = join(d, brow, 0.010);
-	d = join(join(d, nose, 0.010), wing, 0.006);
+	d = carve(d, socket, 0.010);
+	d = join(d, lid, 0.004);
+	d = join(d, brow, 0.008);
+	d = join(join(d, nose, 0.008), wing, 0.006);
 	return join(join(d, upper_lip, 0.006), lower_lip, 0.006);
 }
 
 static double ears(vec3 p)
 {
-	double shell = ellipsoid(p, v3(0.092, 0.825, -0.008), v3(0.014, 0.040, 0.024));
-	double lobe = limb(p, v3(0.092, 0.80, -0.002), 0.014, v3(0.086, 0.735, 0.004), 0.014);
+	double shell = ellipsoid(p, v3(0.088, 0.822, -0.016), v3(0.015, 0.036, 0.020));
+	double lobe = limb(p, v3(0.090, 0.80, -0.015), 0.012, v3(0.085, 0.750, -0.013), 0.011);
 
 	return join(shell, lobe, 0.015);
 }
 
 static double hair(vec3 p)
 {
-	double cap = ellipsoid(p, v3(0.0, 0.862, -0.022), v3(0.093, 0.086, 0.098));
-	double ushnisha = ellipsoid(p, v3(0.0, 0.945, -0.028), v3(0.046, 0.055, 0.048));
+	double cap = ellipsoid(p, v3(0.0, 0.848, -0.012), v3(0.089, 0.083, 0.106));
+	double ushnisha = ellipsoid(p, v3(0.0, 0.940, -0.025), v3(0.047, 0.046, 0.049));
+	double hairline = 0.872 + (p.z > 0.0 ? 0.15 : 1.1) * p.z; /* falls from the brow over the ears to the nape */
 
-	return join(cap, ushnisha, 0.025);
+	return join(fmax(cap, hairline - p.y), ushnisha, 0.02);
 }
 
 static double body(vec3 p)
@@ -215,8 +223,8 @@ static double body(vec3 p)
 	double d = join(skin, robe(p, skin), 0.004);
 
 	d = join(d, arms(p), 0.022);
-	d = join(d, legs(p), 0.025);
-	d = join(d, hands(p), 0.012);
+	d = join(d, legs(p), 0.045);
+	d = join(d, hands(p), 0.006);
 	return join(d, neck(p), 0.025);
 }
 
@@ -248,15 +256,17 @@ static vec3 last_exit(double (*clay)(vec3), vec3 origin, vec3 direction)
 
 /* ---- Aiming the rays ----------------------------------------------------------------------------------------- */
 
-enum zone { ZONE_SEAT, ZONE_LAP, ZONE_CHEST, ZONE_COLLAR, ZONE_FACE, ZONE_CROWN, ZONES };
+enum zone { ZONE_SEAT, ZONE_LAP, ZONE_BELLY, ZONE_CHEST, ZONE_COLLAR, ZONE_FACE, ZONE_CROWN, ZONES };
 
-/* Azimuth of columns 0..HALF in degrees, 0 = front, 90 = side. */
+/* Azimuth of columns 0..HALF in degrees, 0 = front, 90 = side. On the trunk columns 1 and 2 run on either side of the
+ * robe's hem; on the head column 1 is the side of the nose, 3 the outer corner of the eye, 7 the ear. */
 static const double azimuth[ZONES][HALF + 1] = {
 	[ZONE_SEAT]   = {0, 15, 30, 45, 58, 68, 80, 95, 110, 125, 142, 161, 180},
 	[ZONE_LAP]    = {0, 12, 24, 36, 48, 60, 75, 92, 108, 125, 142, 161, 180},
-	[ZONE_CHEST]  = {0, 17, 30, 46, 60, 74, 88, 102, 116, 130, 146, 163, 180},
-	[ZONE_COLLAR] = {0, 22, 42, 56, 68, 78, 90, 102, 115, 130, 146, 163, 180},
-	[ZONE_FACE]   = {0, 10, 21, 34, 50, 70, 86, 100, 114, 129, 145, 162, 180},
+	[ZONE_BELLY]  = {0, 6, 15, 30, 46, 61, 77, 94, 110, 126, 143, 161, 180},
+	[ZONE_CHEST]  = {0, 20, 29, 44, 58, 73, 88, 102, 116, 130, 146, 163, 180},
+	[ZONE_COLLAR] = {0, 36, 47, 58, 69, 79, 90, 102, 115, 130, 146, 163, 180},
+	[ZONE_FACE]   = {0, 8, 17, 28, 41, 57, 74, 87, 99, 114, 134, 157, 180},
 	[ZONE_CROWN]  = {0, 14, 29, 45, 61, 76, 90, 104, 119, 135, 151, 166, 180},
 };
 
@@ -271,38 +281,42 @@ typedef struct ring_aim {
 
 static const ring_aim aims[BODY_RINGS] = {
 	/* legs */
-	{{.210, .214, .210}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
+	{{.212, .214, .210}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
 	{{.232, .232, .235}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
 	{{.262, .262, .275}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
-	{{.285, .290, .315}, {5, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
-	{{.290, .305, .350}, {15, 5, 0}, .02, ZONE_SEAT, ZONE_LAP, .5},
+	{{.290, .240, .315}, {5, 12, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
 	/* lap, hands, forearms */
-	{{.295, .320, .375}, {21, 10, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
-	{{.310, .340, .400}, {23, 10, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.330, .365, .425}, {24, 10, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.350, .395, .450}, {30, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
-	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_CHEST, .5},
+	{{.298, .210, .350}, {8, 26, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
+	{{.310, .270, .385}, {14, 22, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
+	{{.330, .340, .420}, {16, 14, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
+	{{.350, .395, .450}, {17, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
+	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_BELLY, .7},
 	/* belly and chest */
-	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_CHEST, ZONE_CHEST, 0},
-	{{.500, .505, .535}, {0, 0, 0}, -.02, ZONE_CHEST, ZONE_CHEST, 0},
+	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .3},
+	{{.500, .505, .535}, {0, 0, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .65},
 	{{.545, .550, .575}, {0, 0, 0}, -.02, ZONE_CHEST, ZONE_CHEST, 0},
-	{{.590, .590, .610}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .4},
-	{{.628, .610, .635}, {0, 15, 5}, -.025, ZONE_CHEST, ZONE_COLLAR, .7},
+	{{.590, .590, .610}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .5},
+	{{.628, .610, .635}, {0, 15, 5}, -.025, ZONE_COLLAR, ZONE_COLLAR, 0},
 	{{.655, .630, .655}, {5, 28, 15}, -.03, ZONE_COLLAR, ZONE_COLLAR, 0},
-	{{.680, .660, .680}, {5, 30, 20}, -.03, ZONE_COLLAR, ZONE_FACE, .3},
-	/* neck and head */
-	{{.708, .715, .722}, {0, 0, 0}, -.02, ZONE_FACE, ZONE_FACE, 0},
-	{{.765, .755, .745}, {-38, -20, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.765, .765, .765}, {-20, -10, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.762, .775, .780}, {-3, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.774, .785, .795}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.788, .800, .810}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.804, .812, .825}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.822, .828, .840}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.840, .845, .855}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.850, .855, .860}, {14, 10, 8}, -.01, ZONE_FACE, ZONE_CROWN, .3},
-	{{.855, .860, .860}, {38, 32, 30}, -.02, ZONE_CROWN, ZONE_CROWN, 0},
-	{{.860, .860, .860}, {60, 56, 54}, -.028, ZONE_CROWN, ZONE_CROWN, 0},
+	{{.678, .655, .678}, {5, 42, 20}, -.03, ZONE_COLLAR, ZONE_FACE, .3},
+	/* neck, chin, mouth, nose */
+	{{.704, .712, .722}, {0, 0, 0}, -.02, ZONE_FACE, ZONE_FACE, 0},
+	{{.765, .722, .742}, {-38, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.727, .742, .760}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.746, .758, .772}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.757, .766, .782}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.769, .776, .790}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.790, .791, .804}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.806, .806, .816}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	/* eyes, brow, hair */
+	{{.817, .818, .828}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.828, .830, .840}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.839, .842, .852}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.848, .852, .864}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.858, .858, .860}, {6, 8, 8}, -.01, ZONE_FACE, ZONE_CROWN, .3},
+	{{.858, .860, .860}, {20, 20, 22}, -.02, ZONE_FACE, ZONE_CROWN, .6},
+	{{.860, .860, .860}, {40, 39, 38}, -.025, ZONE_CROWN, ZONE_CROWN, 0},
+	{{.872, .872, .872}, {50, 49, 49}, -.025, ZONE_CROWN, ZONE_CROWN, 0},
 };
 
 /* Blends a table's front, side and back value smoothly over the azimuth. */
@@ -340,15 +354,14 @@ typedef struct lotus_ring {
 } lotus_ring;
 
 static const lotus_ring lotus[LOTUS_RINGS] = {
-	{.000, .345, .000, -.012}, /* the foot, flat on the floor */
-	{.022, .372, .000, -.016}, /* lower tier: tips point down, between those of the upper tier */
-	{.060, .352, .000, -.014},
-	{.090, .305, .000, -.004}, /* waist */
-	{.108, .300, .000, .004},
-	{.132, .345, .000, .012},
-	{.168, .378, .003, .016}, /* upper tier: tips point up */
-	{.199, .388, .008, .016},
-	{.200, .352, .000, .000}, /* the seat */
+	{.000, .345, .000, -.015}, /* the foot, flat on the floor */
+	{.020, .376, .000, -.028}, /* lower tier: tips point down, between those of the upper tier */
+	{.060, .352, .000, -.024},
+	{.098, .296, .000, .000}, /* waist */
+	{.128, .345, -.006, .020},
+	{.166, .380, .000, .028}, /* upper tier: tips point up */
+	{.196, .386, .016, .032},
+	{.196, .350, .004, .004}, /* the seat */
 };
 static const double LOTUS_DEPTH = 0.86;   /* z radius over x radius */
 static const double LOTUS_CENTRE_Z = 0.035; /* the knees reach further forward than the back reaches back */
@@ -364,57 +377,77 @@ static vec3 lotus_target(int ring, int column)
 	return v3(x, l->y + petal * l->petal_y, radius * LOTUS_DEPTH * cos(angle) + LOTUS_CENTRE_Z);
 }
 
-/* ---- The square grids at both ends ------------------------------------------------------------------------------ */
+/* ---- The grids that close both ends ------------------------------------------------------------------------------ */
 
-/* Vertex at (i, j), 0..CAP each, of the cap whose rim is `ring`; i grows to +x, j to +z. The rim starts with column 0
- * in the middle of the +z side. */
-static int cap_vertex(int ring, int inner_first, int i, int j)
+/* A cap is a grid of width x depth quads whose rim, 2 (width + depth) = COLUMNS edges long, is a whole ring. Both
+ * numbers are even, so that a grid line lies in the plane of symmetry. The vertices that no ring owns are numbered
+ * from `first`. */
+typedef struct cap_grid {
+	int width, depth, ring, first;
+} cap_grid;
+
+enum {
+	BOTTOM_WIDTH = 2, BOTTOM_DEPTH = 10, /* never seen: the fewest faces that do */
+	TOP_WIDTH = 6, TOP_DEPTH = 6,
+	BOTTOM_FIRST = RINGS * COLUMNS,
+	TOP_FIRST = BOTTOM_FIRST + (BOTTOM_WIDTH - 1) * (BOTTOM_DEPTH - 1),
+	VERTICES = TOP_FIRST + (TOP_WIDTH - 1) * (TOP_DEPTH - 1),
+	CROWN = TOP_FIRST + (TOP_WIDTH - 1) * (TOP_DEPTH - 1) / 2,
+	FACES = (RINGS - 1) * COLUMNS + BOTTOM_WIDTH * BOTTOM_DEPTH + TOP_WIDTH * TOP_DEPTH
+};
+
+static const cap_grid bottom = {BOTTOM_WIDTH, BOTTOM_DEPTH, 0, BOTTOM_FIRST};
+static const cap_grid top = {TOP_WIDTH, TOP_DEPTH, RINGS - 1, TOP_FIRST};
+
+static bool is_inner(const cap_grid *cap, int i, int j)
 {
+	return i > 0 && i < cap->width && j > 0 && j < cap->depth;
+}
+
+/* The column of rim point (i, j); i = 0..width grows to +x, j = 0..depth to +z. Column 0 is the middle of the +z
+ * side. */
+static int rim_column(const cap_grid *cap, int i, int j)
+{
+	int right = cap->width / 2; /* the column of the corner (width, depth) */
 	int column;
 
-	if (i > 0 && i < CAP && j > 0 && j < CAP)
-		return inner_first + (j - 1) * (CAP - 1) + (i - 1);
-	if (j == CAP)
-		column = i - CAP / 2;
-	else if (i == CAP)
-		column = CAP / 2 + (CAP - j);
+	if (j == cap->depth)
+		column = i - right;
+	else if (i == cap->width)
+		column = right + cap->depth - j;
 	else if (j == 0)
-		column = CAP / 2 + CAP + (CAP - i);
+		column = right + cap->depth + cap->width - i;
 	else
-		column = CAP / 2 + 2 * CAP + j;
-	return ring * COLUMNS + (column + COLUMNS) % COLUMNS;
+		column = right + cap->depth + cap->width + j;
+	return (column + COLUMNS) % COLUMNS;
 }
 
-/* Maps the square grid to the unit disc. */
-static void cap_to_disc(int i, int j, double *x, double *z)
+static int cap_vertex(const cap_grid *cap, int i, int j)
 {
-	double u = (2.0 * i - CAP) / CAP, v = (2.0 * j - CAP) / CAP;
-
-	*x = u * sqrt(1.0 - 0.5 * v * v);
-	*z = v * sqrt(1.0 - 0.5 * u * u);
+	if (is_inner(cap, i, j))
+		return cap->first + (j - 1) * (cap->width - 1) + (i - 1);
+	return cap->ring * COLUMNS + rim_column(cap, i, j);
 }
 
+/* An inner point of the bottom lies on the floor, on the line between the rim's points left and right of it. */
 static vec3 bottom_target(int i, int j)
 {
-	double x, z;
+	vec3 right = lotus_target(0, rim_column(&bottom, bottom.width, j));
 
-	cap_to_disc(i, j, &x, &z);
-	return v3(x * lotus[0].radius, 0.0, z * lotus[0].radius * LOTUS_DEPTH + LOTUS_CENTRE_Z);
+	return v3(right.x * (2.0 * i / bottom.width - 1.0), 0.0, right.z);
 }
 
-/* The cap continues the last ring of rays up to the zenith. */
+/* The top continues the last ring of rays up to the zenith; the square grid is mapped to a disc of openings. */
 static vec3 top_target(int i, int j)
 {
 	const ring_aim *rim = &aims[BODY_RINGS - 1];
-	double x, z, angle, opening, pitch;
-	vec3 target;
+	double u = 2.0 * i / top.width - 1.0, v = 2.0 * j / top.depth - 1.0;
+	double x = u * sqrt(1.0 - 0.5 * v * v), z = v * sqrt(1.0 - 0.5 * u * u);
+	double angle = atan2(fabs(x), z);
+	double pitch = 90.0 - sqrt(x * x + z * z) * (90.0 - around(rim->pitch, angle));
+	vec3 target = last_exit(head, v3(0.0, around(rim->y, angle), rim->z), direction_of(angle, DEGREE * pitch));
 
-	cap_to_disc(i, j, &x, &z);
-	angle = atan2(fabs(x), z);
-	opening = sqrt(x * x + z * z) * (90.0 - around(rim->pitch, angle));
-	pitch = DEGREE * (90.0 - opening);
-	target = last_exit(head, v3(0.0, around(rim->y, angle), rim->z), direction_of(angle, pitch));
-	target.x = i == CAP / 2 ? 0.0 : x < 0.0 ? -target.x : target.x;
+	target.x = 2 * i == top.width ? 0.0 : x < 0.0 ? -target.x : target.x;
 	return target;
 }
 
@@ -433,12 +466,12 @@ static void place_targets(vec3 targets[VERTICES])
 			targets[ring * COLUMNS + (COLUMNS - column) % COLUMNS] = v3(-t.x, t.y, t.z);
 		}
 	}
-	for (j = 1; j < CAP; j++) {
-		for (i = 1; i < CAP; i++) {
-			targets[cap_vertex(0, BOTTOM_FIRST, i, j)] = bottom_target(i, j);
-			targets[cap_vertex(RINGS - 1, TOP_FIRST, i, j)] = top_target(i, j);
-		}
-	}
+	for (j = 1; j < bottom.depth; j++)
+		for (i = 1; i < bottom.width; i++)
+			targets[cap_vertex(&bottom, i, j)] = bottom_target(i, j);
+	for (j = 1; j < top.depth; j++)
+		for (i = 1; i < top.width; i++)
+			targets[cap_vertex(&top, i, j)] = top_target(i, j);
 }
 
 static void put_quad(uint32_t **at, int a, int b, int c, int d)
@@ -461,14 +494,14 @@ static void list_faces(uint32_t indices[4 * FACES])
 			put_quad(&at, low + column, low + next, high + next, high + column);
 		}
 	}
-	for (j = 0; j < CAP; j++) {
-		for (i = 0; i < CAP; i++) {
-			put_quad(&at, cap_vertex(0, BOTTOM_FIRST, i, j), cap_vertex(0, BOTTOM_FIRST, i + 1, j),
-				 cap_vertex(0, BOTTOM_FIRST, i + 1, j + 1), cap_vertex(0, BOTTOM_FIRST, i, j + 1));
-			put_quad(&at, cap_vertex(RINGS - 1, TOP_FIRST, i, j), cap_vertex(RINGS - 1, TOP_FIRST, i, j + 1),
-				 cap_vertex(RINGS - 1, TOP_FIRST, i + 1, j + 1), cap_vertex(RINGS - 1, TOP_FIRST, i + 1, j));
-		}
-	}
+	for (j = 0; j < bottom.depth; j++)
+		for (i = 0; i < bottom.width; i++)
+			put_quad(&at, cap_vertex(&bottom, i, j), cap_vertex(&bottom, i + 1, j),
+				 cap_vertex(&bottom, i + 1, j + 1), cap_vertex(&bottom, i, j + 1));
+	for (j = 0; j < top.depth; j++)
+		for (i = 0; i < top.width; i++)
+			put_quad(&at, cap_vertex(&top, i, j), cap_vertex(&top, i, j + 1),
+				 cap_vertex(&top, i + 1, j + 1), cap_vertex(&top, i + 1, j));
 }
 
 /* ---- Fitting the limit surface -------------------------------------------------------------------------------------- */
@@ -500,19 +533,42 @@ static void limit_points(const vec3 cage[VERTICES], const uint32_t indices[4 * F
 	}
 }
 
-/* Pushes the cage until the limit surface meets the targets. The foot ring and the bottom keep y = 0: then the limit
- * surface cannot sink below the floor. */
+/* Sums of face normals around each vertex, made unit length. */
+static void vertex_normals(const vec3 points[VERTICES], const uint32_t indices[4 * FACES], vec3 normals[VERTICES])
+{
+	int v, f, k;
+
+	for (v = 0; v < VERTICES; v++)
+		normals[v] = v3(0.0, 0.0, 0.0);
+	for (f = 0; f < FACES; f++) {
+		const uint32_t *q = &indices[4 * f];
+		vec3 n = cross(sub(points[q[2]], points[q[0]]), sub(points[q[3]], points[q[1]]));
+
+		for (k = 0; k < 4; k++)
+			normals[q[k]] = add(normals[q[k]], n);
+	}
+	for (v = 0; v < VERTICES; v++)
+		normals[v] = scale(normals[v], 1.0 / length(normals[v]));
+}
+
+/* Pushes the cage until the limit surface meets the targets. Errors along the surface are harmless and mended only in
+ * part: where rings lie at uneven distances, mending them all would bunch the surface up into folds. The foot ring and
+ * the bottom keep y = 0: then the limit surface cannot sink below the floor. */
 static void fit(const vec3 targets[VERTICES], const uint32_t indices[4 * FACES], vec3 cage[VERTICES])
 {
-	vec3 limit[VERTICES];
+	const double sideways = 0.15;
+	vec3 limit[VERTICES], normals[VERTICES];
 	int round, v;
 
 	memcpy(cage, targets, VERTICES * sizeof *cage);
+	vertex_normals(targets, indices, normals);
 	for (round = 0; round < FIT_ROUNDS; round++) {
 		limit_points(cage, indices, limit);
 		for (v = 0; v < VERTICES; v++) {
 			bool on_floor = v < COLUMNS || (v >= BOTTOM_FIRST && v < TOP_FIRST);
-			vec3 push = sub(targets[v], limit[v]);
+			vec3 error = sub(targets[v], limit[v]);
+			vec3 outward = scale(normals[v], dot(error, normals[v]));
+			vec3 push = add(outward, scale(sub(error, outward), sideways));
 
 			if (on_floor)
 				push.y = 0.0;
@@ -521,34 +577,43 @@ static void fit(const vec3 targets[VERTICES], const uint32_t indices[4 * FACES],
 	}
 }
 
-/* Sums run in another order on either side, so the last bits may differ: copy the half x >= 0 over. Also sets the
- * height of the limit surface to exactly one. */
+static vec3 mirrored(vec3 a)
+{
+	return v3(-a.x, a.y, a.z);
+}
+
+/* Gives the half x < 0 of a row of vertices the mirror image of the half x > 0; `last` mirrors `first`. */
+static void mirror_row(vec3 *first, vec3 *last)
+{
+	for (; first < last; first++, last--)
+		*first = mirrored(*last);
+	if (first == last)
+		first->x = 0.0;
+}
+
+/* Sets the height of the limit surface to exactly one, and the symmetry, which the fit's sums keep only up to
+ * rounding, to the bit. */
 static void finish(const uint32_t indices[4 * FACES], vec3 cage[VERTICES])
 {
 	vec3 limit[VERTICES];
-	double top;
-	int v, ring, column, i, j, cap;
+	double height;
+	int v, ring, column, j;
 
 	limit_points(cage, indices, limit);
-	top = limit[TOP_FIRST + CAP_INNER / 2].y;
+	height = limit[CROWN].y;
 	for (v = 0; v < VERTICES; v++)
-		cage[v] = scale(cage[v], 1.0 / top);
+		cage[v] = scale(cage[v], 1.0 / height);
 	for (ring = 0; ring < RINGS; ring++) {
 		vec3 *row = &cage[ring * COLUMNS];
 
 		row[0].x = row[HALF].x = 0.0;
 		for (column = 1; column < HALF; column++)
-			row[COLUMNS - column] = v3(-row[column].x, row[column].y, row[column].z);
+			row[COLUMNS - column] = mirrored(row[column]);
 	}
-	for (cap = BOTTOM_FIRST; cap <= TOP_FIRST; cap += CAP_INNER) {
-		for (j = 0; j < CAP - 1; j++) {
-			vec3 *row = &cage[cap + j * (CAP - 1)];
-
-			row[CAP / 2 - 1].x = 0.0;
-			for (i = 0; i < CAP / 2 - 1; i++)
-				row[i] = v3(-row[CAP - 2 - i].x, row[CAP - 2 - i].y, row[CAP - 2 - i].z);
-		}
-	}
+	for (j = 1; j < bottom.depth; j++)
+		mirror_row(&cage[cap_vertex(&bottom, 1, j)], &cage[cap_vertex(&bottom, bottom.width - 1, j)]);
+	for (j = 1; j < top.depth; j++)
+		mirror_row(&cage[cap_vertex(&top, 1, j)], &cage[cap_vertex(&top, top.width - 1, j)]);
 }
 
 /* ---- The mesh --------------------------------------------------------------------------------------------------------- */
