@@ -84,13 +84,13 @@ static double trace_leaves(const gi_hierarchy *h, const ray *r)
 	return nearest;
 }
 
-/* Rays from a sphere about twice as large as the object, through its middle region. */
+/* Rays from a sphere about twice as large as the object, towards its middle. */
 static ray random_ray(uint32_t *seed)
 {
 	ray r;
 	for (int axis = 0; axis < 3; axis++) {
 		r.origin[axis] = random_float(seed, -3.0f, 3.0f);
-		r.direction[axis] = random_float(seed, -1.2f, 1.2f) - r.origin[axis];
+		r.direction[axis] = random_float(seed, -0.6f, 0.6f) - r.origin[axis];
 	}
 	return r;
 }
