@@ -115,16 +115,17 @@ static double legs(vec3 p)
 {
 	double thigh = limb(p, v3(0.08, 0.285, -0.06), 0.095, v3(0.285, 0.262, 0.10), 0.066);
 	double shin = limb(p, v3(0.285, 0.258, 0.12), 0.060, v3(-0.02, 0.280, 0.225), 0.046);
-	double knee = ellipsoid(p, v3(0.295, 0.257, 0.11), v3(0.072, 0.060, 0.075));
+	double knee = ellipsoid(p, v3(0.288, 0.257, 0.11), v3(0.072, 0.060, 0.075));
 	double apron = ellipsoid(p, v3(0.0, 0.205, 0.235), v3(0.16, 0.030, 0.080));
 	double hem = limb(p, v3(0.275, 0.232, 0.115), 0.042, v3(0.0, 0.235, 0.205), 0.045);
 	double lap = ellipsoid(p, v3(0.0, 0.285, 0.10), v3(0.26, 0.052, 0.11));
+	double drape = ellipsoid(p, v3(0.18, 0.325, 0.08), v3(0.07, 0.035, 0.06)); /* from sleeve to thigh */
 	double pleat = 0.006 * cos(12.0 * atan2(p.x, p.z - 0.02)); /* one fold to every second column */
 	double sole = ellipsoid(p, v3(0.135, 0.338, 0.178), v3(0.065, 0.024, 0.030));
 	double d = join(join(thigh, shin, 0.012), knee, 0.03);
 
 	d = join(join(d, hem, 0.015), apron - pleat, 0.02);
-	d = join(d, lap, 0.02);
+	d = join(join(d, lap, 0.02), drape, 0.04);
 	return join(d, sole, 0.008);
 }
 
@@ -157,18 +158,22 @@ static double arms(vec3 p)
 static double hands(vec3 p)
 {
 	double palm = ellipsoid(p, v3(0.035, 0.368, 0.188), v3(0.085, 0.024, 0.044));
-	double thumb = limb(p, v3(0.065, 0.382, 0.185), 0.016, v3(0.0, 0.402, 0.192), 0.015);
+	double thumb = limb(p, v3(0.065, 0.380, 0.185), 0.016, v3(0.0, 0.402, 0.192), 0.016);
 
 	return join(palm, thumb, 0.016);
 }
 
-/* The robe is a second skin over the trunk with a rolled hem. The hems run down from the neck and meet behind the
- * hands. */
+/* The robe is a second skin over the trunk. Its rolled hems run down from the neck and meet above the belly; on the
+ * back it hangs in upright folds, one to every second column. */
 static double robe(vec3 p, double trunk_distance)
 {
-	const double cloth = 0.010, roll = 0.016, roll_width = 0.025;
-	double inside = (p.x - 0.010) * 0.945 - (p.y - 0.42) * 0.327; /* distance from the hem, > 0: covered */
-	double thickness = cloth + roll * exp(-inside * inside / (roll_width * roll_width));
+	const double cloth = 0.010, roll = 0.016, roll_width = 0.025, back_fold = 0.005;
+	double inside = p.x * 0.923 - (p.y - 0.455) * 0.385; /* distance from the hem, > 0: covered */
+	double hem = exp(-inside * inside / (roll_width * roll_width)) * clamp((p.y - 0.45) / 0.10, 0.0, 1.0);
+	double from_back = atan2(p.x, -p.z - 0.02), on_back = clamp(1.8 - 1.5 * from_back, 0.0, 1.0);
+	double below_shoulders = clamp((0.66 - p.y) / 0.10, 0.0, 1.0);
+	double fold = cos(from_back * TURN / (34.0 * DEGREE)) * on_back * below_shoulders;
+	double thickness = cloth + roll * hem + back_fold * fold;
 
 	return fmax(trunk_distance - thickness, p.z > -0.02 ? -inside : -1.0);
 }
@@ -182,15 +187,15 @@ static double face(vec3 p)
 {
 	double skull = ellipsoid(p, v3(0.0, 0.842, -0.008), v3(0.082, 0.080, 0.096));
 	double jaw = ellipsoid(p, v3(0.0, 0.790, 0.020), v3(0.074, 0.078, 0.070));
-	double chin = ellipsoid(p, v3(0.0, 0.727, 0.073), v3(0.024, 0.016, 0.018));
+	double chin = ellipsoid(p, v3(0.0, 0.725, 0.070), v3(0.024, 0.014, 0.018));
 	double socket = ellipsoid(p, v3(0.036, 0.828, 0.102), v3(0.026, 0.014, 0.018));
 	double lid = ellipsoid(p, v3(0.036, 0.825, 0.071), v3(0.022, 0.011, 0.014));
 	double brow = join(limb(p, v3(0.010, 0.844, 0.089), 0.006, v3(0.036, 0.852, 0.080), 0.005),
 			   limb(p, v3(0.036, 0.852, 0.080), 0.005, v3(0.060, 0.846, 0.060), 0.005), 0.004);
-	double nose = limb(p, v3(0.0, 0.845, 0.090), 0.007, v3(0.0, 0.792, 0.110), 0.008);
+	double nose = limb(p, v3(0.0, 0.845, 0.090), 0.007, v3(0.0, 0.794, 0.110), 0.008);
 	double wing = ellipsoid(p, v3(0.007, 0.793, 0.097), v3(0.007, 0.007, 0.010));
-	double upper_lip = limb(p, v3(0.0, 0.768, 0.098), 0.007, v3(0.025, 0.766, 0.083), 0.005);
-	double lower_lip = limb(p, v3(0.0, 0.747, 0.090), 0.008, v3(0.016, 0.749, 0.082), 0.006);
+	double upper_lip = limb(p, v3(0.0, 0.765, 0.095), 0.006, v3(0.020, 0.765, 0.085), 0.004);
+	double lower_lip = limb(p, v3(0.0, 0.746, 0.091), 0.007, v3(0.016, 0.748, 0.082), 0.005);
 	double d = join(join(skull, jaw, 0.03), chin, 0.03);
 
 	d = carve(d, socket, 0.010);
@@ -261,11 +266,11 @@ enum zone { ZONE_SEAT, ZONE_LAP, ZONE_BELLY, ZONE_CHEST, ZONE_COLLAR, ZONE_FACE,
 /* Azimuth of columns 0..HALF in degrees, 0 = front, 90 = side. On the trunk columns 1 and 2 run on either side of the
  * robe's hem; on the head column 1 is the side of the nose, 3 the outer corner of the eye, 7 the ear. */
 static const double azimuth[ZONES][HALF + 1] = {
-	[ZONE_SEAT]   = {0, 15, 30, 45, 58, 68, 80, 95, 110, 125, 142, 161, 180},
+	[ZONE_SEAT]   = {0, 15, 30, 45, 58, 70, 83, 97, 111, 126, 143, 161, 180},
 	[ZONE_LAP]    = {0, 12, 24, 36, 48, 60, 75, 92, 108, 125, 142, 161, 180},
 	[ZONE_BELLY]  = {0, 6, 15, 30, 46, 61, 77, 94, 110, 126, 143, 161, 180},
-	[ZONE_CHEST]  = {0, 20, 29, 44, 58, 73, 88, 102, 116, 130, 146, 163, 180},
-	[ZONE_COLLAR] = {0, 36, 47, 58, 69, 79, 90, 102, 115, 130, 146, 163, 180},
+	[ZONE_CHEST]  = {0, 14, 24, 42, 58, 73, 88, 102, 116, 130, 146, 163, 180},
+	[ZONE_COLLAR] = {0, 41, 51, 60, 69, 79, 90, 102, 115, 130, 146, 163, 180},
 	[ZONE_FACE]   = {0, 8, 17, 28, 41, 57, 74, 87, 99, 114, 134, 157, 180},
 	[ZONE_CROWN]  = {0, 14, 29, 45, 61, 76, 90, 104, 119, 135, 151, 166, 180},
 };
@@ -289,25 +294,25 @@ static const ring_aim aims[BODY_RINGS] = {
 	{{.298, .210, .350}, {8, 26, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
 	{{.310, .270, .385}, {14, 22, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
 	{{.330, .340, .420}, {16, 14, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.350, .395, .450}, {17, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
-	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_BELLY, .7},
+	{{.350, .395, .450}, {16, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
+	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_BELLY, .8},
 	/* belly and chest */
-	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .3},
-	{{.500, .505, .535}, {0, 0, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .65},
+	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, 0},
+	{{.500, .505, .535}, {0, 0, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .35},
 	{{.545, .550, .575}, {0, 0, 0}, -.02, ZONE_CHEST, ZONE_CHEST, 0},
-	{{.590, .590, .610}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .5},
-	{{.628, .610, .635}, {0, 15, 5}, -.025, ZONE_COLLAR, ZONE_COLLAR, 0},
+	{{.590, .590, .610}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .3},
+	{{.628, .610, .635}, {0, 15, 5}, -.025, ZONE_CHEST, ZONE_COLLAR, .65},
 	{{.655, .630, .655}, {5, 28, 15}, -.03, ZONE_COLLAR, ZONE_COLLAR, 0},
 	{{.678, .655, .678}, {5, 42, 20}, -.03, ZONE_COLLAR, ZONE_FACE, .3},
 	/* neck, chin, mouth, nose */
 	{{.704, .712, .722}, {0, 0, 0}, -.02, ZONE_FACE, ZONE_FACE, 0},
 	{{.765, .722, .742}, {-38, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
 	{{.727, .742, .760}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.746, .758, .772}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.757, .766, .782}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.769, .776, .790}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.790, .791, .804}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
-	{{.806, .806, .816}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.745, .757, .770}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.755, .766, .780}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.765, .776, .790}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.778, .787, .800}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
+	{{.793, .800, .814}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
 	/* eyes, brow, hair */
 	{{.817, .818, .828}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
 	{{.828, .830, .840}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
@@ -360,8 +365,8 @@ static const lotus_ring lotus[LOTUS_RINGS] = {
 	{.098, .296, .000, .000}, /* waist */
 	{.128, .345, -.006, .020},
 	{.166, .380, .000, .028}, /* upper tier: tips point up */
-	{.196, .386, .016, .032},
-	{.196, .350, .004, .004}, /* the seat */
+	{.196, .392, .016, .032},
+	{.196, .362, .004, .004}, /* the seat */
 };
 static const double LOTUS_DEPTH = 0.86;   /* z radius over x radius */
 static const double LOTUS_CENTRE_Z = 0.035; /* the knees reach further forward than the back reaches back */
