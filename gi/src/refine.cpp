@@ -88,6 +88,19 @@ struct Cage {
 
 /* ---- the caller's arrays ---- */
 
+/* An enum that came from C may hold any number; C++ may not even look at it as an enum before that is ruled out. */
+void check_enums(const gi_refine_cage &cage)
+{
+	int scheme, boundary;
+	static_assert(sizeof scheme == sizeof cage.scheme && sizeof boundary == sizeof cage.boundary, "enums are ints");
+	std::memcpy(&scheme, &cage.scheme, sizeof scheme);
+	std::memcpy(&boundary, &cage.boundary, sizeof boundary);
+	if (scheme < GI_REFINE_BILINEAR || scheme > GI_REFINE_LOOP)
+		reject("unknown subdivision scheme %d", scheme);
+	if (boundary < GI_REFINE_BOUNDARY_EDGE_AND_CORNER || boundary > GI_REFINE_BOUNDARY_EDGE_ONLY)
+		reject("unknown boundary rule %d", boundary);
+}
+
 void check_arrays(const gi_refine_cage &cage, uint32_t levels)
 {
 	if (levels > max_levels)
@@ -294,7 +307,7 @@ Sdc::SchemeType scheme_type(gi_refine_scheme scheme)
 	case GI_REFINE_LOOP:
 		return Sdc::SCHEME_LOOP;
 	}
-	reject("unknown subdivision scheme %d", int(scheme));
+	reject("unknown subdivision scheme");
 }
 
 Refiner_ptr make_refiner(const Cage &cage, const gi_refine_cage &source, uint32_t levels)
@@ -470,6 +483,7 @@ bool is_closed(const Cage &cage)
 
 void refine(const gi_refine_cage &source, uint32_t levels, gi_refined &out)
 {
+	check_enums(source);
 	check_arrays(source, levels);
 	check_counts(source);
 	check_indices(source);

@@ -323,9 +323,11 @@ static void refuses_broken_arrays(void **state)
 	cage_cube(&t, GI_REFINE_CATMULL_CLARK);
 	t.indices[7] = 8;
 	expect_refusal(&t, 1, "index 7 is vertex 8");
-	t.cage.scheme = (gi_refine_scheme)7;
-	t.indices[7] = 5;
-	expect_refusal(&t, 1, "scheme");
+	cage_cube(&t, (gi_refine_scheme)7);
+	expect_refusal(&t, 1, "scheme 7");
+	cage_cube(&t, GI_REFINE_BILINEAR);
+	t.cage.boundary = (gi_refine_boundary)-1;
+	expect_refusal(&t, 1, "boundary rule -1");
 }
 
 static void refuses_broken_numbers(void **state)
