@@ -114,9 +114,9 @@ static double carve(double a, double hole, double soft)
 static double legs(vec3 p)
 {
 	double thigh = limb(p, v3(0.08, 0.285, -0.06), 0.095, v3(0.285, 0.262, 0.10), 0.066);
-	double shin = limb(p, v3(0.285, 0.258, 0.12), 0.060, v3(-0.02, 0.280, 0.225), 0.046);
+	double shin = limb(p, v3(0.285, 0.256, 0.12), 0.060, v3(-0.03, 0.300, 0.218), 0.042);
 	double knee = ellipsoid(p, v3(0.288, 0.257, 0.11), v3(0.072, 0.060, 0.075));
-	double apron = ellipsoid(p, v3(0.0, 0.205, 0.235), v3(0.16, 0.030, 0.080));
+	double apron = ellipsoid(p, v3(0.0, 0.210, 0.225), v3(0.16, 0.040, 0.085));
 	double hem = limb(p, v3(0.275, 0.232, 0.115), 0.042, v3(0.0, 0.235, 0.205), 0.045);
 	double lap = ellipsoid(p, v3(0.0, 0.285, 0.10), v3(0.26, 0.052, 0.11));
 	double drape = ellipsoid(p, v3(0.18, 0.325, 0.08), v3(0.07, 0.035, 0.06)); /* from sleeve to thigh */
@@ -124,7 +124,7 @@ static double legs(vec3 p)
 	double sole = ellipsoid(p, v3(0.135, 0.338, 0.178), v3(0.065, 0.024, 0.030));
 	double d = join(join(thigh, shin, 0.012), knee, 0.03);
 
-	d = join(join(d, hem, 0.015), apron - pleat, 0.02);
+	d = join(join(d, hem, 0.025), apron - pleat, 0.02);
 	d = join(join(d, lap, 0.02), drape, 0.04);
 	return join(d, sole, 0.008);
 }
@@ -147,7 +147,7 @@ static double arms(vec3 p)
 {
 	vec3 elbow = v3(0.222, 0.425, -0.015);
 	double upper = limb(p, v3(0.176, 0.612, -0.028), 0.054, elbow, 0.054);
-	double lower = limb(p, elbow, 0.054, v3(0.118, 0.384, 0.135), 0.046);
+	double lower = limb(p, elbow, 0.054, v3(0.122, 0.384, 0.135), 0.052);
 	double sleeve = limb(p, v3(0.225, 0.36, -0.02), 0.055, v3(0.15, 0.345, 0.10), 0.035);
 
 	double fold = 0.005 * cos((p.y - 0.3 * p.z - 0.505) * TURN / 0.088); /* across the sleeve, every second ring */
@@ -158,18 +158,19 @@ static double arms(vec3 p)
 static double hands(vec3 p)
 {
 	double palm = ellipsoid(p, v3(0.035, 0.368, 0.188), v3(0.085, 0.024, 0.044));
-	double thumb = limb(p, v3(0.065, 0.380, 0.185), 0.016, v3(0.0, 0.402, 0.192), 0.016);
+	double hollow = ellipsoid(p, v3(0.036, 0.408, 0.196), v3(0.034, 0.034, 0.022));
+	double thumb = limb(p, v3(0.088, 0.372, 0.155), 0.022, v3(0.0, 0.398, 0.174), 0.017);
 
-	return join(palm, thumb, 0.016);
+	return carve(join(palm, thumb, 0.012), hollow, 0.006);
 }
 
 /* The robe is a second skin over the trunk. Its rolled hems run down from the neck and meet above the belly; on the
  * back it hangs in upright folds, one to every second column. */
 static double robe(vec3 p, double trunk_distance)
 {
-	const double cloth = 0.010, roll = 0.016, roll_width = 0.025, back_fold = 0.005;
-	double inside = p.x * 0.923 - (p.y - 0.455) * 0.385; /* distance from the hem, > 0: covered */
-	double hem = exp(-inside * inside / (roll_width * roll_width)) * clamp((p.y - 0.45) / 0.10, 0.0, 1.0);
+	const double cloth = 0.010, roll = 0.016, roll_width = 0.025, back_fold = 0.010, bend = 0.03;
+	double inside = sqrt(p.x * p.x + bend * bend) * 0.923 - (p.y - 0.43) * 0.385; /* distance from the hem, > 0: covered */
+	double hem = exp(-inside * inside / (roll_width * roll_width)) * clamp((p.y - 0.47) / 0.10, 0.0, 1.0);
 	double from_back = atan2(p.x, -p.z - 0.02), on_back = clamp(1.8 - 1.5 * from_back, 0.0, 1.0);
 	double below_shoulders = clamp((0.66 - p.y) / 0.10, 0.0, 1.0);
 	double fold = cos(from_back * TURN / (34.0 * DEGREE)) * on_back * below_shoulders;
@@ -229,7 +230,7 @@ static double body(vec3 p)
 
 	d = join(d, arms(p), 0.022);
 	d = join(d, legs(p), 0.045);
-	d = join(d, hands(p), 0.006);
+	d = join(d, hands(p), 0.004);
 	return join(d, neck(p), 0.025);
 }
 
@@ -287,14 +288,14 @@ typedef struct ring_aim {
 static const ring_aim aims[BODY_RINGS] = {
 	/* legs */
 	{{.212, .214, .210}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
-	{{.232, .232, .235}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
-	{{.262, .262, .275}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
-	{{.290, .240, .315}, {5, 12, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
+	{{.238, .230, .235}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
+	{{.272, .258, .275}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
+	{{.300, .240, .315}, {4, 12, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
 	/* lap, hands, forearms */
-	{{.298, .210, .350}, {8, 26, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
+	{{.298, .210, .350}, {10, 26, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
 	{{.310, .270, .385}, {14, 22, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
 	{{.330, .340, .420}, {16, 14, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.350, .395, .450}, {16, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
+	{{.350, .395, .450}, {13.5, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
 	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_BELLY, .8},
 	/* belly and chest */
 	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, 0},
