@@ -1,7 +1,21 @@
 #version 450 core
 // The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse where they
 // subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z source object, w first leaf.
+#define USE_FRAME
+#define USE_OBJECTS
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_WORLD
+#define USE_LEAVES
+#define USE_SEGMENTS
+#define USE_ENTRIES
+#define USE_QUEUE
+#define USE_STATE
+#define USE_RUNS
+#define USE_TOUCHED
+#define USE_ENTRY_POOL
 #include "buffers.glsl"
+#include "dispatch.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
 
@@ -13,6 +27,11 @@ const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 
 // Heights below this share of the distance are rounding: coplanar patches do not see each other.
 const float HORIZON_SLACK = 1e-5;
+
+// A node that is curved (normals spread by more than 8 degrees) and seen over its limb faces the receiver in part: as one patch its
+// far side would take from its near side. It is cut at this share of the tolerance.
+const float FLAT_CONE = 0.99;
+const float LIMB_SHARE = 0.25;
 
 // A cluster whose normals spread further than this cosine (45 degrees) is no disc.
 const float CLUSTER_CONE = 0.7;
@@ -60,8 +79,10 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
 
 	// The best any normal of the cone can face any point of the receiver.
 	float faced = d;
+	bool limb = true;
 	if (g.axis.w >= 0.0) {
 		float away = -dot(g.axis.xyz, to);
+		limb = g.axis.w < FLAT_CONE && abs(away) < d * sine_of(g.axis.w);
 		float across = sqrt(max(0.0, d2 - away * away));
 		float tilted = away >= d * g.axis.w ? d : away * g.axis.w + across * sine_of(g.axis.w);
 		faced = tilted + g.sphere.w * sine_of(g.axis.w) + reach_along(p.sphere.w, cosine, p.axis.w);
@@ -77,6 +98,7 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
 		return CUT_REFINE;
 	float estimate = g.moment.w * min(1.0, height / d) * min(1.0, faced / d) / (PI * d2 + g.moment.w);
 	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
+	tolerance *= limb ? LIMB_SHARE : 1.0;
 	if (estimate > tolerance)
 		return CUT_REFINE;
 	bool cluster = (flags & GI_NODE_POLYGON) == 0u;

@@ -1,6 +1,17 @@
 #version 450 core
 // Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source factor.
+#define USE_FRAME
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_WORLD
+#define USE_VERTICES_REST
+#define USE_VERTICES_WORLD
+#define USE_LEAVES
+#define USE_ENTRIES
+#define USE_QUEUE
+#define USE_STATE
 #include "buffers.glsl"
+#include "dispatch.glsl"
 #include "polygon.glsl"
 #include "sampling.glsl"
 

@@ -2,7 +2,20 @@
 // Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect hid, and
 // visible ones whose segments may cross a suspect's new bounds. One thread a leaf; conservative, so that what is not flagged
 // would come out of the rays with the same bits.
+#define USE_FRAME
+#define USE_OBJECTS
+#define USE_TOPOLOGY
+#define USE_WORLD
+#define USE_LEAVES
+#define USE_BVH
+#define USE_SEGMENTS
+#define USE_ENTRIES
+#define USE_QUEUE
+#define USE_STATE
+#define USE_SUSPECTS
+#define USE_TOUCHED
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

@@ -1,6 +1,15 @@
 #version 450 core
 // One Jacobi sweep, the gather: B_i = E_i + rho_i * sum over links of weight * B_node. One thread a leaf.
+#define USE_FRAME
+#define USE_LEAVES
+#define USE_MATERIALS
+#define USE_ROWS
+#define USE_LINKS
+#define USE_RADIOSITY
+#define USE_LEAF_RADIOSITY
+#define USE_STATE
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

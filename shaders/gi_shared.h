@@ -131,10 +131,10 @@ GI_STRUCT(gi_material_data) {
  *
  *   //--------------- 16B ---------------
  *   counts: leaves, nodes, object slots, vertices
- *   limits: entry pool, queue, link pool, emitter samples
+ *   limits: entry pool, queue, most samples of a near leaf, of an emitter
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
- *   misc: TLAS nodes, wide nodes, light vertices, flags GI_FRAME_
+ *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  */
 GI_STRUCT(gi_frame) {
 	GI_UVEC4 counts;
@@ -143,8 +143,6 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 work;
 	GI_UVEC4 misc;
 } GI_END(gi_frame)
-
-#define GI_FRAME_COLD 1u     /* solve from B = E */
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
  *   x node

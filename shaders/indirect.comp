@@ -1,6 +1,14 @@
 #version 450 core
 // Irradiance of a leaf from everything but the emitters' own exitance: sum over links of weight * (B - E). One thread a leaf.
+#define USE_FRAME
+#define USE_TOPOLOGY
+#define USE_ROWS
+#define USE_LINKS
+#define USE_RADIOSITY
+#define USE_NODE_EXITANCE
+#define USE_LEAF_INDIRECT
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

@@ -1,6 +1,12 @@
 #version 450 core
 // Indirect irradiance at the light vertices (corners of leaves): weighted means of the adjacent leaves.
+#define USE_FRAME
+#define USE_LEAF_INDIRECT
+#define USE_LIGHT_LINKS
+#define USE_LIGHT_FIRST
+#define USE_LIGHT
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

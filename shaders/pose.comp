@@ -1,7 +1,15 @@
 #version 450 core
 // Brings nodes and vertices of moved objects from the rest frame to the world. A run is one object's nodes or vertices:
 // x first thread, y object, z 0 nodes / 1 vertices, w index of the first.
+#define USE_FRAME
+#define USE_REST
+#define USE_WORLD
+#define USE_VERTICES_REST
+#define USE_VERTICES_WORLD
+#define USE_RUNS
+#define USE_OBJECTS
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

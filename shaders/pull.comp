@@ -1,6 +1,13 @@
 #version 450 core
 // The second half of a sweep: B of every node that covers few leaves, as their area mean. One thread a node.
+#define USE_FRAME
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_LEAVES
+#define USE_RADIOSITY
+#define USE_LEAF_RADIOSITY
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

@@ -1,5 +1,11 @@
 #version 450 core
 // The same as pull.comp for nodes that cover many leaves: one group a node, summed in a fixed order.
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_LEAVES
+#define USE_RADIOSITY
+#define USE_LEAF_RADIOSITY
+#define USE_WIDE_NODES
 #include "buffers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;

@@ -1,6 +1,12 @@
 #version 450 core
 // B = E everywhere: a cold start. One thread a node.
+#define USE_FRAME
+#define USE_TOPOLOGY
+#define USE_RADIOSITY
+#define USE_LEAF_RADIOSITY
+#define USE_NODE_EXITANCE
 #include "buffers.glsl"
+#include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 

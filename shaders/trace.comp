@@ -1,7 +1,21 @@
 #version 450 core
-// Visibility of the queued entries, one thread an entry: one ray for most; emitters four, and where those disagree all of them.
+// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, and the rest
+// where those disagree.
 // An entry's samples are always taken from the first, so the result does not depend on what was known before.
+#define USE_FRAME
+#define USE_OBJECTS
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_VERTICES_REST
+#define USE_LEAVES
+#define USE_BVH
+#define USE_PRIMITIVES
+#define USE_TLAS
+#define USE_ENTRIES
+#define USE_QUEUE
+#define USE_STATE
 #include "buffers.glsl"
+#include "dispatch.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
 
@@ -10,7 +24,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 // Below this form factor an entry carries nothing and is not worth a ray.
 const float FACTOR_FLOOR = 1e-12;
 
-const uint EMITTER_PROBES = 4u;
+const uint PROBES = 4u;
 
 // Segments that leave a surface at its back are drawn again, this often.
 const uint TRIES = 4u;
@@ -79,8 +93,12 @@ void main()
 	gi_node_topology source = topology[entry.x];
 	bool emitter = (source.range.w & GI_NODE_EMITTER) != 0u;
 	bool back = (entry.w & GI_ENTRY_BACK) != 0u;
-	uint wanted = emitter ? frame.limits.w : 1u;
-	uint probes = min(wanted, EMITTER_PROBES);
+	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the tolerance.
+	uint near = uint(clamp(uintBitsToFloat(entry.y) / frame.tolerance.x, 1.0, float(frame.limits.z)));
+	bool dark_sky = (source.range.w & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
+	uint wanted = emitter ? frame.limits.w : dark_sky ? (near + 3u) / 4u : near;
+	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many rays to save.
+	uint probes = emitter ? min(wanted, PROBES) : wanted;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
 	while (taken < wanted) {
 		uint by = trace_sample(leaf, entry.x, source, back, taken);

@@ -1,7 +1,7 @@
 /* Bounding volume hierarchies over boxes: of an object's primitives, and of the scene's objects.
  *
- * Binned surface-area heuristic after Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007). Nodes
- * come out depth-first with skip links, in one pass: a node's skip is known when its subtree is written.
+ * Binned surface-area heuristic after Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007).
+ * Nodes come out depth-first with skip links, in one pass: a node's skip is known when its subtree is written.
  */
 #include "bvh.h"
 
@@ -14,8 +14,8 @@
 #define BINS 16
 /* Below this depth splits are at the median, so that no input makes the recursion deep: 40 + log2(count) at most. */
 #define MAX_SAH_DEPTH 40
-/* Boxes grow by this many ulps of the largest coordinate of them all. The slab test rounds thrice a plane, relative to the
- * distance from the ray's origin: 8 ulps cover origins as far away as twice the size of what the boxes hold. */
+/* Boxes grow by this many ulps of the largest coordinate of them all. The slab test rounds thrice a plane, relative to
+ * the distance from the ray's origin: 8 ulps cover origins as far away as twice the size of what the boxes hold. */
 #define PAD_ULPS 8.0f
 
 typedef struct box {
@@ -95,7 +95,8 @@ static int bin_of(const box *item, const box *centres, int axis)
 	return index < BINS ? index : BINS - 1;
 }
 
-/* The cheapest cut along one axis: a sweep from the right keeps the costs of the right sides, one from the left adds its own. */
+/* The cheapest cut along one axis: a sweep from the right keeps the costs of the right sides, one from the left adds
+ * its own. */
 static split best_on_axis(const bin bins[BINS], int axis)
 {
 	float right_cost[BINS];
@@ -264,7 +265,8 @@ static box box_of(const gi_primitive *p)
 	const gi_vec4 corners[4] = {p->a, p->b, p->c, p->d};
 	box bounds = empty_box();
 	for (int i = 0; i < 4; i++) {
-		const box point = {{corners[i].x, corners[i].y, corners[i].z}, {corners[i].x, corners[i].y, corners[i].z}};
+		const box point = {{corners[i].x, corners[i].y, corners[i].z},
+				   {corners[i].x, corners[i].y, corners[i].z}};
 		grow(&bounds, &point);
 	}
 	return bounds;

@@ -28,6 +28,7 @@ gi_context_def gi_context_def_default(void)
 		.row_tolerance = 0.006f,
 		.emitter_refinement = 20.0f,
 		.emitter_samples = 16,
+		.near_samples = 4,
 		.solve_tolerance = 1e-4f,
 		.max_sweeps = 100,
 		.profile = true,
@@ -64,6 +65,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_refinement %g is below 1", (double)def->emitter_refinement);
 	if (def->emitter_samples < 4 || def->emitter_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_samples %u is outside 4..16", def->emitter_samples);
+	if (def->near_samples < 1 || def->near_samples > 16)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
 	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]", (double)def->solve_tolerance);
 	if (def->max_sweeps < 1 || def->max_sweeps > 1000)

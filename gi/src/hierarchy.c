@@ -14,15 +14,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A face below this part of the squared diagonal of the bounds is a line or a point: it has no normal worth the name. */
+/* A face below this part of the squared diagonal of the bounds is a line or a point: it has no normal worth the name.
+ */
 #define ZERO_AREA 1e-12
 /* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
  * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */
 #define FLAT_TOLERANCE 1e-5
 /* Below this part of its area the moment is rounding noise: a closed surface has no mean normal. */
 #define NO_AXIS 1e-6
-/* Normals count this much of a bounds diagonal when base faces are clustered: opposite walls of a box part before the halves
- * of one wall do. */
+/* Normals count this much of a bounds diagonal when base faces are clustered: opposite walls of a box part before the
+ * halves of one wall do. */
 #define NORMAL_WEIGHT 0.5
 
 #define MAX_LEVELS 9
@@ -73,8 +74,8 @@ static quad load_quad(const float (*positions)[3], const uint32_t corners[4])
 static quad node_quad(const gi_hierarchy *h, uint32_t node)
 {
 	const gi_uvec4 c = h->topology[node].corners;
-	return (quad){gi_vec3d_from(h->vertices[c.x]), gi_vec3d_from(h->vertices[c.y]),
-		      gi_vec3d_from(h->vertices[c.z]), gi_vec3d_from(h->vertices[c.w])};
+	return (quad){gi_vec3d_from(h->vertices[c.x]), gi_vec3d_from(h->vertices[c.y]), gi_vec3d_from(h->vertices[c.z]),
+		      gi_vec3d_from(h->vertices[c.w])};
 }
 
 static gi_vec3d quad_moment(const quad *q)
@@ -84,7 +85,8 @@ static gi_vec3d quad_moment(const quad *q)
 
 static double quad_area(const quad *q)
 {
-	return gi_vec3d_length(gi_vec3d_triangle(q->a, q->b, q->c)) + gi_vec3d_length(gi_vec3d_triangle(q->a, q->c, q->d));
+	return gi_vec3d_length(gi_vec3d_triangle(q->a, q->b, q->c)) +
+	       gi_vec3d_length(gi_vec3d_triangle(q->a, q->c, q->d));
 }
 
 double gi_quad_area(const float a[3], const float b[3], const float c[3], const float d[3])
@@ -185,7 +187,8 @@ static void set_moment(gi_hierarchy *h, uint32_t node)
 	const double length = gi_vec3d_length(moment);
 	const gi_vec3d axis =
 	    length > NO_AXIS * area ? gi_vec3d_scale(moment, 1.0 / length) : (gi_vec3d){0.0, 0.0, 1.0};
-	h->geometry[node].axis = (gi_vec4){(float)axis.x, (float)axis.y, (float)axis.z, length > NO_AXIS * area ? 1 : -1};
+	h->geometry[node].axis =
+	    (gi_vec4){(float)axis.x, (float)axis.y, (float)axis.z, length > NO_AXIS * area ? 1 : -1};
 }
 
 /* Cosine between the axis and a triangle's normal; 1 for a triangle without one. */
@@ -195,8 +198,8 @@ static double normal_cosine(gi_vec3d axis, gi_vec3d triangle_moment, double leas
 	return area > least_area ? gi_vec3d_dot(axis, triangle_moment) / area : 1.0;
 }
 
-/* The least cosine between an axis and the normals of the triangles of a node's leaves. A triangle of 1e-9 of its quad is a quad
- * that is a triangle: its normal is noise. */
+/* The least cosine between an axis and the normals of the triangles of a node's leaves. A triangle of 1e-9 of its quad
+ * is a quad that is a triangle: its normal is noise. */
 static double least_cosine(const gi_hierarchy *h, uint32_t node, gi_vec3d axis)
 {
 	const gi_uvec4 range = h->topology[node].range;
@@ -216,7 +219,7 @@ static void set_cone(gi_hierarchy *h, uint32_t node)
 	gi_vec4 *axis = &h->geometry[node].axis;
 	if (axis->w < 0.0f)
 		return;
-	const gi_vec3d stored = node_normal(h, node);
+	const gi_vec3d stored = gi_vec3d_rounded(node_normal(h, node));
 	const double cosine = fmax(-1.0, least_cosine(h, node, stored) / gi_vec3d_length(stored));
 	axis->w = (float)cosine;
 	if (axis->w > cosine + 1e-9)
@@ -265,16 +268,15 @@ static gi_vec3d farthest_corner(const gi_hierarchy *h, uint32_t node, gi_vec3d f
 static void store_sphere(gi_hierarchy *h, uint32_t node, gi_vec3d centre)
 {
 	gi_vec4 *sphere = &h->geometry[node].sphere;
-	*sphere = (gi_vec4){(float)centre.x, (float)centre.y, (float)centre.z, 0.0f};
 	double radius;
-	farthest_corner(h, node, gi_vec3d_from(*sphere), &radius);
-	sphere->w = (float)radius;
+	farthest_corner(h, node, gi_vec3d_rounded(centre), &radius);
+	*sphere = (gi_vec4){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
 	if (sphere->w < radius)
 		sphere->w = nextafterf(sphere->w, INFINITY);
 }
 
-/* Badoiu and Clarkson's iteration, "Smaller core-sets for balls" (2003): step ever shorter towards the farthest point; the best
- * centre seen is kept. From the centre of the bounds a few steps take most of what there is to gain. */
+/* Badoiu and Clarkson's iteration, "Smaller core-sets for balls" (2003): step ever shorter towards the farthest point;
+ * the best centre seen is kept. From the centre of the bounds a few steps take most of what there is to gain. */
 static void set_sphere(gi_hierarchy *h, uint32_t node)
 {
 	enum { STEPS = 4 };
@@ -404,8 +406,8 @@ static int widest_axis(const cluster_item *items, uint32_t count)
 	return widest;
 }
 
-/* Hoare's selection as Wirth gives it: no item before `middle` comes after it in order, none behind it before. Items differ
- * by face at least, so the two sets are a function of the input alone. */
+/* Hoare's selection as Wirth gives it: no item before `middle` comes after it in order, none behind it before. Items
+ * differ by face at least, so the two sets are a function of the input alone. */
 static void select_items(cluster_item *items, int64_t count, int64_t middle, int axis)
 {
 	int64_t begin = 0, end = count - 1;
@@ -459,7 +461,8 @@ static void set_bounds(gi_hierarchy *h)
 	h->upper = upper;
 }
 
-/* Sum of the tetrahedra from the middle of the bounds to the leaves' triangles: near the surface, so that little cancels. */
+/* Sum of the tetrahedra from the middle of the bounds to the leaves' triangles: near the surface, so that little
+ * cancels. */
 static void set_totals(gi_hierarchy *h)
 {
 	const gi_vec3d from = gi_vec3d_scale(gi_vec3d_add(gi_vec3d_from(h->lower), gi_vec3d_from(h->upper)), 0.5);
@@ -496,7 +499,8 @@ static bool allocate_builder(builder *b)
 		if (level == b->finest)
 			break;
 		b->lists[level].first = allocate((size_t)count + 1, sizeof(uint32_t), &enough);
-		b->lists[level].children = allocate(b->refined->levels[level + 1].face_count, sizeof(uint32_t), &enough);
+		b->lists[level].children =
+		    allocate(b->refined->levels[level + 1].face_count, sizeof(uint32_t), &enough);
 	}
 	b->items = allocate(b->refined->levels[0].face_count, sizeof *b->items, &enough);
 	return enough;
@@ -642,8 +646,7 @@ static const char *check_corners(const gi_hierarchy *h, uint32_t node)
 		const bool none = (corners.x & corners.y & corners.z & corners.w) == GI_NONE;
 		return none ? NULL : "a node without the polygon flag has corners";
 	}
-	return corners.x < n && corners.y < n && corners.z < n && corners.w < n ? NULL
-										 : "a corner is not a vertex";
+	return corners.x < n && corners.y < n && corners.z < n && corners.w < n ? NULL : "a corner is not a vertex";
 }
 
 static bool is_near(double a, double b, double tolerance)

@@ -30,7 +30,8 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace
+{
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
@@ -44,8 +45,9 @@ constexpr uint32_t max_valence = 65535;
 constexpr double max_coordinate = 1e15;
 
 /* What is wrong with the cage, in one line for the user. */
-class Bad_cage : public std::runtime_error {
-public:
+class Bad_cage : public std::runtime_error
+{
+      public:
 	using std::runtime_error::runtime_error;
 };
 
@@ -76,7 +78,8 @@ struct Point {
 using Points = std::vector<Point>;
 using Refiner_ptr = std::unique_ptr<Far::TopologyRefiner>;
 
-/* The cage without what carries no surface: repeated corners, faces of fewer than three different corners, unused vertices. */
+/* The cage without what carries no surface: repeated corners, faces of fewer than three different corners, unused
+ * vertices. */
 struct Cage {
 	Points points;
 	std::vector<int> counts;
@@ -125,7 +128,8 @@ void check_counts(const gi_refine_cage &cage)
 		sum += count;
 	}
 	if (sum != cage.index_count)
-		reject("the faces have %llu corners but there are %u indices", (unsigned long long)sum, cage.index_count);
+		reject("the faces have %llu corners but there are %u indices", (unsigned long long)sum,
+		       cage.index_count);
 }
 
 void check_indices(const gi_refine_cage &cage)
@@ -277,8 +281,8 @@ Cage clean_cage(const gi_refine_cage &cage)
 
 /* ---- OpenSubdiv ---- */
 
-/* The limit masks of Catmull-Clark hold round quads; faces of more than four corners have no place in a level. Both are gone
- * after one refinement. */
+/* The limit masks of Catmull-Clark hold round quads; faces of more than four corners have no place in a level. Both are
+ * gone after one refinement. */
 uint32_t least_levels(const Cage &cage, gi_refine_scheme scheme)
 {
 	for (int count : cage.counts)
@@ -293,8 +297,8 @@ void check_size(const Cage &cage, gi_refine_scheme scheme, uint32_t levels)
 	if (levels > 0)
 		faces = (scheme == GI_REFINE_LOOP ? 4 * faces : cage.indices.size()) << 2 * (levels - 1);
 	if (faces > max_faces)
-		reject("too many faces: %llu after %u levels; at most %llu are possible", (unsigned long long)faces, levels,
-		       (unsigned long long)max_faces);
+		reject("too many faces: %llu after %u levels; at most %llu are possible", (unsigned long long)faces,
+		       levels, (unsigned long long)max_faces);
 }
 
 Sdc::SchemeType scheme_type(gi_refine_scheme scheme)
@@ -362,8 +366,9 @@ void export_faces(const Far::TopologyLevel &level, const std::vector<uint32_t> &
 	for (int face = 0; face < level.GetNumFaces(); face++) {
 		const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
 		for (int i = 0; i < 4; i++)
-			out.corners[face][i] =
-			    vertices.size() > 4 ? UINT32_MAX : finest_vertex[vertices[std::min(i, vertices.size() - 1)]];
+			out.corners[face][i] = vertices.size() > 4
+						   ? UINT32_MAX
+						   : finest_vertex[vertices[std::min(i, vertices.size() - 1)]];
 	}
 }
 
@@ -418,8 +423,8 @@ bool is_smooth(const Far::TopologyLevel &level, int vertex)
 	return true;
 }
 
-/* The unit normal of two tangents, or zero where they span no plane: the sine of their angle is the test, so scale plays no
- * part; 1e-6 is what interpolation in double of coordinates given as float can still tell from parallel. */
+/* The unit normal of two tangents, or zero where they span no plane: the sine of their angle is the test, so scale
+ * plays no part; 1e-6 is what interpolation in double of coordinates given as float can still tell from parallel. */
 glm::dvec3 tangent_normal(const glm::dvec3 &tangent1, const glm::dvec3 &tangent2)
 {
 	const glm::dvec3 normal = glm::cross(tangent1, tangent2);
@@ -461,15 +466,13 @@ void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, 
 		export_limit(refiner, points, out);
 }
 
-/* Is every edge walked as often one way as the other? Then the surface has no boundary, and what it encloses hides its backs. Two
- * faces an edge is the usual case; simplified scans also fold edges of four. */
+/* Is every edge walked as often one way as the other? Then the surface has no boundary, and what it encloses hides its
+ * backs. Two faces an edge is the usual case; simplified scans also fold edges of four. */
 bool is_closed(const Cage &cage)
 {
 	std::vector<std::pair<Edge, int>> walks;
 	walks.reserve(cage.indices.size());
-	for_each_edge(cage, [&](int from, int to) {
-		walks.push_back({std::minmax({from, to}), from < to ? 1 : -1});
-	});
+	for_each_edge(cage, [&](int from, int to) { walks.push_back({std::minmax({from, to}), from < to ? 1 : -1}); });
 	std::sort(walks.begin(), walks.end());
 	int balance = 0;
 	for (size_t i = 0; i < walks.size(); i++) {

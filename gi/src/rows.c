@@ -17,8 +17,8 @@
 /* Entries per leaf are about this over the row tolerance in a closed room; the pool doubles when that was too few. */
 static const double ENTRIES_TIMES_TOLERANCE = 2.0;
 
-/* Black sky only has to close rows: patches of a few per cent of the hemisphere do. */
-static const float BLACK_SKY_TOLERANCE = 0.04f;
+/* Black sky only has to close rows: its patches may be this much coarser than others. */
+static const float BLACK_SKY_COARSENESS = 6.0f;
 
 gi_result rows_init(gi_context *gi)
 {
@@ -274,14 +274,14 @@ static void upload_frame(gi_context *gi, const plan *p)
 	const gi_context_def *def = &gi->def;
 	const float *sky = def->sky_exitance;
 	const bool lit = sky[0] + sky[1] + sky[2] > 0;
-	const float sky_tolerance = lit || def->row_tolerance > BLACK_SKY_TOLERANCE ? def->row_tolerance : BLACK_SKY_TOLERANCE;
+	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 		.counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
-		.limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.link_limit,
+		.limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, def->near_samples,
 			   def->emitter_samples},
 		.tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance, def->solve_tolerance},
 		.work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-		.misc = {s->tlas_count, s->wide_count, s->light_count, 0},
+		.misc = {s->tlas_count, s->wide_count, s->light_count, lit},
 	};
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
 }

@@ -17,16 +17,18 @@
 
 /* Light is not shared across an edge where the leaves' normals differ by more than 40 degrees. */
 #define EDGE_COSINE 0.766
-/* A simplified cage has edges that the scan it stands for has not: there only 70 degrees are taken for an edge of the scan. */
+/* A simplified cage has edges that the scan it stands for has not: there only 70 degrees are taken for an edge of the
+ * scan. */
 #define CAGE_EDGE_COSINE 0.342
-/* A leaf is drawn flat when the finer surface stays this near its plane (in radii) and keeps its area, and limit normals stay
- * this near its own: less than shading could show. */
+/* A leaf is drawn flat when the finer surface stays this near its plane (in radii) and keeps its area, and limit
+ * normals stay this near its own: less than shading could show. */
 #define FLAT_DISTANCE 1e-4
 #define FLAT_NORMAL 1e-3
 /* Two drawn normals are one when no component differs by more: less than 8 bits could show, more than float rounds. */
 #define SAME_NORMAL 1e-5f
-/* A leaf that faces as the vertex does is preferred to one that does not, unless it is this many times as far away and this part
- * of the diagonal farther: a scan's crevice that its cage has not must not be lit as the statue's other side. */
+/* A leaf that faces as the vertex does is preferred to one that does not, unless it is this many times as far away and
+ * this part of the diagonal farther: a scan's crevice that its cage has not must not be lit as the statue's other side.
+ */
 #define PREFER_TIMES 4.0
 #define PREFER_FARTHER 0.02
 
@@ -120,7 +122,8 @@ static uint32_t list_edges(const gi_hierarchy *h, edge *edges)
 }
 
 /* One pass of a stable counting sort; first by `high`, then by `low`. `offsets` holds vertex_count + 1. */
-static void sort_edges(const edge *from, edge *to, uint32_t count, bool by_low, uint32_t *offsets, uint32_t vertex_count)
+static void sort_edges(const edge *from, edge *to, uint32_t count, bool by_low, uint32_t *offsets,
+		       uint32_t vertex_count)
 {
 	for (uint32_t i = 0; i <= vertex_count; i++)
 		offsets[i] = 0;
@@ -174,8 +177,8 @@ static bool join_corners(skinner *s, double least_cosine)
 	return enough;
 }
 
-/* A leaf counts at its corner by its angle there: how the surface is cut into leaves round the vertex makes no difference.
- * 1e-6 keeps a vertex among slivers from dividing by zero. */
+/* A leaf counts at its corner by its angle there: how the surface is cut into leaves round the vertex makes no
+ * difference. 1e-6 keeps a vertex among slivers from dividing by zero. */
 static float corner_angle(const gi_hierarchy *h, const quad *q, uint32_t k)
 {
 	const gi_vec3d at = vertex_position(h, q->v[k]);
@@ -269,8 +272,8 @@ static void add_light(gi_draw_vertex *v, uint32_t *count, uint32_t light, float 
 	v->weight[at] += weight;
 }
 
-/* The light at a point of a leaf. In order of light vertex and without zeros, so that the two leaves of a smooth edge give
- * their common points the same. */
+/* The light at a point of a leaf. In order of light vertex and without zeros, so that the two leaves of a smooth edge
+ * give their common points the same. */
 static void set_light(const skinner *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v)
 {
 	uint32_t count = 0;
@@ -323,7 +326,8 @@ static void add_triangle(gi_skin *out, uint32_t a, uint32_t b, uint32_t c)
 
 /* ---- the surface: light of the finer faces ---- */
 
-/* A face of the level of the leaves or below: its leaf, and for each of its corners the weights of the leaf's corners. */
+/* A face of the level of the leaves or below: its leaf, and for each of its corners the weights of the leaf's corners.
+ */
 typedef struct fine_face {
 	uint32_t leaf; /* GI_NONE: its leaf has no area and is not there */
 	bool known;
@@ -346,9 +350,10 @@ static void mean_weight(const fine_face *face, uint32_t from, uint32_t count, ui
 	}
 }
 
-/* The child at corner j of its parent, which is its own corner k: going round it has the middle of the parent's next edge, the
- * middle of the parent (a quad alone), and the middle of the edge before. */
-static void weigh_corner_child(const fine_face *parent, uint32_t n, uint32_t j, fine_face *child, uint32_t m, uint32_t k)
+/* The child at corner j of its parent, which is its own corner k: going round it has the middle of the parent's next
+ * edge, the middle of the parent (a quad alone), and the middle of the edge before. */
+static void weigh_corner_child(const fine_face *parent, uint32_t n, uint32_t j, fine_face *child, uint32_t m,
+			       uint32_t k)
 {
 	mean_weight(parent, j, 1, n, child->weight[k]);
 	mean_weight(parent, j, 2, n, child->weight[(k + 1) % m]);
@@ -381,8 +386,8 @@ static bool copy_weight(const uint32_t sibling_corners[4], const fine_face *sibl
 	return false;
 }
 
-/* Loop's middle triangle touches no corner of its parent; its corners are the siblings' edge middles. OpenSubdiv numbers siblings
- * one after another. */
+/* Loop's middle triangle touches no corner of its parent; its corners are the siblings' edge middles. OpenSubdiv
+ * numbers siblings one after another. */
 static void weigh_middle_child(const gi_refine_level *level, fine_face *faces, uint32_t face)
 {
 	const uint32_t first = face > 3 ? face - 3 : 0;
@@ -466,8 +471,7 @@ static bool lies_flat(const gi_hierarchy *h, uint32_t leaf, const gi_refined *fi
 		const gi_vec3d limit = gi_vec3d_load(fine->normals[corners[k]]);
 		if (fabs(gi_vec3d_dot(normal, from)) > tolerance)
 			return false;
-		if (gi_vec3d_dot(limit, limit) > 0.0 &&
-		    gi_vec3d_length(gi_vec3d_sub(limit, normal)) > FLAT_NORMAL)
+		if (gi_vec3d_dot(limit, limit) > 0.0 && gi_vec3d_length(gi_vec3d_sub(limit, normal)) > FLAT_NORMAL)
 			return false;
 	}
 	return true;
@@ -478,9 +482,9 @@ static bool is_convex(const gi_hierarchy *h, uint32_t leaf)
 {
 	const quad q = leaf_quad(h, leaf);
 	for (uint32_t k = 0; k < q.count; k++) {
-		const gi_vec3d turn = gi_vec3d_triangle(vertex_position(h, q.v[k]),
-							vertex_position(h, q.v[(k + 1) % q.count]),
-							vertex_position(h, q.v[(k + 2) % q.count]));
+		const gi_vec3d turn =
+		    gi_vec3d_triangle(vertex_position(h, q.v[k]), vertex_position(h, q.v[(k + 1) % q.count]),
+				      vertex_position(h, q.v[(k + 2) % q.count]));
 		if (gi_vec3d_dot(turn, leaf_normal(h, leaf)) <= 0.0)
 			return false;
 	}
@@ -574,9 +578,10 @@ static bool allocate_drawing(skinner *s, const gi_refined *fine)
 	return enough;
 }
 
-/* Where nothing was refined further, each leaf is drawn as suits it. Else flat leaves are drawn whole only when all are: beside finer
- * curved ones their long edges would leave cracks. */
-static void draw_surface(skinner *s, const gi_refined *fine, bool finer, const fine_face *faces, const bool *flat, bool all)
+/* Where nothing was refined further, each leaf is drawn as suits it. Else flat leaves are drawn whole only when all
+ * are: beside finer curved ones their long edges would leave cracks. */
+static void draw_surface(skinner *s, const gi_refined *fine, bool finer, const fine_face *faces, const bool *flat,
+			 bool all)
 {
 	const gi_refine_level *level = &fine->levels[fine->level_count - 1];
 	const bool whole = all || !finer;
@@ -614,10 +619,10 @@ static bool skin_surface(skinner *s, const gi_refined *fine, uint32_t leaf_level
 	return enough;
 }
 
-/* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the caller's
- * `extra` can be one too many. */
-bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			  gi_skin *out)
+/* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the
+ * caller's `extra` can be one too many. */
+bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			  uint32_t extra, gi_skin *out)
 {
 	(void)extra;
 	*out = (gi_skin){0};
@@ -681,8 +686,8 @@ static bool build_locator(const gi_hierarchy *h, locator *out)
 	return enough;
 }
 
-/* Barycentric coordinates of the point of a triangle closest to p, by the regions of Ericson, "Real-Time Collision Detection" (2005),
- * section 5.1.5. The triangle has an area. */
+/* Barycentric coordinates of the point of a triangle closest to p, by the regions of Ericson, "Real-Time Collision
+ * Detection" (2005), section 5.1.5. The triangle has an area. */
 static gi_vec3d closest_barycentric(gi_vec3d p, gi_vec3d a, gi_vec3d b, gi_vec3d c)
 {
 	const gi_vec3d ab = gi_vec3d_sub(b, a), ac = gi_vec3d_sub(c, a);
@@ -720,7 +725,8 @@ static void try_triangle(const gi_hierarchy *h, uint32_t leaf, const quad *q, ui
 	if (!(gi_vec3d_length(moment) > 0.0))
 		return;
 	const gi_vec3d w = closest_barycentric(s->point, a, b, c);
-	const gi_vec3d at = gi_vec3d_add(gi_vec3d_add(gi_vec3d_scale(a, w.x), gi_vec3d_scale(b, w.y)), gi_vec3d_scale(c, w.z));
+	const gi_vec3d at =
+	    gi_vec3d_add(gi_vec3d_add(gi_vec3d_scale(a, w.x), gi_vec3d_scale(b, w.y)), gi_vec3d_scale(c, w.z));
 	const gi_vec3d to = gi_vec3d_sub(at, s->point);
 	closest found = {.distance2 = gi_vec3d_dot(to, to), .leaf = leaf, .weight = {(float)w.x}};
 	found.weight[k] = (float)w.y;
@@ -758,7 +764,8 @@ static double box_distance2(const gi_bvh_node *node, gi_vec3d p)
 /* `near` is a leaf that is likely close: with it found first most of the tree is never entered. */
 static closest find_closest(const locator *l, gi_vec3d point, gi_vec3d normal, uint32_t near)
 {
-	search s = {.point = point, .normal = normal, .facing = {.distance2 = INFINITY}, .any = {.distance2 = INFINITY}};
+	search s = {
+	    .point = point, .normal = normal, .facing = {.distance2 = INFINITY}, .any = {.distance2 = INFINITY}};
 	try_leaf(l->h, near, &s);
 	const uint32_t count = 2 * l->h->leaf_count - 1;
 	double limit2 = fmin(s.facing.distance2, reach2(l, &s));
@@ -805,8 +812,8 @@ static void sum_normals(const mesh *m, gi_vec3d *normals)
 {
 	for (uint32_t i = 0; i + 2 < m->index_count; i += 3) {
 		const uint32_t *t = m->indices + i;
-		const gi_vec3d moment = gi_vec3d_triangle(mesh_position(m, t[0]), mesh_position(m, t[1]),
-							  mesh_position(m, t[2]));
+		const gi_vec3d moment =
+		    gi_vec3d_triangle(mesh_position(m, t[0]), mesh_position(m, t[1]), mesh_position(m, t[2]));
 		for (int k = 0; k < 3; k++)
 			normals[t[k]] = gi_vec3d_add(normals[t[k]], moment);
 	}
@@ -866,8 +873,8 @@ static bool skin_mesh(skinner *s, const mesh *m)
 }
 
 /* False also for an index out of range or a coordinate that is not finite. */
-bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count, const uint32_t *indices,
-		       uint32_t index_count, gi_skin *out)
+bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
+		       const uint32_t *indices, uint32_t index_count, gi_skin *out)
 {
 	*out = (gi_skin){0};
 	const mesh m = {positions, vertex_count, indices, index_count};

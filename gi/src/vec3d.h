@@ -1,4 +1,5 @@
-/* Three doubles: sums over thousands of leaves and measures that decide flags are taken in double, where cglm has float. */
+/* Three doubles: sums over thousands of leaves and measures that decide flags are taken in double, where cglm has
+ * float. */
 #ifndef GI_VEC3D_H
 #define GI_VEC3D_H
 
@@ -18,6 +19,14 @@ static inline gi_vec3d gi_vec3d_load(const float v[3])
 static inline gi_vec3d gi_vec3d_from(gi_vec4 v)
 {
 	return (gi_vec3d){v.x, v.y, v.z};
+}
+
+/* What is left of v when it is stored as float. The volatile is for GCC 12.2: at -O2 it drops the rounding of
+ * (double)(float)x where it vectorises two of them. */
+static inline gi_vec3d gi_vec3d_rounded(gi_vec3d v)
+{
+	volatile float x = (float)v.x, y = (float)v.y, z = (float)v.z;
+	return (gi_vec3d){x, y, z};
 }
 
 static inline gi_vec3d gi_vec3d_add(gi_vec3d a, gi_vec3d b)

@@ -99,6 +99,8 @@ typedef struct gi_context_def {
 	float emitter_refinement;  /* emitters are cut at row_tolerance / this; >= 1, default 20 */
 	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
 
+	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
+
 	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4. */
 	float solve_tolerance;
 	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */

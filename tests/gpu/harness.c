@@ -1,0 +1,106 @@
+#include "harness.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static engine_context *context;
+static char last_message[1024];
+
+int harness_open(void **state)
+{
+	(void)state;
+	engine_context_def def = engine_context_def_default();
+	def.kind = ENGINE_CONTEXT_OSMESA;
+	const char *name = getenv("RELUME_CONTEXT");
+	if (name && !engine_context_kind_from_name(name, &def.kind))
+		fprintf(stderr, "RELUME_CONTEXT=%s is not a kind of context\n", name);
+	def.width = def.height = 64;
+	def.hidden = true;
+	char message[256];
+	context = engine_context_create(&def, message, sizeof message);
+	if (context)
+		printf("context: %s\n", engine_context_describe(context));
+	else
+		printf("skipped, no OpenGL context: %s\n", message);
+	return 0;
+}
+
+int harness_close(void **state)
+{
+	(void)state;
+	engine_context_destroy(context);
+	context = NULL;
+	return 0;
+}
+
+void harness_require_context(void)
+{
+	if (!context)
+		skip();
+}
+
+static void keep_message(gi_result result, const char *message, void *user)
+{
+	(void)result;
+	(void)user;
+	snprintf(last_message, sizeof last_message, "%s", message);
+}
+
+const char *harness_last_message(void)
+{
+	return last_message;
+}
+
+gi_context_def harness_def(void)
+{
+	harness_require_context();
+	gi_context_def def = gi_context_def_default();
+	def.get_proc_address = engine_context_get_proc_address(context);
+	def.message = keep_message;
+	last_message[0] = 0;
+	return def;
+}
+
+gi_context *harness_context(const gi_context_def *def)
+{
+	gi_context *gi = NULL;
+	const gi_result result = gi_context_create(def, &gi);
+	if (result)
+		fail_msg("gi_context_create: %s", last_message);
+	return gi;
+}
+
+gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh)
+{
+	gi_material material;
+	memcpy(material.rho, o->rho, sizeof material.rho);
+	memcpy(material.exitance, o->exitance, sizeof material.exitance);
+	gi_object_def def = gi_object_def_default();
+	def.name = o->name;
+	def.positions = mesh->positions;
+	def.vertex_count = mesh->vertex_count;
+	def.face_counts = mesh->face_counts;
+	def.face_count = mesh->face_count;
+	def.indices = mesh->indices;
+	def.index_count = mesh->index_count;
+	def.scheme = o->scheme;
+	def.levels = o->levels;
+	def.materials = &material;
+	def.material_count = 1;
+	def.double_sided = o->double_sided;
+	memcpy(def.pose.position, o->position, sizeof def.pose.position);
+	gi_object object;
+	if (gi_create_object(gi, &def, &object))
+		fail_msg("gi_create_object: %s", last_message);
+	engine_mesh_free(mesh);
+	return object;
+}
+
+gi_report harness_update(gi_context *gi)
+{
+	gi_report report;
+	if (gi_update(gi) || gi_finish(gi) || gi_get_report(gi, &report))
+		fail_msg("update: %s", last_message);
+	return report;
+}
