@@ -1,5 +1,5 @@
-/* Small cages that the tests of refinement, hierarchy, rays and skin share. A cage points into its own storage: fill it where
- * it stays. */
+/* Small cages that the tests of refinement, hierarchy, rays and skin share. A cage points into its own storage: fill it
+ * where it stays. */
 #ifndef TESTS_CAGES_H
 #define TESTS_CAGES_H
 
@@ -70,8 +70,16 @@ static inline void cage_octahedron(test_cage *t, gi_refine_scheme scheme)
 					     {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
 	cage_begin(t, scheme);
 	for (int i = 0; i < 6; i++)
-		cage_vertex(t, i == 0 ? 1.0f : i == 1 ? -1.0f : 0.0f, i == 2 ? 1.0f : i == 3 ? -1.0f : 0.0f,
-			    i == 4 ? 1.0f : i == 5 ? -1.0f : 0.0f);
+		cage_vertex(t,
+			    i == 0   ? 1.0f
+			    : i == 1 ? -1.0f
+				     : 0.0f,
+			    i == 2   ? 1.0f
+			    : i == 3 ? -1.0f
+				     : 0.0f,
+			    i == 4   ? 1.0f
+			    : i == 5 ? -1.0f
+				     : 0.0f);
 	for (int i = 0; i < 8; i++)
 		cage_face(t, 3, faces[i]);
 }
@@ -114,7 +122,8 @@ static inline void cage_prism(test_cage *t, gi_refine_scheme scheme)
 {
 	cage_begin(t, scheme);
 	for (int i = 0; i < 10; i++)
-		cage_vertex(t, cosf(1.2566371f * (float)(i % 5)), sinf(1.2566371f * (float)(i % 5)), i < 5 ? -1.0f : 1.0f);
+		cage_vertex(t, cosf(1.2566371f * (float)(i % 5)), sinf(1.2566371f * (float)(i % 5)),
+			    i < 5 ? -1.0f : 1.0f);
 	cage_face(t, 5, (uint32_t[]){4, 3, 2, 1, 0});
 	cage_face(t, 5, (uint32_t[]){5, 6, 7, 8, 9});
 	for (uint32_t i = 0; i < 4; i++)

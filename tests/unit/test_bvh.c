@@ -1,4 +1,5 @@
-/* The hierarchy of boxes against brute force: every ray finds the same nearest distance, and what is merged stands for all. */
+/* The hierarchy of boxes against brute force: every ray finds the same nearest distance, and what is merged stands for
+ * all. */
 #include "cages.h"
 
 #include "bits.h"
@@ -50,7 +51,8 @@ static bool hit_box(const ray *r, const gi_bvh_node *node, float limit)
 	float near = 0.0f, far = limit;
 	for (int axis = 0; axis < 3; axis++) {
 		const float inverse = 1.0f / r->direction[axis];
-		const float t0 = (lower[axis] - r->origin[axis]) * inverse, t1 = (upper[axis] - r->origin[axis]) * inverse;
+		const float t0 = (lower[axis] - r->origin[axis]) * inverse,
+			    t1 = (upper[axis] - r->origin[axis]) * inverse;
 		near = fmaxf(near, fminf(t0, t1));
 		far = fminf(far, fmaxf(t0, t1));
 	}
@@ -103,8 +105,9 @@ static void rays_find_what_brute_force_finds(void **state)
 	for (int shape = 0; shape < 4; shape++) {
 		gi_hierarchy h;
 		gi_bvh bvh;
-		(shape == 0 ? cage_prism : shape == 1 ? cage_octahedron : cage_cube)(
-		    &t, shape == 3 ? GI_REFINE_BILINEAR : GI_REFINE_CATMULL_CLARK);
+		(shape == 0   ? cage_prism
+		 : shape == 1 ? cage_octahedron
+			      : cage_cube)(&t, shape == 3 ? GI_REFINE_BILINEAR : GI_REFINE_CATMULL_CLARK);
 		build_cage(&t, 3, &h);
 		assert_true(gi_bvh_build(&h, &bvh));
 		uint32_t hits = 0;
@@ -138,8 +141,9 @@ static void slabs_never_miss_points_on_the_surface(void **state)
 	for (uint32_t i = 0; i < 20000; i++) {
 		const uint32_t primitive = i % bvh.primitive_count;
 		const gi_primitive *p = &bvh.primitives[primitive];
-		const float s = (float)(i % 3) * 0.5f, to[3] = {p->a.x + s * (p->b.x - p->a.x), p->a.y + s * (p->b.y - p->a.y),
-								p->a.z + s * (p->b.z - p->a.z)};
+		const float s = (float)(i % 3) * 0.5f,
+			    to[3] = {p->a.x + s * (p->b.x - p->a.x), p->a.y + s * (p->b.y - p->a.y),
+				     p->a.z + s * (p->b.z - p->a.z)};
 		ray r;
 		for (int axis = 0; axis < 3; axis++) {
 			r.origin[axis] = random_float(&seed, -2.0f, 2.0f);
@@ -164,7 +168,8 @@ static void check_nodes(const gi_bvh_node *nodes, uint32_t node_count, uint32_t 
 {
 	uint32_t leaves = 0;
 	for (uint32_t node = 0; node < node_count; node++) {
-		const uint32_t skip = gi_bits_from_float(nodes[node].lower.w), item = gi_bits_from_float(nodes[node].upper.w);
+		const uint32_t skip = gi_bits_from_float(nodes[node].lower.w),
+			       item = gi_bits_from_float(nodes[node].upper.w);
 		assert_true(skip > node && skip <= node_count);
 		assert_int_equal(item != GI_NONE, skip == node + 1);
 		if (item != GI_NONE) {
@@ -176,8 +181,10 @@ static void check_nodes(const gi_bvh_node *nodes, uint32_t node_count, uint32_t 
 		const uint32_t children[2] = {node + 1, second};
 		for (int i = 0; i < 2; i++) {
 			const gi_vec4 l = nodes[children[i]].lower, u = nodes[children[i]].upper;
-			assert_true(l.x >= nodes[node].lower.x && l.y >= nodes[node].lower.y && l.z >= nodes[node].lower.z);
-			assert_true(u.x <= nodes[node].upper.x && u.y <= nodes[node].upper.y && u.z <= nodes[node].upper.z);
+			assert_true(l.x >= nodes[node].lower.x && l.y >= nodes[node].lower.y &&
+				    l.z >= nodes[node].lower.z);
+			assert_true(u.x <= nodes[node].upper.x && u.y <= nodes[node].upper.y &&
+				    u.z <= nodes[node].upper.z);
 		}
 	}
 	assert_int_equal(leaves, leaf_count);
@@ -248,7 +255,8 @@ static void boxes_build_a_tree_of_their_own(void **state)
 	gi_bvh_node nodes[2 * COUNT], again[2 * COUNT];
 	uint32_t order[COUNT], order_again[COUNT], seed = 3;
 	for (int i = 0; i < COUNT; i++) {
-		const gi_vec4 at = {random_float(&seed, -5, 5), random_float(&seed, -1, 1), random_float(&seed, 0, 1), 0};
+		const gi_vec4 at = {random_float(&seed, -5, 5), random_float(&seed, -1, 1), random_float(&seed, 0, 1),
+				    0};
 		const float size = random_float(&seed, 0.0f, 0.3f);
 		lower[i] = at;
 		upper[i] = (gi_vec4){at.x + size, at.y + size, at.z + size, 0};
@@ -260,8 +268,10 @@ static void boxes_build_a_tree_of_their_own(void **state)
 			const uint32_t item = gi_bits_from_float(nodes[node].upper.w);
 			if (item == GI_NONE)
 				continue;
-			assert_true(nodes[node].lower.x <= lower[order[item]].x && nodes[node].upper.x >= upper[order[item]].x);
-			assert_true(nodes[node].lower.z <= lower[order[item]].z && nodes[node].upper.z >= upper[order[item]].z);
+			assert_true(nodes[node].lower.x <= lower[order[item]].x &&
+				    nodes[node].upper.x >= upper[order[item]].x);
+			assert_true(nodes[node].lower.z <= lower[order[item]].z &&
+				    nodes[node].upper.z >= upper[order[item]].z);
 		}
 		assert_true(gi_bvh_build_boxes(lower, upper, count, again, order_again));
 		assert_memory_equal(order, order_again, count * sizeof *order);

@@ -1,5 +1,5 @@
-/* Hierarchies of cubes, spheres, open planes and mixed faces keep the validator's rules, and the validator catches trees that
- * were broken on purpose. */
+/* Hierarchies of cubes, spheres, open planes and mixed faces keep the validator's rules, and the validator catches
+ * trees that were broken on purpose. */
 #include "cages.h"
 
 #include <stdlib.h>
@@ -41,6 +41,23 @@ static void all_kinds_of_cages_are_valid(void **state)
 				assert_int_equal(count_flag(&h, GI_NODE_LEAF), h.leaf_count);
 				gi_hierarchy_free(&h);
 			}
+}
+
+/* Small leaves far out, where a sphere measured about a centre that is not the stored one shows. */
+static void leaves_far_from_the_origin_are_valid(void **state)
+{
+	(void)state;
+	test_cage t;
+	gi_hierarchy h;
+	cage_prism(&t, GI_REFINE_CATMULL_CLARK);
+	for (uint32_t i = 0; i < t.cage.vertex_count; i++) {
+		t.positions[3 * i] += 17.31f;
+		t.positions[3 * i + 1] -= 9.777f;
+		t.positions[3 * i + 2] += 5.123f;
+	}
+	build_cage(&t, 4, &h);
+	check_valid(&h);
+	gi_hierarchy_free(&h);
 }
 
 static void a_quad_has_the_area_of_its_triangles(void **state)
@@ -358,10 +375,10 @@ static void the_validator_catches_broken_trees(void **state)
 {
 	(void)state;
 	static breaker *const breakers[] = {
-	    break_area,	     break_area_nan,   break_moment,	   break_sphere,	break_cone,
-	    break_axis,	     break_skip,       break_skip_far,	   break_range,		break_leaf_range,
-	    break_leaf_flag, break_leaf_node,  break_leaf_node_far, break_corner,	break_cluster_corner,
-	    break_polygon_flag, break_flat,    break_root,
+	    break_area,         break_area_nan,  break_moment,        break_sphere, break_cone,
+	    break_axis,         break_skip,      break_skip_far,      break_range,  break_leaf_range,
+	    break_leaf_flag,    break_leaf_node, break_leaf_node_far, break_corner, break_cluster_corner,
+	    break_polygon_flag, break_flat,      break_root,
 	};
 	test_cage t;
 	cage_cube(&t, GI_REFINE_CATMULL_CLARK);
@@ -382,6 +399,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(all_kinds_of_cages_are_valid),
+	    cmocka_unit_test(leaves_far_from_the_origin_are_valid),
 	    cmocka_unit_test(a_quad_has_the_area_of_its_triangles),
 	    cmocka_unit_test(a_bilinear_cube_is_measured_exactly),
 	    cmocka_unit_test(clusters_keep_the_sides_of_a_cube_together),

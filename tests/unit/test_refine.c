@@ -1,7 +1,8 @@
 /* Refinement against the limit masks of the literature, and every way a cage can be wrong.
  *
- * Catmull-Clark: an interior vertex of n quads has the limit (n^2 v + 4 sum e + sum f) / (n (n + 5)), e its edge neighbours, f the
- * corners opposite (Halstead, Kass, DeRose 1993). Loop: v + (sum of (e - v)) / (n + 3 / (8 beta)) with Loop's beta.
+ * Catmull-Clark: an interior vertex of n quads has the limit (n^2 v + 4 sum e + sum f) / (n (n + 5)), e its edge
+ * neighbours, f the corners opposite (Halstead, Kass, DeRose 1993). Loop: v + (sum of (e - v)) / (n + 3 / (8 beta))
+ * with Loop's beta.
  */
 #include "cages.h"
 
@@ -71,7 +72,8 @@ static void check_loop_limit(const test_cage *t, int valence, double neighbour_s
 		for (uint32_t i = 0; i < t->cage.index_count; i++) {
 			const uint32_t vertex = r.levels[0].corners[i / 3][i % 3];
 			for (int axis = 0; axis < 3; axis++)
-				CHECK_NEAR(r.positions[vertex][axis], factor * t->positions[3 * t->indices[i] + axis], 2e-7);
+				CHECK_NEAR(r.positions[vertex][axis], factor * t->positions[3 * t->indices[i] + axis],
+					   2e-7);
 		}
 		const uint32_t finest = r.levels[levels].face_count;
 		assert_int_equal(finest, t->cage.face_count << 2 * levels);
@@ -153,7 +155,8 @@ static void sharp_creases_keep_their_edges(void **state)
 			continue;
 		on_top++;
 		const float out = fmaxf(fabsf(r.positions[i][0]), fabsf(r.positions[i][1]));
-		/* The crease is a cubic B-spline: its middle is 5/6 out, and it has no normal; inside the top is flat. */
+		/* The crease is a cubic B-spline: its middle is 5/6 out, and it has no normal; inside the top is flat.
+		 */
 		if (length3(r.normals[i]) > 0.0f)
 			CHECK_NEAR(r.normals[i][2], 1.0, 1e-6);
 		else

@@ -49,7 +49,8 @@ static void check_skin(const gi_hierarchy *h, const gi_skin *skin)
 			sum += v->weight[k];
 		}
 		CHECK_NEAR(sum, 1.0, 1e-6);
-		CHECK_NEAR(v->normal[0] * v->normal[0] + v->normal[1] * v->normal[1] + v->normal[2] * v->normal[2], 1.0, 1e-5);
+		CHECK_NEAR(v->normal[0] * v->normal[0] + v->normal[1] * v->normal[1] + v->normal[2] * v->normal[2], 1.0,
+			   1e-5);
 		assert_true(v->leaf < h->leaf_count);
 	}
 	assert_int_equal(skin->index_count % 3, 0);
@@ -72,7 +73,8 @@ static double drawn_area(const gi_skin *skin)
 {
 	double area = 0.0;
 	for (uint32_t i = 0; i < skin->index_count; i += 3) {
-		const float *a = skin->vertices[skin->indices[i]].position, *b = skin->vertices[skin->indices[i + 1]].position;
+		const float *a = skin->vertices[skin->indices[i]].position,
+			    *b = skin->vertices[skin->indices[i + 1]].position;
 		const float *c = skin->vertices[skin->indices[i + 2]].position;
 		area += gi_quad_area(a, b, c, c);
 	}
@@ -101,7 +103,8 @@ static double *light_of_leaves(const gi_hierarchy *h, double x, double y, double
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
 		const gi_uvec4 c = h->topology[h->leaf_node[leaf]].corners;
 		const gi_vec4 a = h->vertices[c.x], b = h->vertices[c.y], d = h->vertices[c.z], e = h->vertices[c.w];
-		light[leaf] = 0.25 * (x * (a.x + b.x + d.x + e.x) + y * (a.y + b.y + d.y + e.y) + z * (a.z + b.z + d.z + e.z));
+		light[leaf] =
+		    0.25 * (x * (a.x + b.x + d.x + e.x) + y * (a.y + b.y + d.y + e.y) + z * (a.z + b.z + d.z + e.z));
 	}
 	return light;
 }
@@ -125,7 +128,8 @@ static void every_scheme_is_drawn_whole(void **state)
 					check_winding(&s.skin);
 					gi_hierarchy fine;
 					build_cage(&t, levels + extra, &fine);
-					CHECK_NEAR(drawn_area(&s.skin), fine.area, 1e-5 * fine.area); /* float positions */
+					CHECK_NEAR(drawn_area(&s.skin), fine.area,
+						   1e-5 * fine.area); /* float positions */
 					gi_hierarchy_free(&fine);
 					free_skinned(&s);
 				}
@@ -143,8 +147,8 @@ static void a_linear_light_is_drawn_linear(void **state)
 		uint32_t inside = 0;
 		for (uint32_t i = 0; i < s.skin.vertex_count; i++) {
 			const float *p = s.skin.vertices[i].position;
-			/* A boundary vertex is lit by one side alone; one leaf further in all is exact. Limit positions near the
-			 * boundary are not evenly spaced, so only the middle is compared. */
+			/* A boundary vertex is lit by one side alone; one leaf further in all is exact. Limit positions
+			 * near the boundary are not evenly spaced, so only the middle is compared. */
 			if (p[0] < 2.0f || p[0] > 4.0f || p[1] < 2.0f || p[1] > 4.0f)
 				continue;
 			CHECK_NEAR(shade(&s.skin, i, light), 3.0 * p[0] - 2.0 * p[1], 1e-5);
@@ -202,7 +206,8 @@ static void surfaces_that_only_touch_share_no_light(void **state)
 	cage_begin(&t, GI_REFINE_BILINEAR);
 	const uint32_t a = cage_vertex(&t, 0, 0, 0);
 	cage_face(&t, 4, (uint32_t[]){a, cage_vertex(&t, 1, 0, 0), cage_vertex(&t, 1, 1, 0), cage_vertex(&t, 0, 1, 0)});
-	cage_face(&t, 4, (uint32_t[]){a, cage_vertex(&t, -1, 0, 0), cage_vertex(&t, -1, -1, 0), cage_vertex(&t, 0, -1, 0)});
+	cage_face(&t, 4,
+		  (uint32_t[]){a, cage_vertex(&t, -1, 0, 0), cage_vertex(&t, -1, -1, 0), cage_vertex(&t, 0, -1, 0)});
 	skin_cage(&t, 0, 0, &s);
 	check_skin(&s.h, &s.skin);
 	assert_int_equal(s.skin.light_count, 8);
@@ -339,7 +344,8 @@ static void light_varies_smoothly_over_a_detailed_mesh(void **state)
 		const uint32_t a = skin.indices[i], c = skin.indices[i % 3 == 2 ? i - 2 : i + 1];
 		const float *p = skin.vertices[a].position, *q = skin.vertices[c].position;
 		const double step = hypot(hypot(p[0] - q[0], p[1] - q[1]), p[2] - q[2]);
-		/* The light has slope 1; interpolation between leaf corners may triple it, a jump would be a leaf wide. */
+		/* The light has slope 1; interpolation between leaf corners may triple it, a jump would be a leaf wide.
+		 */
 		assert_true(fabs(shade(&skin, a, light) - shade(&skin, c, light)) < 3.0 * step);
 	}
 	free(light);
@@ -358,7 +364,8 @@ static void both_sides_of_a_thin_slab_keep_their_own_light(void **state)
 	t.cage.scale[2] = 0.01f;
 	build_cage(&t, 3, &h);
 	/* A square facing down, just above the slab's top: nearest is the top, but the underside faces as it does. */
-	const float positions[12] = {-0.5f, -0.5f, 0.011f, -0.5f, 0.5f, 0.011f, 0.5f, 0.5f, 0.011f, 0.5f, -0.5f, 0.011f};
+	const float positions[12] = {-0.5f, -0.5f, 0.011f, -0.5f, 0.5f,  0.011f,
+				     0.5f,  0.5f,  0.011f, 0.5f,  -0.5f, 0.011f};
 	const uint32_t down[6] = {0, 1, 2, 0, 2, 3}, up[6] = {0, 2, 1, 0, 3, 2};
 	assert_true(gi_skin_from_mesh(&h, positions, 4, down, 6, &skin));
 	for (uint32_t i = 0; i < 4; i++)
