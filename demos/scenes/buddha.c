@@ -1,9 +1,9 @@
 /* How it works: the figure is a solid, given as a signed distance built from smoothly joined ellipsoids and tapered
- * capsules ("the clay", part by part: legs, torso, arms, head). Around it lies a grid of RINGS x COLUMNS vertices,
- * closed below and above by a square grid each. Every vertex owns a ray from inside the body; where the ray last
- * leaves the clay is the vertex's target. The tables of rings and columns aim the rays, so that grid lines follow
- * the features (nose, brow, robe edge). The lotus is simple enough to be placed directly. At the end the cage is
- * pushed out until its limit surface, not the cage, passes through the targets.
+ * capsules ("the clay", part by part: legs, trunk, arms, head). Around it lies a grid of RINGS x COLUMNS vertices,
+ * closed at both ends by a grid of quads. Every vertex owns a ray from inside the body; where the ray last leaves the
+ * clay is the vertex's target. The tables of rings and columns aim the rays, so that grid lines follow the features
+ * (nose, brow, hem of the robe). The lotus is simple enough to be placed directly. At the end the cage is pushed out
+ * until its limit surface, not the cage, passes through the targets.
  */
 #include "scenes/buddha.h"
 
@@ -11,16 +11,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- The grid ---------------------------------------------------------------------------------------------- */
+/* ---- The grid ---------------------------------------------------------------------------------------------------- */
 
 enum {
-	COLUMNS = 24,                        /* around the figure; column 0 is the front, 6 its left (+x), 12 the back */
-	HALF = COLUMNS / 2,                  /* columns 0..HALF are modelled, the others are their mirror images */
+	COLUMNS = 24,       /* around the figure: column 0 is the front, 6 its left (+x), 12 the back */
+	HALF = COLUMNS / 2, /* columns 0..HALF are modelled, the others are their mirror images */
 	LOTUS_RINGS = 8,
 	BODY_RINGS = 32,
-	NECK_RING = 16,                      /* the body ring from which on rays see the head */
+	NECK_RING = 16, /* the body ring from which on rays see the head */
 	RINGS = LOTUS_RINGS + BODY_RINGS,
-	FIT_ROUNDS = 8                       /* cage corrections; the error of the finest waves is still a third of itself */
+	FIT_ROUNDS = 8 /* corrections of the cage; what is left of a ripple from column to column is then 4 % */
 };
 
 static const double DEGREE = 0.017453292519943295, TURN = 6.283185307179586; /* radians */
@@ -32,6 +32,11 @@ typedef struct vec3 {
 static vec3 v3(double x, double y, double z)
 {
 	return (vec3){x, y, z};
+}
+
+static vec3 mirrored(vec3 a)
+{
+	return v3(-a.x, a.y, a.z);
 }
 
 static vec3 add(vec3 a, vec3 b)
@@ -74,7 +79,10 @@ static double mix(double a, double b, double t)
 	return a + (b - a) * t;
 }
 
-/* ---- The clay: signed distances, negative inside. Lengths in figure heights. --------------------------------- */
+/* ---- The clay ---------------------------------------------------------------------------------------------------- */
+
+/* Signed distances, negative inside. The unit is nearly the height of the figure: at the end the whole is scaled so
+ * that it becomes exactly that. */
 
 static double ellipsoid(vec3 p, vec3 centre, vec3 radii)
 {
@@ -109,34 +117,38 @@ static double carve(double a, double hole, double soft)
 	return -join(-a, hole, soft);
 }
 
-/* All parts get p.x >= 0: the caller folds space at the plane of symmetry. */
+/* Only the half x >= 0 is modelled; all points come from there. Parts are given by centre and radii, or by both ends
+ * and their radii; the last number of each join is the width of the rounding. */
 
 static double legs(vec3 p)
 {
 	double thigh = limb(p, v3(0.08, 0.285, -0.06), 0.095, v3(0.285, 0.262, 0.10), 0.066);
-	double shin = limb(p, v3(0.285, 0.256, 0.12), 0.060, v3(-0.03, 0.300, 0.218), 0.042);
+	double shin = limb(p, v3(0.285, 0.256, 0.12), 0.060, v3(-0.03, 0.300, 0.218), 0.042); /* crosses the middle */
 	double knee = ellipsoid(p, v3(0.288, 0.257, 0.11), v3(0.072, 0.060, 0.075));
-	double apron = ellipsoid(p, v3(0.0, 0.210, 0.225), v3(0.16, 0.040, 0.085));
-	double hem = limb(p, v3(0.275, 0.232, 0.115), 0.042, v3(0.0, 0.235, 0.205), 0.045);
-	double lap = ellipsoid(p, v3(0.0, 0.285, 0.10), v3(0.26, 0.052, 0.11));
-	double drape = ellipsoid(p, v3(0.18, 0.325, 0.08), v3(0.07, 0.035, 0.06)); /* from sleeve to thigh */
-	double pleat = 0.006 * cos(12.0 * atan2(p.x, p.z - 0.02)); /* one fold to every second column */
-	double sole = ellipsoid(p, v3(0.135, 0.338, 0.178), v3(0.065, 0.024, 0.030));
+	double foot = ellipsoid(p, v3(0.135, 0.338, 0.178), v3(0.065, 0.024, 0.030)); /* on the other leg's thigh */
 	double d = join(join(thigh, shin, 0.012), knee, 0.03);
 
-	d = join(join(d, hem, 0.025), apron - pleat, 0.02);
+	/* The robe: under the shins, over the seat in front in pleats (one to every second column), across the lap, and
+	 * from sleeve to thigh. It also fills the hollows that the rays could not reach. */
+	double skirt = limb(p, v3(0.270, 0.230, 0.115), 0.043, v3(0.0, 0.235, 0.212), 0.048);
+	double apron = ellipsoid(p, v3(0.0, 0.210, 0.225), v3(0.16, 0.040, 0.085));
+	double pleat = 0.006 * cos(12.0 * atan2(p.x, p.z - 0.02));
+	double lap = ellipsoid(p, v3(0.0, 0.285, 0.10), v3(0.26, 0.052, 0.11));
+	double drape = ellipsoid(p, v3(0.18, 0.325, 0.08), v3(0.07, 0.035, 0.06));
+
+	d = join(join(d, skirt, 0.035), apron - pleat, 0.02);
 	d = join(join(d, lap, 0.02), drape, 0.04);
-	return join(d, sole, 0.008);
+	return join(d, foot, 0.008);
 }
 
 static double trunk(vec3 p)
 {
 	double hips = ellipsoid(p, v3(0.0, 0.29, -0.05), v3(0.20, 0.12, 0.135));
 	double belly = ellipsoid(p, v3(0.0, 0.41, -0.005), v3(0.138, 0.14, 0.112));
-	double chest = ellipsoid(p, v3(0.0, 0.555, -0.015), v3(0.152, 0.125, 0.105));
+	double chest = ellipsoid(p, v3(0.0, 0.548, -0.015), v3(0.152, 0.125, 0.105));
 	double breast = ellipsoid(p, v3(0.065, 0.575, 0.045), v3(0.07, 0.05, 0.034));
-	double shoulders = limb(p, v3(0.0, 0.645, -0.03), 0.055, v3(0.150, 0.622, -0.03), 0.052);
-	double slope = limb(p, v3(0.0, 0.695, -0.03), 0.045, v3(0.13, 0.645, -0.03), 0.030);
+	double shoulders = limb(p, v3(0.0, 0.630, -0.03), 0.055, v3(0.150, 0.610, -0.03), 0.052);
+	double slope = limb(p, v3(0.0, 0.664, -0.03), 0.045, v3(0.13, 0.632, -0.03), 0.030);
 	double d = join(join(hips, belly, 0.08), chest, 0.07);
 
 	d = join(d, breast, 0.05);
@@ -146,10 +158,9 @@ static double trunk(vec3 p)
 static double arms(vec3 p)
 {
 	vec3 elbow = v3(0.222, 0.425, -0.015);
-	double upper = limb(p, v3(0.176, 0.612, -0.028), 0.054, elbow, 0.054);
+	double upper = limb(p, v3(0.176, 0.602, -0.028), 0.054, elbow, 0.054);
 	double lower = limb(p, elbow, 0.054, v3(0.122, 0.384, 0.135), 0.052);
 	double sleeve = limb(p, v3(0.225, 0.36, -0.02), 0.055, v3(0.15, 0.345, 0.10), 0.035);
-
 	double fold = 0.005 * cos((p.y - 0.3 * p.z - 0.505) * TURN / 0.088); /* across the sleeve, every second ring */
 
 	return join(join(upper, lower, 0.03), sleeve, 0.05) - fold;
@@ -164,19 +175,27 @@ static double hands(vec3 p)
 	return carve(join(palm, thumb, 0.012), hollow, 0.006);
 }
 
-/* The robe is a second skin over the trunk. Its rolled hems run down from the neck and meet above the belly; on the
- * back it hangs in upright folds, one to every second column. */
+/* Height of a fold that runs down the back, one to every second column; none near the shoulders and on the sides. */
+static double back_fold(vec3 p)
+{
+	const double height = 0.010, spacing = 34.0 * DEGREE;
+	double angle = atan2(p.x, -p.z - 0.02);
+	double share = clamp(1.8 - 1.5 * angle, 0.0, 1.0) * clamp((0.66 - p.y) / 0.10, 0.0, 1.0);
+
+	return height * share * cos(angle * TURN / spacing);
+}
+
+/* The robe is a second skin over the trunk. Its hems run down from the neck and meet in a bend above the belly; they
+ * are rolled, less and less towards the bend. */
 static double robe(vec3 p, double trunk_distance)
 {
-	const double cloth = 0.010, roll = 0.016, roll_width = 0.025, back_fold = 0.010, bend = 0.03;
-	double inside = sqrt(p.x * p.x + bend * bend) * 0.923 - (p.y - 0.43) * 0.385; /* distance from the hem, > 0: covered */
-	double hem = exp(-inside * inside / (roll_width * roll_width)) * clamp((p.y - 0.47) / 0.10, 0.0, 1.0);
-	double from_back = atan2(p.x, -p.z - 0.02), on_back = clamp(1.8 - 1.5 * from_back, 0.0, 1.0);
-	double below_shoulders = clamp((0.66 - p.y) / 0.10, 0.0, 1.0);
-	double fold = cos(from_back * TURN / (34.0 * DEGREE)) * on_back * below_shoulders;
-	double thickness = cloth + roll * hem + back_fold * fold;
+	const double cloth = 0.010, roll = 0.016, roll_width = 0.025, bend = 0.03;
+	double from_hem = sqrt(p.x * p.x + bend * bend) * 0.909 - (p.y - 0.44) * 0.417; /* > 0: covered */
+	double hem =
+	    roll * exp(-from_hem * from_hem / (roll_width * roll_width)) * clamp((p.y - 0.47) / 0.10, 0.0, 1.0);
+	bool has_opening = p.z > -0.02;
 
-	return fmax(trunk_distance - thickness, p.z > -0.02 ? -inside : -1.0);
+	return fmax(trunk_distance - cloth - hem - back_fold(p), has_opening ? -from_hem : -1.0);
 }
 
 static double neck(vec3 p)
@@ -186,8 +205,8 @@ static double neck(vec3 p)
 
 static double face(vec3 p)
 {
-	double skull = ellipsoid(p, v3(0.0, 0.842, -0.008), v3(0.082, 0.080, 0.096));
-	double jaw = ellipsoid(p, v3(0.0, 0.790, 0.020), v3(0.074, 0.078, 0.070));
+	double skull = ellipsoid(p, v3(0.0, 0.842, -0.008), v3(0.080, 0.080, 0.096));
+	double jaw = ellipsoid(p, v3(0.0, 0.790, 0.020), v3(0.073, 0.078, 0.070));
 	double chin = ellipsoid(p, v3(0.0, 0.725, 0.070), v3(0.024, 0.014, 0.018));
 	double socket = ellipsoid(p, v3(0.036, 0.828, 0.102), v3(0.026, 0.014, 0.018));
 	double lid = ellipsoid(p, v3(0.036, 0.825, 0.071), v3(0.022, 0.011, 0.014));
@@ -208,15 +227,15 @@ static double face(vec3 p)
 
 static double ears(vec3 p)
 {
-	double shell = ellipsoid(p, v3(0.088, 0.822, -0.016), v3(0.015, 0.036, 0.020));
-	double lobe = limb(p, v3(0.090, 0.80, -0.015), 0.012, v3(0.085, 0.750, -0.013), 0.011);
+	double shell = ellipsoid(p, v3(0.084, 0.822, -0.016), v3(0.015, 0.036, 0.020));
+	double lobe = limb(p, v3(0.086, 0.80, -0.015), 0.012, v3(0.081, 0.747, -0.013), 0.012);
 
 	return join(shell, lobe, 0.015);
 }
 
 static double hair(vec3 p)
 {
-	double cap = ellipsoid(p, v3(0.0, 0.848, -0.012), v3(0.089, 0.083, 0.106));
+	double cap = ellipsoid(p, v3(0.0, 0.848, -0.012), v3(0.086, 0.083, 0.106));
 	double ushnisha = ellipsoid(p, v3(0.0, 0.940, -0.025), v3(0.047, 0.046, 0.049));
 	double hairline = 0.872 + (p.z > 0.0 ? 0.15 : 1.1) * p.z; /* falls from the brow over the ears to the nape */
 
@@ -246,7 +265,8 @@ static double head(vec3 p)
  * and of the body each see their own part only, lest a ray that looks below the ear lobe ends on the shoulder. */
 static vec3 last_exit(double (*clay)(vec3), vec3 origin, vec3 direction)
 {
-	const double far_away = 0.9, careful = 0.6, close_enough = 1e-5; /* distances of blends are not exact */
+	const double far_away = 0.9, close_enough = 1e-5;
+	const double careful = 0.6; /* share of the distance to step: the clay's distances are not exact */
 	double t = far_away;
 	int step;
 
@@ -260,12 +280,13 @@ static vec3 last_exit(double (*clay)(vec3), vec3 origin, vec3 direction)
 	return add(origin, scale(direction, fmax(t, 0.0)));
 }
 
-/* ---- Aiming the rays ----------------------------------------------------------------------------------------- */
+/* ---- Aiming the rays --------------------------------------------------------------------------------------------- */
 
 enum zone { ZONE_SEAT, ZONE_LAP, ZONE_BELLY, ZONE_CHEST, ZONE_COLLAR, ZONE_FACE, ZONE_CROWN, ZONES };
 
 /* Azimuth of columns 0..HALF in degrees, 0 = front, 90 = side. On the trunk columns 1 and 2 run on either side of the
  * robe's hem; on the head column 1 is the side of the nose, 3 the outer corner of the eye, 7 the ear. */
+/* clang-format off */
 static const double azimuth[ZONES][HALF + 1] = {
 	[ZONE_SEAT]   = {0, 15, 30, 45, 58, 70, 83, 97, 111, 126, 143, 161, 180},
 	[ZONE_LAP]    = {0, 12, 24, 36, 48, 60, 75, 92, 108, 125, 142, 161, 180},
@@ -275,16 +296,18 @@ static const double azimuth[ZONES][HALF + 1] = {
 	[ZONE_FACE]   = {0, 8, 17, 28, 41, 57, 74, 87, 99, 114, 134, 157, 180},
 	[ZONE_CROWN]  = {0, 14, 29, 45, 61, 76, 90, 104, 119, 135, 151, 166, 180},
 };
+/* clang-format on */
 
-/* One ring of rays: heights of the origin and pitch above the horizon (degrees) for the rays to the front, to the
- * side and to the back, z of the axis that the origins lie on, and how far the columns have moved from one zone's
- * azimuths to those of the next. */
+/* One ring of rays. */
 typedef struct ring_aim {
-	double y[3], pitch[3], z;
-	enum zone from, to;
-	double share;
+	double y[3];        /* height of the origin for rays to the front, to the side and to the back */
+	double pitch[3];    /* degrees above the horizon, likewise */
+	double z;           /* of the origins */
+	enum zone from, to; /* the columns' azimuths, */
+	double share;       /* and how far they have moved from the one zone to the other */
 } ring_aim;
 
+/* clang-format off */
 static const ring_aim aims[BODY_RINGS] = {
 	/* legs */
 	{{.212, .214, .210}, {0, 0, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
@@ -301,12 +324,12 @@ static const ring_aim aims[BODY_RINGS] = {
 	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, 0},
 	{{.500, .505, .535}, {0, 0, 0}, -.02, ZONE_BELLY, ZONE_CHEST, .35},
 	{{.545, .550, .575}, {0, 0, 0}, -.02, ZONE_CHEST, ZONE_CHEST, 0},
-	{{.590, .590, .610}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .3},
-	{{.628, .610, .635}, {0, 15, 5}, -.025, ZONE_CHEST, ZONE_COLLAR, .65},
-	{{.655, .630, .655}, {5, 28, 15}, -.03, ZONE_COLLAR, ZONE_COLLAR, 0},
-	{{.678, .655, .678}, {5, 42, 20}, -.03, ZONE_COLLAR, ZONE_FACE, .3},
+	{{.586, .586, .605}, {0, 5, 0}, -.02, ZONE_CHEST, ZONE_COLLAR, .3},
+	{{.620, .604, .628}, {0, 15, 5}, -.025, ZONE_CHEST, ZONE_COLLAR, .65},
+	{{.645, .620, .645}, {5, 28, 15}, -.03, ZONE_COLLAR, ZONE_COLLAR, 0},
+	{{.664, .640, .666}, {5, 42, 20}, -.03, ZONE_COLLAR, ZONE_FACE, .3},
 	/* neck, chin, mouth, nose */
-	{{.704, .712, .722}, {0, 0, 0}, -.02, ZONE_FACE, ZONE_FACE, 0},
+	{{.692, .702, .714}, {0, 0, 0}, -.02, ZONE_FACE, ZONE_FACE, 0},
 	{{.765, .722, .742}, {-38, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
 	{{.727, .742, .760}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
 	{{.745, .757, .770}, {0, 0, 0}, -.01, ZONE_FACE, ZONE_FACE, 0},
@@ -324,6 +347,7 @@ static const ring_aim aims[BODY_RINGS] = {
 	{{.860, .860, .860}, {40, 39, 38}, -.025, ZONE_CROWN, ZONE_CROWN, 0},
 	{{.872, .872, .872}, {50, 49, 49}, -.025, ZONE_CROWN, ZONE_CROWN, 0},
 };
+/* clang-format on */
 
 /* Blends a table's front, side and back value smoothly over the azimuth. */
 static double around(const double value[3], double angle)
@@ -351,7 +375,7 @@ static vec3 body_target(int ring, int column)
 	return target;
 }
 
-/* ---- The lotus ------------------------------------------------------------------------------------------------ */
+/* ---- The lotus --------------------------------------------------------------------------------------------------- */
 
 /* One ring of the pedestal: height and radius, and what a petal's middle adds to both (a notch takes it away).
  * Petals are two columns wide. */
@@ -359,17 +383,19 @@ typedef struct lotus_ring {
 	double y, radius, petal_y, petal_radius;
 } lotus_ring;
 
+/* clang-format off */
 static const lotus_ring lotus[LOTUS_RINGS] = {
 	{.000, .345, .000, -.015}, /* the foot, flat on the floor */
 	{.020, .376, .000, -.028}, /* lower tier: tips point down, between those of the upper tier */
 	{.060, .352, .000, -.024},
 	{.098, .296, .000, .000}, /* waist */
 	{.128, .345, -.006, .020},
-	{.166, .380, .000, .028}, /* upper tier: tips point up */
-	{.196, .392, .016, .032},
-	{.196, .362, .004, .004}, /* the seat */
+	{.166, .384, .000, .028}, /* upper tier: tips point up */
+	{.196, .402, .016, .028},
+	{.194, .368, .003, .004}, /* the seat */
 };
-static const double LOTUS_DEPTH = 0.86;   /* z radius over x radius */
+/* clang-format on */
+static const double LOTUS_DEPTH = 0.86;     /* z radius over x radius */
 static const double LOTUS_CENTRE_Z = 0.035; /* the knees reach further forward than the back reaches back */
 
 static vec3 lotus_target(int ring, int column)
@@ -393,8 +419,10 @@ typedef struct cap_grid {
 } cap_grid;
 
 enum {
-	BOTTOM_WIDTH = 2, BOTTOM_DEPTH = 10, /* never seen: the fewest faces that do */
-	TOP_WIDTH = 6, TOP_DEPTH = 6,
+	BOTTOM_WIDTH = 2,
+	BOTTOM_DEPTH = 10, /* never seen, so as few faces as will do */
+	TOP_WIDTH = 6,
+	TOP_DEPTH = 6,
 	BOTTOM_FIRST = RINGS * COLUMNS,
 	TOP_FIRST = BOTTOM_FIRST + (BOTTOM_WIDTH - 1) * (BOTTOM_DEPTH - 1),
 	VERTICES = TOP_FIRST + (TOP_WIDTH - 1) * (TOP_DEPTH - 1),
@@ -453,11 +481,12 @@ static vec3 top_target(int i, int j)
 	double pitch = 90.0 - sqrt(x * x + z * z) * (90.0 - around(rim->pitch, angle));
 	vec3 target = last_exit(head, v3(0.0, around(rim->y, angle), rim->z), direction_of(angle, DEGREE * pitch));
 
-	target.x = 2 * i == top.width ? 0.0 : x < 0.0 ? -target.x : target.x;
-	return target;
+	if (2 * i == top.width)
+		target.x = 0.0;
+	return x < 0.0 ? mirrored(target) : target;
 }
 
-/* ---- Targets and faces -------------------------------------------------------------------------------------------- */
+/* ---- Targets and faces ------------------------------------------------------------------------------------------- */
 
 /* Only the half x >= 0 is computed and then mirrored, so that symmetry is exact to the bit. */
 static void place_targets(vec3 targets[VERTICES])
@@ -466,10 +495,11 @@ static void place_targets(vec3 targets[VERTICES])
 
 	for (ring = 0; ring < RINGS; ring++) {
 		for (column = 0; column <= HALF; column++) {
-			vec3 t = ring < LOTUS_RINGS ? lotus_target(ring, column) : body_target(ring - LOTUS_RINGS, column);
+			bool in_lotus = ring < LOTUS_RINGS;
+			vec3 t = in_lotus ? lotus_target(ring, column) : body_target(ring - LOTUS_RINGS, column);
 
 			targets[ring * COLUMNS + column] = t;
-			targets[ring * COLUMNS + (COLUMNS - column) % COLUMNS] = v3(-t.x, t.y, t.z);
+			targets[ring * COLUMNS + (COLUMNS - column) % COLUMNS] = mirrored(t);
 		}
 	}
 	for (j = 1; j < bottom.depth; j++)
@@ -510,7 +540,7 @@ static void list_faces(uint32_t indices[4 * FACES])
 				 cap_vertex(&top, i + 1, j + 1), cap_vertex(&top, i + 1, j));
 }
 
-/* ---- Fitting the limit surface -------------------------------------------------------------------------------------- */
+/* ---- Fitting the limit surface ----------------------------------------------------------------------------------- */
 
 /* Where each cage vertex ends up on the limit surface. For a vertex of valence n with faces all quads that is
  * (n^2 v + 4 * sum of edge neighbours + sum of face opposites) / (n (n + 5)). */
@@ -583,11 +613,6 @@ static void fit(const vec3 targets[VERTICES], const uint32_t indices[4 * FACES],
 	}
 }
 
-static vec3 mirrored(vec3 a)
-{
-	return v3(-a.x, a.y, a.z);
-}
-
 /* Gives the half x < 0 of a row of vertices the mirror image of the half x > 0; `last` mirrors `first`. */
 static void mirror_row(vec3 *first, vec3 *last)
 {
@@ -622,7 +647,7 @@ static void finish(const uint32_t indices[4 * FACES], vec3 cage[VERTICES])
 		mirror_row(&cage[cap_vertex(&top, 1, j)], &cage[cap_vertex(&top, top.width - 1, j)]);
 }
 
-/* ---- The mesh --------------------------------------------------------------------------------------------------------- */
+/* ---- The mesh ---------------------------------------------------------------------------------------------------- */
 
 bool buddha_cage(engine_mesh *out)
 {

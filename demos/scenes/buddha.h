@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* Fills `out` (whatever it held is overwritten, not freed) with a cage of 960 quads and 962 vertices: one closed
+/* Fills `out` (whatever it held is overwritten, not freed) with a cage of 992 quads and 994 vertices: one closed
  * surface, counter-clockwise seen from outside. The unit is the height of the figure: the limit surface stands on
  * y = 0 and its crown is at y = 1; scale it to metres as the scene needs. y is up, the face looks to +z, x = 0 is the
  * plane of symmetry. The cage itself reaches a little beyond its limit surface. Each call gives the same bits.
