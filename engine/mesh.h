@@ -30,6 +30,9 @@ typedef struct engine_mesh {
 /* Frees every array and zeroes the struct. NULL arrays and an already zeroed struct are fine. */
 void engine_mesh_free(engine_mesh *mesh);
 
+/* Copies every array into `out`, which must not own any. False, and `out` zeroed, when out of memory. */
+bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
 
@@ -378,19 +377,12 @@ static gi_report at_rest(const gi_context *gi)
 	return r;
 }
 
-static double now_ms(void)
-{
-	struct timespec t;
-	timespec_get(&t, TIME_UTC);
-	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
 static void note_issued(gi_context *gi, double began)
 {
 	const uint32_t ring = (uint32_t)(gi->frame_number % GPU_READBACK_RING);
 	gi->issued[ring].dispatches = gi->gpu.dispatches;
 	gi->issued[ring].uploaded_bytes = gi->gpu.uploaded_bytes;
-	gi->issued[ring].update_ms = (float)(now_ms() - began);
+	gi->issued[ring].update_ms = (float)(gpu_clock_ms() - began);
 }
 
 gi_result gi_update(gi_context *gi)
@@ -399,7 +391,7 @@ gi_result gi_update(gi_context *gi)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (gi->scene.uncommitted || !gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() after creating or destroying objects");
-	const double began = now_ms();
+	const double began = gpu_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
 	gi->gpu.dispatches = 0;

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 {
@@ -36,6 +37,9 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
 	g->max_block_bytes = (uint64_t)bytes;
 	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)glGetString(GL_RENDERER));
+	static const char *const software[] = {"llvmpipe", "softpipe", "SWR"};
+	for (size_t k = 0; k < sizeof software / sizeof *software; k++)
+		g->software = g->software || strstr(g->renderer, software[k]);
 	/* 64 threads fill a wavefront or two warps; software renderers take any multiple of their vectors. */
 	g->group_size = 64;
 	return GI_OK;
@@ -338,6 +342,11 @@ void gpu_timer_begin(gpu *g, gpu_timer *timer)
 {
 	if (!g->profile)
 		return;
+	if (g->software) {
+		glFinish();
+		timer->began_ms = gpu_clock_ms();
+		return;
+	}
 	if (!timer->query[0])
 		glCreateQueries(GL_TIME_ELAPSED, GPU_TIMER_RING, timer->query);
 	if (timer->pending == GPU_TIMER_RING)
@@ -349,6 +358,11 @@ void gpu_timer_end(gpu *g, gpu_timer *timer)
 {
 	if (!g->profile)
 		return;
+	if (g->software) {
+		glFinish();
+		timer->ms = (float)(gpu_clock_ms() - timer->began_ms);
+		return;
+	}
 	glEndQuery(GL_TIME_ELAPSED);
 	timer->next = (timer->next + 1) % GPU_TIMER_RING;
 	timer->pending++;
@@ -435,6 +449,13 @@ bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag)
 	r->oldest = (slot + 1) % GPU_READBACK_RING;
 	r->pending--;
 	return true;
+}
+
+double gpu_clock_ms(void)
+{
+	struct timespec t;
+	timespec_get(&t, TIME_UTC);
+	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
 void gpu_finish(void)

@@ -29,6 +29,7 @@ typedef struct gpu_timer {
 	uint32_t query[GPU_TIMER_RING];
 	uint32_t next, pending; /* ring position, queries not yet read */
 	float ms;               /* newest finished time */
+	double began_ms;        /* software renderers: by the clock */
 } gpu_timer;
 
 typedef struct gpu {
@@ -37,6 +38,7 @@ typedef struct gpu {
 	uint32_t group_size;          /* threads of a compute group, a power of two */
 	uint64_t max_block_bytes;     /* of one storage buffer binding */
 	bool profile;
+	bool software;                /* no GPU: its timer queries measure the wrong work, the clock the right one */
 
 	uint32_t dispatches;     /* since the counters were last zeroed */
 	uint64_t uploaded_bytes; /* likewise */
@@ -70,7 +72,8 @@ void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads);
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups);
 void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset);
 
-/* Time between begin and end; timers do not nest. Without profile they do nothing. */
+/* Time between begin and end; timers do not nest. Without profile they do nothing. On a software renderer they wait for the work, which
+ * runs on the same cores anyway. */
 void gpu_timer_begin(gpu *g, gpu_timer *timer);
 void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */
@@ -96,5 +99,8 @@ void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag);
 bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag);
 
 void gpu_finish(void);
+
+/* Milliseconds of the wall clock. */
+double gpu_clock_ms(void);
 
 #endif

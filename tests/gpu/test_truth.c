@@ -140,7 +140,7 @@ static void scale_to_area(engine_mesh *mesh, double area)
 static void spheres(void **state)
 {
 	(void)state;
-	gi_context *gi = open_context(0.0005f);
+	gi_context *gi = open_context(0.0001f);
 	gi_object object[2];
 	for (int k = 0; k < 2; k++) {
 		engine_mesh mesh;

@@ -1,0 +1,213 @@
+#include "scenes/cornell.h"
+
+#include "scenes/buddha.h"
+#include "scenes/shapes.h"
+
+#include <cglm/cglm.h>
+
+#include <math.h>
+#include <string.h>
+
+static const float HALF = 2.75f, HEIGHT = 5.5f;
+
+/* The light: 1.3 x 1.05 m a little under the ceiling, as in the measured box, bright enough for a white floor of about 1 W/m2/sr. */
+static const float LIGHT_HALF_X = 0.65f, LIGHT_HALF_Z = 0.525f, LIGHT_GAP = 0.01f;
+static const float LIGHT_EXITANCE[3] = {47.1f, 38.8f, 29.4f};
+
+static const float WHITE[3] = {.73f, .73f, .73f}, RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
+
+/* Warm stone, not gold: gold is no diffuse colour. */
+static const float STONE[3] = {.72f, .62f, .47f};
+
+cornell_def cornell_def_default(void)
+{
+	return (cornell_def){.wall_faces = 3,
+			     .wall_levels = 3,
+			     .light_levels = 2,
+			     .buddha = true,
+			     .buddha_height = 2.8f,
+			     .balls = true,
+			     .ball_faces = 5};
+}
+
+typedef struct body {
+	const char *name;
+	gi_scheme scheme;
+	uint32_t levels;
+	const float *rho, *exitance;
+	float position[3];
+	float scale;
+	const engine_mesh *draw;
+} body;
+
+/* Creates an object from a cage and frees that. */
+static gi_result add(gi_context *gi, const body *b, engine_mesh *mesh, gi_object *out)
+{
+	gi_material material = {0};
+	memcpy(material.rho, b->rho, sizeof material.rho);
+	if (b->exitance)
+		memcpy(material.exitance, b->exitance, sizeof material.exitance);
+	gi_object_def def = gi_object_def_default();
+	def.name = b->name;
+	def.positions = mesh->positions;
+	def.vertex_count = mesh->vertex_count;
+	def.face_counts = mesh->face_counts;
+	def.face_count = mesh->face_count;
+	def.indices = mesh->indices;
+	def.index_count = mesh->index_count;
+	def.crease_vertices = mesh->crease_vertices;
+	def.crease_sharpness = mesh->crease_sharpness;
+	def.crease_count = mesh->crease_count;
+	def.scheme = b->scheme;
+	def.levels = b->levels;
+	def.materials = &material;
+	def.material_count = 1;
+	memcpy(def.pose.position, b->position, sizeof def.pose.position);
+	for (int c = 0; c < 3 && b->scale > 0; c++)
+		def.scale[c] = b->scale;
+	if (b->draw) {
+		def.draw_positions = b->draw->positions;
+		def.draw_vertex_count = b->draw->vertex_count;
+		def.draw_indices = b->draw->indices;
+		def.draw_index_count = b->draw->index_count;
+	}
+	const gi_result result = gi_create_object(gi, &def, out);
+	engine_mesh_free(mesh);
+	return result;
+}
+
+static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	const float w = 2 * HALF;
+	const struct {
+		const char *name;
+		const float *rho;
+		float corner[3], u[3], v[3];
+		gi_object *object;
+	} walls[] = {
+		{"floor", WHITE, {-HALF, 0, -HALF}, {0, 0, w}, {w, 0, 0}, &out->floor},
+		{"ceiling", WHITE, {-HALF, HEIGHT, -HALF}, {w, 0, 0}, {0, 0, w}, &out->ceiling},
+		{"back", WHITE, {-HALF, 0, -HALF}, {w, 0, 0}, {0, HEIGHT, 0}, &out->back},
+		{"left", RED, {-HALF, 0, -HALF}, {0, HEIGHT, 0}, {0, 0, w}, &out->left},
+		{"right", GREEN, {HALF, 0, -HALF}, {0, 0, w}, {0, HEIGHT, 0}, &out->right},
+	};
+	gi_result result = GI_OK;
+	for (size_t k = 0; !result && k < sizeof walls / sizeof *walls; k++) {
+		engine_mesh mesh;
+		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
+			return GI_ERROR_OUT_OF_MEMORY;
+		const body b = {.name = walls[k].name, .levels = def->wall_levels, .rho = walls[k].rho};
+		result = add(gi, &b, &mesh, walls[k].object);
+	}
+	return result;
+}
+
+static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	static const float black[3] = {0};
+	engine_mesh mesh;
+	const float corner[3] = {-LIGHT_HALF_X, 0, -LIGHT_HALF_Z}, u[3] = {2 * LIGHT_HALF_X, 0, 0}, v[3] = {0, 0, 2 * LIGHT_HALF_Z};
+	if (!shape_quad(corner, u, v, 1, 1, &mesh))
+		return GI_ERROR_OUT_OF_MEMORY;
+	const body b = {.name = "light",
+			.levels = def->light_levels,
+			.rho = black,
+			.exitance = LIGHT_EXITANCE,
+			.position = {0, HEIGHT - LIGHT_GAP, 0}};
+	return add(gi, &b, &mesh, &out->light);
+}
+
+/* Moves and scales a mesh so that it stands on y = 0, centred, with the given height. */
+static bool fit(const engine_mesh *bounds_of, const engine_mesh *in, float height, engine_mesh *out)
+{
+	float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+	for (uint32_t k = 0; k < 3 * bounds_of->vertex_count; k++) {
+		lower[k % 3] = fminf(lower[k % 3], bounds_of->positions[k]);
+		upper[k % 3] = fmaxf(upper[k % 3], bounds_of->positions[k]);
+	}
+	const float scale = height / (upper[1] - lower[1]);
+	const float origin[3] = {.5f * (lower[0] + upper[0]), lower[1], .5f * (lower[2] + upper[2])};
+	if (!engine_mesh_copy(in, out))
+		return false;
+	for (uint32_t k = 0; k < 3 * out->vertex_count; k++)
+		out->positions[k] = (out->positions[k] - origin[k % 3]) * scale;
+	return true;
+}
+
+static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	engine_mesh cage, drawn;
+	if (!fit(def->figure, def->figure_cage, def->buddha_height, &cage))
+		return GI_ERROR_OUT_OF_MEMORY;
+	if (!fit(def->figure, def->figure, def->buddha_height, &drawn)) {
+		engine_mesh_free(&cage);
+		return GI_ERROR_OUT_OF_MEMORY;
+	}
+	const body b = {.name = "figure", .rho = STONE, .draw = &drawn};
+	const gi_result result = add(gi, &b, &cage, &out->buddha);
+	engine_mesh_free(&drawn);
+	return result;
+}
+
+static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	engine_mesh mesh;
+	if (!buddha_cage(&mesh))
+		return GI_ERROR_OUT_OF_MEMORY;
+	const body b = {.name = "buddha",
+			.scheme = GI_SCHEME_CATMULL_CLARK,
+			.levels = def->buddha_levels,
+			.rho = STONE,
+			.scale = def->buddha_height};
+	return add(gi, &b, &mesh, &out->buddha);
+}
+
+static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	static const float places[2][3] = {{-1.75f, .55f, -1.55f}, {1.85f, .4f, .9f}};
+	gi_result result = GI_OK;
+	for (int k = 0; !result && k < 2; k++) {
+		engine_mesh mesh;
+		if (!shape_sphere(places[k][1], def->ball_faces, &mesh))
+			return GI_ERROR_OUT_OF_MEMORY;
+		const body b = {.name = k ? "small ball" : "ball",
+				.scheme = GI_SCHEME_CATMULL_CLARK,
+				.rho = WHITE,
+				.position = {places[k][0], places[k][1], places[k][2]}};
+		result = add(gi, &b, &mesh, &out->balls[k]);
+	}
+	return result;
+}
+
+gi_result cornell_create(gi_context *gi, const cornell_def *def, cornell *out)
+{
+	*out = (cornell){0};
+	gi_result result = add_walls(gi, def, out);
+	if (!result)
+		result = add_light(gi, def, out);
+	if (!result && def->figure)
+		result = add_figure(gi, def, out);
+	else if (!result && def->buddha)
+		result = add_buddha(gi, def, out);
+	if (!result && def->balls)
+		result = add_balls(gi, def, out);
+	if (!result && (def->figure || def->buddha))
+		result = gi_set_pose(gi, out->buddha, cornell_buddha_pose(0));
+	return result;
+}
+
+gi_pose cornell_buddha_pose(float t)
+{
+	const float angle = t * (2 * GLM_PIf / 8), turn = .5f * sinf(angle);
+	return (gi_pose){.position = {.8f * sinf(angle), 0, -.25f + .45f * cosf(angle)},
+			 .rotation = {0, sinf(.5f * turn), 0, cosf(.5f * turn)}};
+}
+
+void cornell_camera(float aspect, float view_from_world[16], float clip_from_view[16])
+{
+	mat4 view, clip;
+	glm_lookat((vec3){0, HALF, 10.4f}, (vec3){0, HALF, 0}, (vec3){0, 1, 0}, view);
+	glm_perspective(glm_rad(40), aspect, .1f, 100, clip);
+	memcpy(view_from_world, view, sizeof view);
+	memcpy(clip_from_view, clip, sizeof clip);
+}
