@@ -166,13 +166,16 @@ static double arms(vec3 p)
 	return join(join(upper, lower, 0.03), sleeve, 0.05) - fold;
 }
 
+/* One hand lies in the other, the thumbs meet above them. The palm lies deeper than one would see it: it is the floor
+ * for the rays that pass beside the thumbs. */
 static double hands(vec3 p)
 {
-	double palm = ellipsoid(p, v3(0.035, 0.368, 0.188), v3(0.085, 0.024, 0.044));
-	double hollow = ellipsoid(p, v3(0.036, 0.408, 0.196), v3(0.034, 0.034, 0.022));
-	double thumb = limb(p, v3(0.088, 0.372, 0.155), 0.022, v3(0.0, 0.398, 0.174), 0.017);
+	double fingers = ellipsoid(p, v3(0.030, 0.369, 0.192), v3(0.082, 0.024, 0.046));
+	double thumb = ellipsoid(p, v3(0.020, 0.394, 0.180), v3(0.036, 0.026, 0.030));
+	double wrist = limb(p, v3(0.060, 0.374, 0.165), 0.018, v3(0.120, 0.380, 0.140), 0.024);
+	double palm = ellipsoid(p, v3(0.050, 0.380, 0.120), v3(0.075, 0.032, 0.034));
 
-	return carve(join(palm, thumb, 0.012), hollow, 0.006);
+	return join(join(join(fingers, thumb, 0.010), wrist, 0.010), palm, 0.010);
 }
 
 /* Height of a fold that runs down the back, one to every second column; none near the shoulders and on the sides. */
@@ -316,9 +319,9 @@ static const ring_aim aims[BODY_RINGS] = {
 	{{.300, .240, .315}, {4, 12, 0}, .02, ZONE_SEAT, ZONE_SEAT, 0},
 	/* lap, hands, forearms */
 	{{.298, .210, .350}, {10, 26, 0}, .02, ZONE_LAP, ZONE_LAP, 0},
-	{{.310, .270, .385}, {14, 22, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.330, .340, .420}, {16, 14, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
-	{{.350, .395, .450}, {13.5, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
+	{{.310, .270, .385}, {15, 22, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
+	{{.330, .340, .420}, {15.5, 14, 0}, .0, ZONE_LAP, ZONE_LAP, 0},
+	{{.350, .395, .450}, {14.5, 10, 0}, -.01, ZONE_LAP, ZONE_LAP, 0},
 	{{.390, .425, .475}, {15, 10, 0}, -.02, ZONE_LAP, ZONE_BELLY, .8},
 	/* belly and chest */
 	{{.450, .460, .500}, {5, 5, 0}, -.02, ZONE_BELLY, ZONE_CHEST, 0},
