@@ -1,0 +1,327 @@
+#include "mesh_clean.h"
+
+#include <math.h>
+#include <meshoptimizer.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Grows an array; size 0 still gives memory, so that NULL always means failure. */
+static bool grow(void *array, size_t count, size_t element_size)
+{
+	void *pointer;
+	memcpy(&pointer, array, sizeof pointer);
+	pointer = realloc(pointer, (count ? count : 1) * element_size);
+	if (pointer)
+		memcpy(array, &pointer, sizeof pointer);
+	return pointer != NULL;
+}
+
+static bool grow_for(engine_mesh *mesh, const engine_mesh *part)
+{
+	size_t vertices = (size_t)mesh->vertex_count + part->vertex_count;
+	size_t faces = (size_t)mesh->face_count + part->face_count;
+	size_t corners = (size_t)mesh->index_count + part->index_count;
+	/* Below 2^30, so that three floats a vertex still count in 32 bits wherever they go. */
+	if (vertices >= 1u << 30 || faces >= 1u << 30 || corners >= 1u << 30)
+		return false;
+	return grow(&mesh->positions, vertices, 3 * sizeof(float)) &&
+	       grow(&mesh->face_counts, faces, sizeof(uint32_t)) &&
+	       grow(&mesh->face_materials, faces, sizeof(uint32_t)) && grow(&mesh->indices, corners, sizeof(uint32_t));
+}
+
+bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material)
+{
+	if (!grow_for(mesh, part))
+		return false;
+	for (size_t i = 0; i < 3 * (size_t)part->vertex_count; i++)
+		mesh->positions[3 * (size_t)mesh->vertex_count + i] = part->positions[i];
+	for (uint32_t f = 0; f < part->face_count; f++) {
+		mesh->face_counts[mesh->face_count + f] = part->face_counts[f];
+		mesh->face_materials[mesh->face_count + f] = part->face_materials ? part->face_materials[f] : material;
+	}
+	for (uint32_t i = 0; i < part->index_count; i++)
+		mesh->indices[mesh->index_count + i] = part->indices[i] + mesh->vertex_count;
+	mesh->vertex_count += part->vertex_count;
+	mesh->face_count += part->face_count;
+	mesh->index_count += part->index_count;
+	return true;
+}
+
+static bool check_positions(const engine_mesh *mesh, char *message, size_t message_size)
+{
+	for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; i++) {
+		if (!isfinite(mesh->positions[i])) {
+			snprintf(message, message_size, "the position of vertex %zu is not finite", i / 3);
+			return false;
+		}
+	}
+	return true;
+}
+
+static bool check_faces(const engine_mesh *mesh, char *message, size_t message_size)
+{
+	size_t corners = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		corners += mesh->face_counts[f];
+		if (mesh->face_counts[f] < 3 || corners > mesh->index_count) {
+			snprintf(message, message_size, "face %u has %u corners", f, mesh->face_counts[f]);
+			return false;
+		}
+	}
+	for (uint32_t i = 0; i < mesh->index_count; i++) {
+		if (mesh->indices[i] >= mesh->vertex_count) {
+			snprintf(message, message_size, "vertex number %u is out of range, there are %u vertices",
+				 mesh->indices[i], mesh->vertex_count);
+			return false;
+		}
+	}
+	return true;
+}
+
+/* Points every corner at the first of the vertices of equal position. */
+static bool weld(engine_mesh *mesh, engine_clean_report *report)
+{
+	uint32_t count = mesh->vertex_count;
+	uint32_t *unique = malloc((2 * (size_t)count + 1) * sizeof *unique);
+	if (!unique)
+		return false;
+	for (size_t i = 0; i < 3 * (size_t)count; i++)
+		mesh->positions[i] += 0.0f; /* -0 and 0 are one place but not one bit pattern */
+	size_t unique_count =
+	    meshopt_generateVertexRemap(unique, NULL, count, mesh->positions, count, 3 * sizeof(float));
+	uint32_t *first = unique + count;
+	for (uint32_t v = count; v-- > 0;)
+		first[unique[v]] = v;
+	for (uint32_t i = 0; i < mesh->index_count; i++)
+		mesh->indices[i] = first[unique[mesh->indices[i]]];
+	report->welded_vertices = count - (uint32_t)unique_count;
+	free(unique);
+	return true;
+}
+
+/* Removes corners that repeat the one before (around the face too); returns how many stay. */
+static uint32_t drop_repeats(uint32_t *corners, uint32_t count)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		if (corners[i] != corners[(i + 1) % count])
+			corners[kept++] = corners[i];
+	}
+	return kept;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	return (x > y) - (x < y);
+}
+
+/* Quadratic for the usual few corners; sorted in `scratch` beyond, as a file may hold a face of a million. */
+static bool repeats_vertex(const uint32_t *corners, uint32_t count, uint32_t *scratch)
+{
+	if (count > 16) {
+		memcpy(scratch, corners, count * sizeof *corners);
+		qsort(scratch, count, sizeof *scratch, compare_numbers);
+		for (uint32_t i = 0; i + 1 < count; i++) {
+			if (scratch[i] == scratch[i + 1])
+				return true;
+		}
+		return false;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		for (uint32_t j = i + 1; j < count; j++) {
+			if (corners[i] == corners[j])
+				return true;
+		}
+	}
+	return false;
+}
+
+/* Newell's method relative to the first corner, which keeps the digits of a small face far from the origin. */
+void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3])
+{
+	const float *origin = mesh->positions + 3 * (size_t)corners[0];
+	normal[0] = normal[1] = normal[2] = 0;
+	for (uint32_t i = 1; i + 1 < count; i++) {
+		const float *p = mesh->positions + 3 * (size_t)corners[i];
+		const float *q = mesh->positions + 3 * (size_t)corners[i + 1];
+		double a[3], b[3];
+		for (int k = 0; k < 3; k++) {
+			a[k] = (double)p[k] - origin[k];
+			b[k] = (double)q[k] - origin[k];
+		}
+		for (int k = 0; k < 3; k++)
+			normal[k] += 0.5 * (a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+	}
+}
+
+static double longest_edge2(const engine_mesh *mesh, const uint32_t *corners, uint32_t count)
+{
+	double longest = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const float *p = mesh->positions + 3 * (size_t)corners[i];
+		const float *q = mesh->positions + 3 * (size_t)corners[(i + 1) % count];
+		double length2 = 0;
+		for (int k = 0; k < 3; k++)
+			length2 += ((double)p[k] - q[k]) * ((double)p[k] - q[k]);
+		longest = fmax(longest, length2);
+	}
+	return longest;
+}
+
+/* 1e-7: a float has 24 bits, a face thinner than that times its length is a line with rounding errors. */
+static bool has_area(const engine_mesh *mesh, const uint32_t *corners, uint32_t count)
+{
+	double n[3];
+	engine_mesh_face_normal(mesh, corners, count, n);
+	return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) > 1e-7 * longest_edge2(mesh, corners, count);
+}
+
+static bool drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
+{
+	uint32_t *scratch = malloc((mesh->index_count + 1) * sizeof *scratch);
+	if (!scratch)
+		return false;
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		uint32_t *corners = mesh->indices + read;
+		read += mesh->face_counts[f];
+		uint32_t count = drop_repeats(corners, mesh->face_counts[f]);
+		if (count < 3 || repeats_vertex(corners, count, scratch) || !has_area(mesh, corners, count))
+			continue;
+		memmove(mesh->indices + write, corners, count * sizeof *corners);
+		write += count;
+		mesh->face_counts[faces] = count;
+		if (mesh->face_materials)
+			mesh->face_materials[faces] = mesh->face_materials[f];
+		faces++;
+	}
+	report->degenerate_faces = mesh->face_count - faces;
+	mesh->face_count = faces;
+	mesh->index_count = write;
+	free(scratch);
+	return true;
+}
+
+static bool drop_unused_vertices(engine_mesh *mesh)
+{
+	uint32_t *number = calloc((size_t)mesh->vertex_count + 1, sizeof *number);
+	if (!number)
+		return false;
+	for (uint32_t i = 0; i < mesh->index_count; i++)
+		number[mesh->indices[i]] = 1;
+	uint32_t kept = 0;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		if (!number[v])
+			continue;
+		memmove(mesh->positions + 3 * (size_t)kept, mesh->positions + 3 * (size_t)v, 3 * sizeof(float));
+		number[v] = kept++;
+	}
+	for (uint32_t i = 0; i < mesh->index_count; i++)
+		mesh->indices[i] = number[mesh->indices[i]];
+	mesh->vertex_count = kept;
+	free(number);
+	return true;
+}
+
+static void drop_creases(engine_mesh *mesh)
+{
+	free(mesh->crease_vertices);
+	free(mesh->crease_sharpness);
+	mesh->crease_vertices = NULL;
+	mesh->crease_sharpness = NULL;
+	mesh->crease_count = 0;
+}
+
+bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *message, size_t message_size)
+{
+	*report = (engine_clean_report){0};
+	drop_creases(mesh);
+	if (!check_positions(mesh, message, message_size) || !check_faces(mesh, message, message_size))
+		return false;
+	if (mesh->vertex_count == 0)
+		return true;
+	if (weld(mesh, report) && drop_degenerate(mesh, report) && drop_unused_vertices(mesh))
+		return true;
+	snprintf(message, message_size, "out of memory for a mesh of %u vertices", mesh->vertex_count);
+	return false;
+}
+
+/* Finds the edge that b has the other way round, and writes the quad a b c d with that edge as its diagonal a-c. */
+static bool join_at_shared_edge(const uint32_t *first, const uint32_t *second, uint32_t *quad)
+{
+	for (int i = 0; i < 3; i++) {
+		for (int j = 0; j < 3; j++) {
+			uint32_t from = first[i], to = first[(i + 1) % 3];
+			if (second[j] != to || second[(j + 1) % 3] != from)
+				continue;
+			quad[0] = to; /* first is (from, to, x): as (to, x, from) its last edge is the diagonal */
+			quad[1] = first[(i + 2) % 3];
+			quad[2] = from;
+			quad[3] = second[(j + 2) % 3];
+			return quad[1] != quad[3];
+		}
+	}
+	return false;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* cos 45 degrees: flatter than that, two triangles are the halves of a bent quad rather than two sides of an edge. */
+static bool nearly_coplanar(const engine_mesh *mesh, const uint32_t *first, const uint32_t *second)
+{
+	double n[3], m[3];
+	engine_mesh_face_normal(mesh, first, 3, n);
+	engine_mesh_face_normal(mesh, second, 3, m);
+	return dot(n, m) > 0.7071 * sqrt(dot(n, n) * dot(m, m));
+}
+
+/* Every corner turns left about the quad's own normal, by more than rounding. */
+static bool is_convex(const engine_mesh *mesh, const uint32_t *quad)
+{
+	double normal[3];
+	engine_mesh_face_normal(mesh, quad, 4, normal);
+	for (int i = 0; i < 4; i++) {
+		const uint32_t corner[3] = {quad[(i + 3) % 4], quad[i], quad[(i + 1) % 4]};
+		double turn[3];
+		engine_mesh_face_normal(mesh, corner, 3, turn);
+		if (dot(turn, normal) <= 1e-6 * dot(normal, normal))
+			return false;
+	}
+	return true;
+}
+
+static bool pair_at(const engine_mesh *mesh, uint32_t face, const uint32_t *corners, uint32_t *quad)
+{
+	if (face + 1 >= mesh->face_count || mesh->face_counts[face] != 3 || mesh->face_counts[face + 1] != 3)
+		return false;
+	if (mesh->face_materials && mesh->face_materials[face] != mesh->face_materials[face + 1])
+		return false;
+	return join_at_shared_edge(corners, corners + 3, quad) && nearly_coplanar(mesh, corners, corners + 3) &&
+	       is_convex(mesh, quad);
+}
+
+/* In place: what is written never passes what is still to be read. */
+void engine_mesh_pair_triangles(engine_mesh *mesh)
+{
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count;) {
+		uint32_t quad[4], *corners = mesh->indices + read;
+		bool paired = pair_at(mesh, f, corners, quad);
+		uint32_t count = paired ? 4 : mesh->face_counts[f];
+		uint32_t consumed = paired ? 6 : count;
+		memmove(mesh->indices + write, paired ? quad : corners, count * sizeof *corners);
+		if (mesh->face_materials)
+			mesh->face_materials[faces] = mesh->face_materials[f];
+		mesh->face_counts[faces++] = count;
+		read += consumed;
+		write += count;
+		f += paired ? 2 : 1;
+	}
+	mesh->face_count = faces;
+	mesh->index_count = write;
+}
