@@ -36,6 +36,7 @@ typedef struct gi_uvec4 {
 #define GI_NODE_EMITTER 8u  /* some leaf below it emits; set by the scene, not by the hierarchy */
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
+#define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
 
 /* Where a node is. One copy in the object's rest frame, one in the world.
  *

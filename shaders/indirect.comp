@@ -1,5 +1,6 @@
 #version 450 core
-// Irradiance of a leaf from everything but the emitters' own exitance: sum over links of weight * (B - E). One thread a leaf.
+// Irradiance of a leaf from everything but the own exitance of lamps, which is drawn per pixel: sum over links of weight * (B - E).
+// One thread a leaf.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_ROWS
@@ -22,8 +23,8 @@ void main()
 	vec3 h = vec3(0.0);
 	for (uint k = row.x; k < end; k++) {
 		uvec2 link = links[k];
-		bool sky = (topology[link.x].range.w & GI_NODE_SKY) != 0u;
-		vec3 own = sky ? vec3(0.0) : node_exitance[link.x].xyz;
+		bool lamp = (topology[link.x].range.w & GI_NODE_LAMP) != 0u;
+		vec3 own = lamp ? node_exitance[link.x].xyz : vec3(0.0);
 		h += uintBitsToFloat(link.y) * (radiosity[link.x].xyz - own);
 	}
 	leaf_indirect[leaf] = vec4(h, 0.0);

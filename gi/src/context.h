@@ -12,6 +12,7 @@
 #include "bvh.h"
 #include "gpu.h"
 #include "hierarchy.h"
+#include "lamp.h"
 #include "skin.h"
 
 /* ---- scene ---- */
@@ -87,6 +88,7 @@ struct gi_context {
 	gi_scene scene;
 	gi_rows rows;
 	gi_solver solver;
+	gi_lamps lamps;
 	gi_shade *shade; /* made by the first gi_draw */
 	gpu_buffer state;
 	gpu_readback readback;

@@ -432,6 +432,7 @@ gi_result scene_upload(gi_context *gi)
 		for (uint32_t k = 0; k < s->object_count; k++)
 			if (is_alive(&s->objects[k]))
 				scene_update_exitance(gi, &s->objects[k]);
+		lamps_select(gi, false);
 		result = upload_gathered(gi, &g);
 	}
 	gi_solver before = gi->solver;
@@ -494,6 +495,7 @@ static void upload_material(gi_context *gi, scene_object *o)
 gi_result scene_upload_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
+	bool relit = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		gi_object_data *data = &s->object_data[slot];
 		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
@@ -504,7 +506,10 @@ gi_result scene_upload_changes(gi_context *gi)
 		}
 		if (o && o->material_changed)
 			upload_material(gi, o);
+		relit = relit || (o && o->material_changed);
 	}
+	if (relit)
+		lamps_select(gi, true);
 	return upload_tlas(gi);
 }
 

@@ -1,19 +1,230 @@
-/* The picture. */
+/* The picture: everything drawn at once, direct light per pixel (lamp.c, shadow.c), indirect light from the leaves (skin.h).
+ *
+ * One mesh holds the skins of all objects, small objects first: what they hide of the walls behind them is not shaded.
+ *
+ *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
+ */
 #include "context.h"
+#include "shadow.h"
+#include "vec3d.h"
 
-gi_result gi_draw(gi_context *gi, const gi_view *view)
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Where the drawn surface lies below the leaves' planes, it is taken this much higher when it looks for its shadows. */
+static const double SINK_FACTOR = 1.1;
+
+typedef struct draw_vertex {
+	float position[3];
+	float normal[3];
+	float sink;
+	uint32_t leaf;
+	uint32_t light[4];
+	float weight[4];
+} draw_vertex;
+
+struct gi_shade {
+	bool built; /* for the scene as committed */
+	uint32_t draw_program;
+	gpu_mesh mesh;
+	gi_shadow shadow;
+};
+
+/* ---- the mesh ---- */
+
+static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
 {
-	(void)gi;
-	(void)view;
-	return GI_OK;
+	const uint32_t node = h->leaf_node[v->leaf];
+	const gi_vec3d normal = gi_vec3d_from(h->geometry[node].axis);
+	const uint32_t *corners = &h->topology[node].corners.x;
+	double plane = 0;
+	for (int k = 0; k < 4; k++)
+		plane += 0.25 * gi_vec3d_dot(normal, gi_vec3d_from(h->vertices[corners[k]]));
+	const double height = gi_vec3d_dot(normal, (gi_vec3d){v->position[0], v->position[1], v->position[2]}) - plane;
+	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
+}
+
+static void add_skin(const scene_object *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+{
+	const gi_skin *skin = &o->skin;
+	for (uint32_t k = 0; k < skin->vertex_count; k++) {
+		const gi_draw_vertex *from = &skin->vertices[k];
+		draw_vertex *to = &vertices[first_vertex + k];
+		memcpy(to->position, from->position, sizeof to->position);
+		memcpy(to->normal, from->normal, sizeof to->normal);
+		memcpy(to->weight, from->weight, sizeof to->weight);
+		to->sink = sink_of(&o->hierarchy, from);
+		to->leaf = o->leaf_base + from->leaf;
+		for (int i = 0; i < 4; i++)
+			to->light[i] = o->light_base + from->light[i];
+	}
+	for (uint32_t k = 0; k < skin->index_count; k++)
+		indices[k] = first_vertex + skin->indices[k];
+}
+
+typedef struct sized {
+	double size;
+	uint32_t slot;
+} sized;
+
+static int by_size(const void *a, const void *b)
+{
+	const sized *x = a, *y = b;
+	return x->size < y->size ? -1 : x->size > y->size ? 1 : (x->slot > y->slot) - (x->slot < y->slot);
+}
+
+/* Slots of the objects, small ones first; the sky is none. */
+static uint32_t order_slots(const gi_scene *s, sized *order)
+{
+	uint32_t count = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			order[count++] = (sized){s->object_data[slot].sphere.w, slot};
+	qsort(order, count, sizeof *order, by_size);
+	return count;
+}
+
+static gi_result build_mesh(gi_context *gi, gi_shade *shade)
+{
+	const gi_scene *s = &gi->scene;
+	sized *order = calloc(s->slot_count + 1, sizeof *order);
+	size_t vertex_count = 0, index_count = 0;
+	const uint32_t count = order ? order_slots(s, order) : 0;
+	for (uint32_t k = 0; k < count; k++) {
+		vertex_count += s->objects[s->slots[order[k].slot]].skin.vertex_count;
+		index_count += s->objects[s->slots[order[k].slot]].skin.index_count;
+	}
+	draw_vertex *vertices = malloc(sizeof *vertices * (vertex_count + 1));
+	uint32_t *indices = malloc(sizeof *indices * (index_count + 1));
+	gi_result result = GI_OK;
+	if (!order || !vertices || !indices)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	vertex_count = index_count = 0;
+	for (uint32_t k = 0; !result && k < count; k++) {
+		const scene_object *o = &s->objects[s->slots[order[k].slot]];
+		add_skin(o, vertices, (uint32_t)vertex_count, indices + index_count);
+		vertex_count += o->skin.vertex_count;
+		index_count += o->skin.index_count;
+	}
+	static const gpu_attribute attributes[] = {{3, false, 0},
+						   {4, false, offsetof(draw_vertex, normal)},
+						   {1, true, offsetof(draw_vertex, leaf)},
+						   {4, true, offsetof(draw_vertex, light)},
+						   {4, false, offsetof(draw_vertex, weight)},
+						   {0}};
+	if (!result)
+		result = gpu_mesh_create(&gi->gpu, &shade->mesh, attributes, sizeof *vertices, vertex_count, vertices, index_count,
+					 indices);
+	free(order);
+	free(vertices);
+	free(indices);
+	return result;
+}
+
+/* ---- life ---- */
+
+static gi_result prepare(gi_context *gi)
+{
+	if (!gi->shade)
+		gi->shade = calloc(1, sizeof *gi->shade);
+	gi_shade *shade = gi->shade;
+	if (!shade)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	if (shade->built)
+		return GI_OK;
+	gi_result result = shade->draw_program ? GI_OK : gpu_program_draw(&gi->gpu, "draw.vert", "draw.frag", &shade->draw_program);
+	if (!result)
+		result = build_mesh(gi, shade);
+	if (!result)
+		result = shadow_create(gi, &shade->shadow);
+	if (result)
+		shade_invalidate(gi);
+	else
+		shade->built = true;
+	return result;
 }
 
 void shade_invalidate(gi_context *gi)
 {
-	(void)gi;
+	if (!gi->shade)
+		return;
+	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
+	shadow_invalidate(gi, &gi->shade->shadow);
+	gi->shade->built = false;
 }
 
 void shade_free(gi_context *gi)
 {
-	(void)gi;
+	if (!gi->shade)
+		return;
+	shade_invalidate(gi);
+	shadow_free(gi, &gi->shade->shadow);
+	gpu_program_free(&gi->shade->draw_program);
+	free(gi->shade);
+	gi->shade = NULL;
+}
+
+/* ---- drawing ---- */
+
+gi_view gi_view_default(void)
+{
+	return (gi_view){
+		.view_from_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+		.clip_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+		.width = 512,
+		.height = 512,
+	};
+}
+
+/* clip from world, column-major. */
+static void combine(const gi_view *view, float out[16])
+{
+	for (int column = 0; column < 4; column++)
+		for (int row = 0; row < 4; row++) {
+			double sum = 0;
+			for (int k = 0; k < 4; k++)
+				sum += (double)view->clip_from_view[4 * k + row] * view->view_from_world[4 * column + k];
+			out[4 * column + row] = (float)sum;
+		}
+}
+
+static void draw_picture(gi_context *gi, const gi_view *view, const gpu_draw_state *state)
+{
+	gi_shade *shade = gi->shade;
+	float clip_from_world[16];
+	combine(view, clip_from_world);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
+	gpu_draw_to_host(state, view->width, view->height);
+	gpu_set_matrices(shade->draw_program, 0, 1, clip_from_world);
+	gpu_set_uint(shade->draw_program, 1, (uint32_t)view->mode);
+	gpu_bind_uniforms(GI_BIND_LAMPS, &shade->shadow.uniforms);
+	gpu_depth_maps_bind(&shade->shadow.maps, 0);
+	gpu_mesh_draw(&shade->mesh, shade->draw_program);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
+}
+
+gi_result gi_draw(gi_context *gi, const gi_view *view)
+{
+	if (!gi || !view)
+		return GI_ERROR_INVALID_ARGUMENT;
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL || !view->width || !view->height)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode, overlay or an empty viewport is out of range");
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
+	if (!gi->scene.leaf_count)
+		return GI_OK;
+	gi_result result = prepare(gi);
+	if (result)
+		return result;
+	gpu_draw_state state;
+	gpu_draw_begin(&state);
+	scene_bind(gi);
+	solver_bind(gi);
+	if (view->mode != GI_MODE_INDIRECT)
+		result = shadow_update(gi, &gi->shade->shadow);
+	if (!result)
+		draw_picture(gi, view, &state);
+	gpu_draw_end(&state);
+	return result;
 }

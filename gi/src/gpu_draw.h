@@ -1,0 +1,65 @@
+/* The OpenGL of drawing: meshes, depth maps, framebuffers, state. The other half of gpu.c; nothing else in gi/ calls OpenGL. */
+#ifndef GI_GPU_DRAW_H
+#define GI_GPU_DRAW_H
+
+#include "gpu.h"
+
+/* Vertices and indices behind one vertex array. */
+typedef struct gpu_mesh {
+	uint32_t array;
+	gpu_buffer vertices, indices;
+	uint64_t index_count;
+} gpu_mesh;
+
+/* One vertex attribute at its location in the array: 1..4 floats or unsigned integers. components 0 ends a list. */
+typedef struct gpu_attribute {
+	uint32_t components;
+	bool integer;
+	uint32_t offset; /* bytes into the vertex */
+} gpu_attribute;
+
+gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes, uint64_t vertex_count,
+			  const void *vertices, uint64_t index_count, const uint32_t *indices);
+void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
+void gpu_mesh_draw(const gpu_mesh *mesh, uint32_t program);
+void gpu_mesh_draw_lines(const gpu_mesh *mesh, uint32_t program);
+
+/* A part of a mesh's indices. */
+typedef struct gpu_range {
+	uint32_t first, count;
+} gpu_range;
+
+void gpu_mesh_draw_ranges(const gpu_mesh *mesh, uint32_t program, const gpu_range *ranges, uint32_t count);
+
+/* Square depth maps of one size: the layers of an array texture that compares when sampled. */
+typedef struct gpu_depth_maps {
+	uint32_t texture, framebuffer, size, layers;
+	uint64_t bytes;
+} gpu_depth_maps;
+
+/* Keeps what is there when it is the same. */
+gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uint32_t layers);
+void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps);
+/* Clears a layer to the farthest depth and makes it what is drawn into. Its outermost texels stay clear: beyond the map nothing
+ * hides anything. */
+void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer);
+void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit);
+
+/* What drawing changes and a host may have set. */
+typedef struct gpu_draw_state {
+	int draw_framebuffer, scissor_box[4], viewport[4], depth_function, blend_function[4];
+	bool scissor, blend, depth_mask, color_mask[4], polygon_offset_fill, clamp;
+} gpu_draw_state;
+
+/* Remembers the host's state, then sets: depth test and writes on, no blending, no scissor, back faces culled. */
+void gpu_draw_begin(gpu_draw_state *state);
+void gpu_draw_end(const gpu_draw_state *state);
+/* Into the host's framebuffer. */
+void gpu_draw_to_host(const gpu_draw_state *state, uint32_t width, uint32_t height);
+void gpu_draw_cull_backs(bool cull);
+/* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
+void gpu_draw_multiplied(bool on);
+
+void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer);
+
+#endif

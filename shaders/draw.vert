@@ -1,0 +1,38 @@
+#version 450 core
+// The drawn surface: places a vertex, gathers its indirect light.
+#define USE_OBJECTS
+#define USE_LEAVES
+#define USE_MATERIALS
+#define USE_LIGHT
+#include "buffers.glsl"
+#include "shade_modes.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 normal_sink; // w: how far the vertex lies under the surface that casts shadows
+layout(location = 2) in uint leaf_number;
+layout(location = 3) in uvec4 light_vertex;
+layout(location = 4) in vec4 light_weight;
+
+layout(location = 0) uniform mat4 clip_from_world;
+layout(location = 1) uniform uint mode;
+
+layout(location = 0) out vec4 world_sink;
+layout(location = 1) out vec3 world_normal;
+layout(location = 2) out vec3 indirect;
+layout(location = 3) flat out vec3 rho;
+layout(location = 4) flat out vec3 exitance;
+
+void main()
+{
+	uvec4 leaf = leaves[leaf_number];
+	vec3 p = world_from_rest(leaf.y, position);
+	world_sink = vec4(p, normal_sink.w);
+	world_normal = world_direction_from_rest(leaf.y, normal_sink.xyz);
+	indirect = vec3(0.0);
+	if (mode != MODE_DIRECT)
+		indirect = light[light_vertex.x].xyz * light_weight.x + light[light_vertex.y].xyz * light_weight.y +
+			   light[light_vertex.z].xyz * light_weight.z + light[light_vertex.w].xyz * light_weight.w;
+	rho = materials[leaf.z].rho.xyz;
+	exitance = mode == MODE_INDIRECT ? vec3(0.0) : materials[leaf.z].exitance.xyz;
+	gl_Position = clip_from_world * vec4(p, 1.0);
+}

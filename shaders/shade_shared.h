@@ -1,0 +1,49 @@
+/* What the shaders of the picture share with gi/src/lamp.c and shadow.c; read by both compilers.
+ *
+ * A lamp is a polygon that gives direct light per pixel. Its shadows come from a few samples on it, each with a depth map: one layer of
+ * an array texture. All samples of a lamp share one frame and one frustum, only its tip differs, so that a pixel's coordinates in
+ * the maps differ by a shift alone:
+ *
+ *     q = frame * (p - origin)         q.z along the lamp's normal, the same for every sample s of the lamp's plane
+ *     uv = (q.xy - s.xy) * scale / q.z + shift        depth = depth.x + depth.y / q.z
+ */
+#ifndef GI_SHADE_SHARED_H
+#define GI_SHADE_SHARED_H
+
+#include "gi_shared.h"
+
+#define GI_LAMP_MAX 32u        /* lamps drawn per pixel; what emits beyond them goes through the leaves */
+#define GI_LAMP_SAMPLE_MAX 32u /* depth maps of all lamps together */
+#define GI_LAMP_PROBES 4u      /* samples that have to disagree before the others are asked */
+
+#define GI_BIND_LAMPS 0 /* uniform block */
+
+/* One lamp, world space.
+ *
+ *   //--------------- 16B ---------------
+ *   corner[k].xyz   counter-clockwise from its front; a triangle repeats its third
+ *   exitance.xyz    E; a curved emitter's is scaled to the power of the surface the polygon stands for
+ *   frame_x .. z    rows of the frame; w: minus the row times the origin
+ *   map.xy scale    map.zw shift
+ *   depth.x, depth.y as above; depth.z edge of a texel at q.z = 1; depth.w 0
+ *   range.x first sample    range.y samples; 0: casts no shadows
+ */
+GI_STRUCT(gi_lamp) {
+	GI_VEC4 corner[4];
+	GI_VEC4 exitance;
+	GI_VEC4 frame_x;
+	GI_VEC4 frame_y;
+	GI_VEC4 frame_z;
+	GI_VEC4 map;
+	GI_VEC4 depth;
+	GI_UVEC4 range;
+} GI_END(gi_lamp)
+
+/* counts.x lamps; sample.xy in the lamp's frame. */
+GI_STRUCT(gi_lamp_block) {
+	GI_UVEC4 counts;
+	GI_VEC4 samples[GI_LAMP_SAMPLE_MAX];
+	gi_lamp lamps[GI_LAMP_MAX];
+} GI_END(gi_lamp_block)
+
+#endif
