@@ -18,8 +18,9 @@
 
 #define FUNCTIONS(X)                                                                                                   \
 	X(eglGetProcAddress)                                                                                           \
-	X(eglQueryString) X(eglInitialize) X(eglTerminate) X(eglBindAPI) X(eglChooseConfig) X(eglCreateContext)        \
-	    X(eglDestroyContext) X(eglCreatePbufferSurface) X(eglDestroySurface) X(eglMakeCurrent)
+	X(eglQueryString)                                                                                              \
+	X(eglInitialize) X(eglBindAPI) X(eglChooseConfig) X(eglCreateContext) X(eglDestroyContext)                     \
+	    X(eglCreatePbufferSurface) X(eglDestroySurface) X(eglMakeCurrent)
 
 #define DECLARE(name) __typeof__(name) *name;
 #define SYMBOL(function) {#function, offsetof(struct functions, function)},
@@ -114,17 +115,15 @@ static bool create_on_display(egl_native *native, bool debug)
 	return surfaceless || native->surface != EGL_NO_SURFACE;
 }
 
-/* Equal arguments give equal displays, so contexts may share one: it ends with the last of them. */
-static int context_count;
-
+/* Displays stay initialised: equal arguments give equal displays, so contexts share them, and ending one unloads Mesa's
+ * driver, which leaves memory behind each time.
+ */
 static void close_native(egl_native *native)
 {
 	if (native->surface != EGL_NO_SURFACE)
 		egl.eglDestroySurface(native->display, native->surface);
 	if (native->context != EGL_NO_CONTEXT)
 		egl.eglDestroyContext(native->display, native->context);
-	if (context_count == 0)
-		egl.eglTerminate(native->display);
 	*native = (egl_native){0};
 }
 
@@ -177,10 +176,8 @@ static bool egl_open(engine_context *context, const engine_context_def *def, cha
 	}
 	context->native = native;
 	if (try_devices(native, false, def->debug) || try_surfaceless(native, def->debug) ||
-	    try_devices(native, true, def->debug)) {
-		context_count++;
+	    try_devices(native, true, def->debug))
 		return true;
-	}
 	snprintf(
 	    message, message_size,
 	    "EGL has no device with OpenGL 4.5 core; install a GPU driver or libegl-mesa0, or use --context osmesa");
@@ -191,7 +188,6 @@ static bool egl_open(engine_context *context, const engine_context_def *def, cha
 
 static void egl_close(engine_context *context)
 {
-	context_count--;
 	close_native(context->native);
 	free(context->native);
 	context->native = NULL;
