@@ -17,6 +17,9 @@ layout(std430, binding = GI_BIND_REST) restrict readonly buffer rest_block { gi_
 #ifdef USE_WORLD
 layout(std430, binding = GI_BIND_WORLD) restrict buffer world_block { gi_node_geometry world[]; };
 #endif
+#ifdef USE_SPREAD
+layout(std430, binding = GI_BIND_SPREAD) restrict readonly buffer spread_block { gi_node_spread spread[]; };
+#endif
 #ifdef USE_VERTICES_REST
 layout(std430, binding = GI_BIND_VERTICES_REST) restrict readonly buffer vertices_rest_block { vec4 vertices_rest[]; };
 #endif
@@ -30,13 +33,13 @@ layout(std430, binding = GI_BIND_LEAVES) restrict readonly buffer leaf_block { u
 layout(std430, binding = GI_BIND_MATERIALS) restrict readonly buffer material_block { gi_material_data materials[]; };
 #endif
 #ifdef USE_BVH
-layout(std430, binding = GI_BIND_BVH) restrict readonly buffer bvh_block { gi_bvh_node bvh[]; };
+layout(std430, binding = GI_BIND_BVH) restrict readonly buffer bvh_block { uvec4 bvh[]; };
 #endif
 #ifdef USE_PRIMITIVES
 layout(std430, binding = GI_BIND_PRIMITIVES) restrict readonly buffer primitive_block { gi_primitive primitives[]; };
 #endif
 #ifdef USE_TLAS
-layout(std430, binding = GI_BIND_TLAS) restrict readonly buffer tlas_block { gi_bvh_node tlas[]; };
+layout(std430, binding = GI_BIND_TLAS) restrict readonly buffer tlas_block { uvec4 tlas[]; };
 #endif
 #ifdef USE_SEGMENTS
 layout(std430, binding = GI_BIND_SEGMENTS) restrict buffer segment_block { uvec2 segments[]; };

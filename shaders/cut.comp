@@ -3,6 +3,7 @@
 // subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z source object, w first leaf.
 #define USE_FRAME
 #define USE_OBJECTS
+#define USE_SPREAD
 #define USE_TOPOLOGY
 #define USE_REST
 #define USE_WORLD
@@ -16,6 +17,7 @@
 #define USE_ENTRY_POOL
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "spread.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
 
@@ -27,14 +29,6 @@ const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 
 // Heights below this share of the distance are rounding: coplanar patches do not see each other.
 const float HORIZON_SLACK = 1e-5;
-
-// A node that is curved (normals spread by more than 8 degrees) and seen over its limb faces the receiver in part: as one patch its
-// far side would take from its near side. It is cut at this share of the tolerance.
-const float FLAT_CONE = 0.99;
-const float LIMB_SHARE = 0.25;
-
-// A cluster whose normals spread further than this cosine (45 degrees) is no disc.
-const float CLUSTER_CONE = 0.7;
 
 gi_node_geometry geometry_of(uint node, bool same)
 {
@@ -64,7 +58,7 @@ uint classify_sky(gi_node_geometry p, gi_node_geometry g, uint flags)
 	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
 }
 
-uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
+uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uint object, bool same)
 {
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags);
@@ -79,16 +73,15 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
 
 	// The best any normal of the cone can face any point of the receiver.
 	float faced = d;
-	bool limb = true;
 	if (g.axis.w >= 0.0) {
 		float away = -dot(g.axis.xyz, to);
-		limb = g.axis.w < FLAT_CONE && abs(away) < d * sine_of(g.axis.w);
 		float across = sqrt(max(0.0, d2 - away * away));
 		float tilted = away >= d * g.axis.w ? d : away * g.axis.w + across * sine_of(g.axis.w);
 		faced = tilted + g.sphere.w * sine_of(g.axis.w) + reach_along(p.sphere.w, cosine, p.axis.w);
 	}
+	bool back = (flags & GI_NODE_BACK) != 0u;
 	if (faced <= slack) {
-		if ((flags & GI_NODE_BACK) == 0u)
+		if (!back)
 			return CUT_SKIP;
 		faced = d;
 	}
@@ -96,21 +89,23 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags)
 		return CUT_TAKE;
 	if (d < g.sphere.w)
 		return CUT_REFINE;
-	float estimate = g.moment.w * min(1.0, height / d) * min(1.0, faced / d) / (PI * d2 + g.moment.w);
+	float shown = g.moment.w * min(1.0, faced / d);
+	if (g.axis.w < FLAT_CONE) {
+		vec3 view = to / -d;
+		vec2 sides = shown_area(spread[node], g.moment, view, same ? view : rest_direction_from_world(object, view));
+		shown = back ? max(sides.x, sides.y) : sides.x;
+	}
+	float estimate = shown * min(1.0, height / d) / (PI * d2 + shown);
 	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
-	tolerance *= limb ? LIMB_SHARE : 1.0;
-	if (estimate > tolerance)
-		return CUT_REFINE;
-	bool cluster = (flags & GI_NODE_POLYGON) == 0u;
-	return cluster && g.axis.w < CLUSTER_CONE && estimate > 0.125 * tolerance ? CUT_REFINE : CUT_TAKE;
+	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
-uint count_cut(gi_node_geometry p, uvec4 nodes, bool same)
+uint count_cut(gi_node_geometry p, uvec4 nodes, uint object, bool same)
 {
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = topology[n].range;
-		uint verdict = classify(p, geometry_of(n, same), range.w);
+		uint verdict = classify(p, geometry_of(n, same), range.w, n, object, same);
 		count += verdict == CUT_TAKE ? 1u : 0u;
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
 	}
@@ -146,7 +141,7 @@ void main()
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK;
 
 	if (block.y >> 24u == GI_BLOCK_NO_CLASS) {
-		uint first_count = count_cut(p, nodes, same);
+		uint first_count = count_cut(p, nodes, source, same);
 		if (first_count == 0u)
 			return;
 		uint c = class_of(first_count);
@@ -158,7 +153,7 @@ void main()
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = topology[n].range;
-		uint verdict = classify(p, geometry_of(n, same), range.w);
+		uint verdict = classify(p, geometry_of(n, same), range.w, n, source, same);
 		if (verdict == CUT_TAKE) {
 			if (count == GI_BLOCK_SMALLEST << (block.y >> 24u)) {
 				uvec2 larger = grow(block, count);

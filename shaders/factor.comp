@@ -1,6 +1,8 @@
 #version 450 core
 // Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source factor.
 #define USE_FRAME
+#define USE_OBJECTS
+#define USE_SPREAD
 #define USE_TOPOLOGY
 #define USE_REST
 #define USE_WORLD
@@ -13,6 +15,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "polygon.glsl"
+#include "spread.glsl"
 #include "sampling.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -66,7 +69,16 @@ void main()
 	float far = sky ? 1e30 : length(g.sphere.xyz - p.sphere.xyz);
 	float size = p.sphere.w / max(far, 1e-30);
 	int side = sky || size < RECEIVER_2 ? 1 : size < RECEIVER_4 ? 2 : 4;
-	bool disc = !sky && ((flags.w & GI_NODE_POLYGON) == 0u || g.sphere.w < POINT_SOURCE * (far - g.sphere.w));
+	bool contour = (flags.w & GI_NODE_LEAF) != 0u || ((flags.w & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE);
+	bool disc = !sky && (!contour || g.sphere.w < POINT_SOURCE * (far - g.sphere.w));
+	float shown = 0.0;
+	if (disc && !contour) {
+		vec3 view = (p.sphere.xyz - g.sphere.xyz) / far;
+		vec2 sides = shown_area(spread[entry.x], g.moment, view,
+					same ? view : rest_direction_from_world(leaves[source.range.y].y, view));
+		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
+		shown = back_side ? -sides.y : sides.x;
+	}
 
 	float sum = 0.0, weight_sum = 0.0;
 	for (int k = 0; k < side * side; k++) {
@@ -82,7 +94,8 @@ void main()
 		vec3 x = side == 1 ? centre : point_on_quad(a, b, c, d, u);
 		float f;
 		if (disc) {
-			f = disc_factor(g.sphere.xyz - x, n, g.moment.xyz);
+			vec3 to = g.sphere.xyz - x;
+			f = disc_factor(to, n, contour ? -dot(g.moment.xyz, normalize(to)) : shown);
 		} else {
 			vec3 origin = sky ? vec3(0.0) : x;
 			vec3 v[4] = vec3[](corner_of(source.corners.x, same) - origin, corner_of(source.corners.y, same) - origin,

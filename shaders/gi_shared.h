@@ -51,6 +51,21 @@ GI_STRUCT(gi_node_geometry) {
 	GI_VEC4 moment;
 } GI_END(gi_node_geometry)
 
+/* How the normals of a node spread: what it shows to a direction, front sides alone, is
+ *
+ *     P(d) = (S(d) + moment . d) / 2,   S(d) = sum of area |n . d| = about shape * sqrt(area * d' T d),   T = sum of area n n'
+ *
+ * exact for a flat node (shape 1) and for normals all round (shape 0.866); in the rest frame.
+ *
+ *   //--------------- 16B ---------------
+ *   diagonal.xyz T xx yy zz    diagonal.w 0
+ *   mixed.xyz    T xy yz zx    mixed.w shape
+ */
+GI_STRUCT(gi_node_spread) {
+	GI_VEC4 diagonal;
+	GI_VEC4 mixed;
+} GI_END(gi_node_spread)
+
 /* What a node is. Nodes lie in depth-first order: the first child of node n is n + 1, the node after its subtree is `skip`.
  *
  *   //--------------- 16B ---------------
@@ -61,6 +76,14 @@ GI_STRUCT(gi_node_topology) {
 	GI_UVEC4 range;
 	GI_UVEC4 corners;
 } GI_END(gi_node_topology)
+
+/* The same as gi_bvh_node in one uvec4, as rays read it: bounds in sixteenths of a word on a grid over the whole tree's box, rounded
+ * outward, one cell more; then the skip, or for a leaf GI_PACKED_LEAF and its primitive (its skip is the next node).
+ *
+ *   x lower.x | lower.y << 16    y lower.z | upper.x << 16    z upper.y | upper.z << 16    w link
+ */
+#define GI_PACKED_LEAF 0x80000000u
+#define GI_PACKED_CELLS 65535.0f
 
 /* A node of an object's bounding volume hierarchy, depth-first with skip links: go to n + 1 when the box is hit, to
  * `skip` when not; no stack. In the object's rest frame.
@@ -94,6 +117,7 @@ GI_STRUCT(gi_primitive) {
  *   //--------------- 16B ---------------
  *   row0..row2  rows of the matrix world_from_object: rotation, then translation in w
  *   lower.xyz upper.xyz  bounds in the rest frame
+ *   grid.xyz  where the grid of its packed BVH begins    cells.xyz  cells per metre
  *   sphere.xyz  centre of the world bounding sphere    sphere.w radius
  *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first suspect
@@ -108,6 +132,8 @@ GI_STRUCT(gi_object_data) {
 	GI_VEC4 row2;
 	GI_VEC4 lower;
 	GI_VEC4 upper;
+	GI_VEC4 grid;
+	GI_VEC4 cells;
 	GI_VEC4 sphere;
 	GI_UVEC4 nodes;
 	GI_UVEC4 bvh;
@@ -116,6 +142,7 @@ GI_STRUCT(gi_object_data) {
 
 #define GI_OBJECT_MOVED 1u
 #define GI_OBJECT_SKY 2u
+#define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
 /* A leaf: x node, y object slot, z material, w 0. A material: rho, then exitance. */
 GI_STRUCT(gi_material_data) {
@@ -135,6 +162,7 @@ GI_STRUCT(gi_material_data) {
  *   limits: entry pool, queue, most samples of a near leaf, of an emitter
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
+ *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  */
 GI_STRUCT(gi_frame) {
@@ -143,6 +171,8 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 tolerance;
 	GI_UVEC4 work;
 	GI_UVEC4 misc;
+	GI_VEC4 grid;
+	GI_VEC4 cells;
 } GI_END(gi_frame)
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
@@ -236,7 +266,7 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
 #define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
-#define GI_BIND_DRAW 31            /* vertices of the draw meshes */
+#define GI_BIND_SPREAD 31
 
 #define GI_WIDE_LEAVES 64u
 

@@ -50,11 +50,10 @@ float polygon_factor(vec3 v[4], vec3 n)
 	return sum * (-0.5 / PI);
 }
 
-// A small source: moment is its area times mean normal, `to` the vector from the point to its centre. Bounded near the point as a disc's.
-float disc_factor(vec3 to, vec3 n, vec3 moment)
+// A small source that shows an area (negative: of its back) along `to`, the vector from the point to its centre. Bounded near the point
+// as a disc's.
+float disc_factor(vec3 to, vec3 n, float shown)
 {
 	float d2 = max(dot(to, to), 1e-30);
-	vec3 dir = to * inversesqrt(d2);
-	float facing = -dot(moment, dir);
-	return max(dot(n, dir), 0.0) * facing / (PI * d2 + abs(facing));
+	return max(dot(n, to), 0.0) * inversesqrt(d2) * shown / (PI * d2 + abs(shown));
 }

@@ -18,9 +18,28 @@ const float SEGMENT_BEGIN = 5e-5;
 // Rays that graze a shared edge must not slip between the triangles: barycentric coordinates may fall short by this.
 const float EDGE_SLACK = 2e-6;
 
-bool hits_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float end)
+// A ray in the cells of a packed tree.
+struct grid_ray {
+	vec3 origin;
+	vec3 inverse;
+};
+
+vec3 safe_inverse(vec3 d)
 {
-	vec3 a = (lower - origin) * inverse, b = (upper - origin) * inverse;
+	// A zero would make 0 * infinity in the slab test.
+	return 1.0 / mix(d, vec3(1e-30), lessThan(abs(d), vec3(1e-30)));
+}
+
+grid_ray ray_on_grid(vec3 origin, vec3 direction, vec3 grid, vec3 cells)
+{
+	return grid_ray((origin - grid) * cells, safe_inverse(direction * cells));
+}
+
+bool hits_box(grid_ray r, uvec4 node, float end)
+{
+	vec3 lower = vec3(node.x & 0xFFFFu, node.x >> 16u, node.y & 0xFFFFu);
+	vec3 upper = vec3(node.y >> 16u, node.z & 0xFFFFu, node.z >> 16u);
+	vec3 a = (lower - r.origin) * r.inverse, b = (upper - r.origin) * r.inverse;
 	vec3 near = min(a, b), far = max(a, b);
 	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
 }
@@ -42,31 +61,25 @@ bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float be
 	return u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > begin && t < end;
 }
 
-vec3 safe_inverse(vec3 d)
-{
-	// A zero would make 0 * infinity in the slab test.
-	return 1.0 / mix(d, vec3(1e-30), lessThan(abs(d), vec3(1e-30)));
-}
-
 // Does one object cut the segment? skip_a and skip_b are leaves whose primitives do not count.
 bool object_hides(uint object, vec3 origin, vec3 direction, float begin, float end, uint skip_a, uint skip_b)
 {
 	uvec4 range = objects[object].bvh;
-	vec3 inverse = safe_inverse(direction);
+	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
 	uint n = range.x;
 	while (n < range.y) {
-		vec4 lower = bvh[n].lower, upper = bvh[n].upper;
-		bool hit = hits_box(origin, inverse, lower.xyz, upper.xyz, end);
-		uint primitive = floatBitsToUint(upper.w);
-		if (hit && primitive != GI_NONE) {
-			gi_primitive q = primitives[primitive];
+		uvec4 node = bvh[n];
+		bool hit = hits_box(r, node, end);
+		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+		if (hit && leaf) {
+			gi_primitive q = primitives[node.w & ~GI_PACKED_LEAF];
 			uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
 			bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
 			if (!own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, begin, end) ||
 				     hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, begin, end)))
 				return true;
 		}
-		n = hit ? n + 1u : floatBitsToUint(lower.w);
+		n = hit || leaf ? n + 1u : node.w;
 	}
 	return false;
 }
@@ -85,25 +98,31 @@ bool segment_hidden_by(uint object, segment_end a, segment_end b)
 	return object_hides(object, origin, target - origin, SEGMENT_BEGIN, 1.0 - SEGMENT_BEGIN, skip_a, skip_b);
 }
 
+bool is_flat(uint object)
+{
+	return (objects[object].bvh.z & GI_OBJECT_FLAT) != 0u;
+}
+
 // The object that hides b from a, or GI_BLOCKER_NONE. The ends' own objects come first and without the test of world boxes, whose rounding
 // depends on the pose: an object at rest relative to both ends must always answer the same.
 uint segment_blocker(segment_end a, segment_end b)
 {
-	if (segment_hidden_by(a.object, a, b))
+	if (!is_flat(a.object) && segment_hidden_by(a.object, a, b))
 		return a.object;
-	if (b.object != GI_NONE && b.object != a.object && segment_hidden_by(b.object, a, b))
+	if (b.object != GI_NONE && b.object != a.object && !is_flat(b.object) && segment_hidden_by(b.object, a, b))
 		return b.object;
 	vec3 direction = b.object == GI_NONE ? b.world : b.world - a.world;
 	float end = b.object == GI_NONE ? 3e38 : 1.0;
-	vec3 inverse = safe_inverse(direction);
+	grid_ray r = ray_on_grid(a.world, direction, frame.grid.xyz, frame.cells.xyz);
 	uint n = 0u;
 	while (n < frame.misc.x) {
-		vec4 lower = tlas[n].lower, upper = tlas[n].upper;
-		bool hit = hits_box(a.world, inverse, lower.xyz, upper.xyz, end);
-		uint object = floatBitsToUint(upper.w);
-		if (hit && object != GI_NONE && object != a.object && object != b.object && segment_hidden_by(object, a, b))
+		uvec4 node = tlas[n];
+		bool hit = hits_box(r, node, end);
+		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+		uint object = node.w & ~GI_PACKED_LEAF;
+		if (hit && leaf && object != a.object && object != b.object && segment_hidden_by(object, a, b))
 			return object;
-		n = hit ? n + 1u : floatBitsToUint(lower.w);
+		n = hit || leaf ? n + 1u : node.w;
 	}
 	return GI_BLOCKER_NONE;
 }

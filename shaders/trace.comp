@@ -27,7 +27,7 @@ const float FACTOR_FLOOR = 1e-12;
 const uint PROBES = 4u;
 
 // Segments that leave a surface at its back are drawn again, this often.
-const uint TRIES = 4u;
+const uint TRIES = 8u;
 
 segment_end end_on(uint object, uint leaf, vec3 rest_point)
 {

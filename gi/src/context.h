@@ -34,6 +34,7 @@ typedef struct scene_object {
 	/* Place in the uploaded scene. */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
+	bool plane; /* all of it in one plane */
 } scene_object;
 
 typedef struct gi_scene {
@@ -51,11 +52,13 @@ typedef struct gi_scene {
 	gi_node_topology *topology;  /* node_count, as uploaded */
 	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
 	gi_bvh_node *tlas;
+	gi_uvec4 *tlas_packed;
+	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t *tlas_order;
 	uint32_t tlas_count;         /* nodes */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu, materials_gpu,
-		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu;
+		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu, spread_gpu;
 } gi_scene;
 
 /* ---- rows ---- */

@@ -326,9 +326,38 @@ static bool is_flat(const gi_hierarchy *h, uint32_t node)
 	       is_coplanar(h, node, q.a, node_normal(h, node));
 }
 
+static void add_outer(double t[6], gi_vec3d triangle_moment)
+{
+	const double area = gi_vec3d_length(triangle_moment);
+	if (area <= 0.0)
+		return;
+	const gi_vec3d n = triangle_moment;
+	const double outer[6] = {n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.y * n.z, n.z * n.x};
+	for (int k = 0; k < 6; k++)
+		t[k] += outer[k] / area;
+}
+
+/* T, and the shape factor between the two cases that are exact: |T| / area is 1 for flat nodes, 1 / sqrt 3 for normals all round. */
+static void set_spread(gi_hierarchy *h, uint32_t node)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	double t[6] = {0};
+	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+		const quad q = node_quad(h, h->leaf_node[leaf]);
+		add_outer(t, gi_vec3d_triangle(q.a, q.b, q.c));
+		add_outer(t, gi_vec3d_triangle(q.a, q.c, q.d));
+	}
+	const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
+	const double least = 1 / sqrt(3.0), flatness = (norm / h->geometry[node].moment.w - least) / (1 - least);
+	const double shape = 0.8660254 + (1 - 0.8660254) * fmin(fmax(flatness, 0.0), 1.0);
+	h->spread[node].diagonal = (gi_vec4){(float)t[0], (float)t[1], (float)t[2], 0};
+	h->spread[node].mixed = (gi_vec4){(float)t[3], (float)t[4], (float)t[5], (float)shape};
+}
+
 static void measure_node(gi_hierarchy *h, uint32_t node)
 {
 	set_moment(h, node);
+	set_spread(h, node);
 	set_cone(h, node);
 	set_sphere(h, node);
 	gi_uvec4 *range = &h->topology[node].range;
@@ -540,6 +569,7 @@ static bool allocate_nodes(builder *b)
 	}
 	bool enough = true;
 	h->geometry = allocate(nodes, sizeof *h->geometry, &enough);
+	h->spread = allocate(nodes, sizeof *h->spread, &enough);
 	h->topology = allocate(nodes, sizeof *h->topology, &enough);
 	h->leaf_node = allocate(leaves, sizeof *h->leaf_node, &enough);
 	h->leaf_material = allocate(leaves, sizeof *h->leaf_material, &enough);
@@ -600,6 +630,7 @@ void gi_hierarchy_free(gi_hierarchy *hierarchy)
 	free(hierarchy->leaf_material);
 	free(hierarchy->leaf_face);
 	free(hierarchy->geometry);
+	free(hierarchy->spread);
 	free(hierarchy->topology);
 	*hierarchy = (gi_hierarchy){0};
 }

@@ -26,6 +26,7 @@ typedef struct gi_hierarchy {
 	uint32_t *leaf_face;          /* face number in the finest level of the gi_refined it came from */
 	uint32_t node_count;          /* node 0 is the root */
 	gi_node_geometry *geometry;
+	gi_node_spread *spread;
 	gi_node_topology *topology;   /* GI_NODE_EMITTER and GI_NODE_SKY are not set here */
 	gi_vec4 lower, upper;         /* bounds of the vertices */
 	double area;                  /* sum of the leaves' */

@@ -18,7 +18,7 @@
 static const double ENTRIES_TIMES_TOLERANCE = 2.0;
 
 /* Black sky only has to close rows: its patches may be this much coarser than others. */
-static const float BLACK_SKY_COARSENESS = 6.0f;
+static const float BLACK_SKY_COARSENESS = 9.0f;
 
 gi_result rows_init(gi_context *gi)
 {
@@ -282,6 +282,8 @@ static void upload_frame(gi_context *gi, const plan *p)
 		.tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance, def->solve_tolerance},
 		.work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
 		.misc = {s->tlas_count, s->wide_count, s->light_count, lit},
+		.grid = s->tlas_grid,
+		.cells = s->tlas_cells,
 	};
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
 }

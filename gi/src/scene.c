@@ -69,6 +69,44 @@ static void place_sky(gi_object_data *data)
 	data->row2 = (gi_vec4){0, 0, 1, 0};
 }
 
+/* ---- packed trees ---- */
+
+/* The grid of a packed tree over a box, a little larger so that flat boxes have cells too. */
+static void set_grid(const gi_vec4 *lower, const gi_vec4 *upper, gi_vec4 *grid, gi_vec4 *cells)
+{
+	const float *l = &lower->x, *u = &upper->x;
+	float largest = 0;
+	for (int k = 0; k < 3; k++)
+		largest = fmaxf(largest, fmaxf(fmaxf(fabsf(l[k]), fabsf(u[k])), u[k] - l[k]));
+	const float pad = 1e-5f * largest + 1e-20f;
+	for (int k = 0; k < 3; k++) {
+		(&grid->x)[k] = l[k] - pad;
+		(&cells->x)[k] = GI_PACKED_CELLS / (u[k] - l[k] + 2 * pad);
+	}
+	grid->w = cells->w = 0;
+}
+
+/* One cell more than rounding outward: the ray's turn onto the grid rounds by less than that. */
+static uint32_t cell_of(float x, float grid, float cells, int outward)
+{
+	const float cell = (x - grid) * cells;
+	const float rounded = outward < 0 ? floorf(cell) - 1 : ceilf(cell) + 1;
+	return (uint32_t)fminf(fmaxf(rounded, 0), GI_PACKED_CELLS);
+}
+
+static gi_uvec4 pack_node(const gi_bvh_node *n, gi_vec4 grid, gi_vec4 cells, uint32_t node_base, uint32_t primitive_base)
+{
+	uint32_t skip, primitive, lower[3], upper[3];
+	memcpy(&skip, &n->lower.w, sizeof skip);
+	memcpy(&primitive, &n->upper.w, sizeof primitive);
+	for (int k = 0; k < 3; k++) {
+		lower[k] = cell_of((&n->lower.x)[k], (&grid.x)[k], (&cells.x)[k], -1);
+		upper[k] = cell_of((&n->upper.x)[k], (&grid.x)[k], (&cells.x)[k], 1);
+	}
+	const uint32_t link = primitive == GI_NONE ? skip + node_base : GI_PACKED_LEAF | (primitive + primitive_base);
+	return (gi_uvec4){lower[0] | lower[1] << 16, lower[2] | upper[0] << 16, upper[1] | upper[2] << 16, link};
+}
+
 /* ---- materials ---- */
 
 /* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags. */
@@ -126,10 +164,11 @@ typedef struct gathered {
 	gi_scene next; /* counts and CPU arrays only */
 	gi_hierarchy sky;
 	gi_node_geometry *rest;
+	gi_node_spread *spread;
 	gi_vec4 *vertices;
 	gi_uvec4 *leaves;
 	gi_material_data *materials;
-	gi_bvh_node *bvh;
+	gi_uvec4 *bvh; /* packed */
 	gi_primitive *primitives;
 	uint32_t *wide;
 	gi_uvec4 *light_links; /* two uint pairs each */
@@ -141,6 +180,7 @@ static void gathered_free(gathered *g)
 {
 	gi_hierarchy_free(&g->sky);
 	free(g->rest);
+	free(g->spread);
 	free(g->vertices);
 	free(g->leaves);
 	free(g->materials);
@@ -191,8 +231,10 @@ static bool allocate_all(gathered *g)
 	n->topology = allocate(n->node_count, sizeof *n->topology);
 	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
 	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
+	n->tlas_packed = allocate(n->tlas_count, sizeof *n->tlas_packed);
 	n->tlas_order = allocate(n->slot_count, sizeof *n->tlas_order);
 	g->rest = allocate(n->node_count, sizeof *g->rest);
+	g->spread = allocate(n->node_count, sizeof *g->spread);
 	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
 	g->leaves = allocate(n->leaf_count, sizeof *g->leaves);
 	g->materials = allocate(g->material_count, sizeof *g->materials);
@@ -201,13 +243,15 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_order && g->rest &&
+	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && n->tlas_order && g->rest && g->spread &&
 	       g->vertices && g->leaves && g->materials && g->bvh && g->primitives && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base, uint32_t leaf_base)
 {
 	memcpy(g->rest + node_base, h->geometry, sizeof *g->rest * h->node_count);
+	if (h->spread)
+		memcpy(g->spread + node_base, h->spread, sizeof *g->spread * h->node_count);
 	memcpy(g->vertices + vertex_base, h->vertices, sizeof *g->vertices * h->vertex_count);
 	for (uint32_t k = 0; k < h->node_count; k++) {
 		gi_node_topology t = h->topology[k];
@@ -231,20 +275,33 @@ static float add_bits(float value, uint32_t base)
 	return value;
 }
 
-static void gather_rays(gathered *g, const scene_object *o)
+static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data)
 {
-	for (uint32_t k = 0; k < o->bvh.node_count; k++) {
-		gi_bvh_node n = o->bvh.nodes[k];
-		n.lower.w = add_bits(n.lower.w, o->bvh_base);
-		n.upper.w = add_bits(n.upper.w, o->primitive_base);
-		g->bvh[o->bvh_base + k] = n;
-	}
+	set_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
+	for (uint32_t k = 0; k < o->bvh.node_count; k++)
+		g->bvh[o->bvh_base + k] = pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
 	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
 		gi_primitive p = o->bvh.primitives[k];
 		p.a.w = add_bits(p.a.w, o->leaf_base);
 		p.b.w = add_bits(p.b.w, o->leaf_base);
 		g->primitives[o->primitive_base + k] = p;
 	}
+}
+
+/* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
+static bool is_plane(const gi_hierarchy *h)
+{
+	const gi_vec4 axis = h->geometry[0].axis, centre = h->geometry[0].sphere;
+	if (axis.w < 0.999999f)
+		return false;
+	for (uint32_t k = 0; k < h->vertex_count; k++) {
+		const gi_vec4 v = h->vertices[k];
+		const double height = (double)axis.x * ((double)v.x - centre.x) + (double)axis.y * ((double)v.y - centre.y) +
+				      (double)axis.z * ((double)v.z - centre.z);
+		if (fabs(height) > 1e-6 * centre.w)
+			return false;
+	}
+	return true;
 }
 
 static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
@@ -284,7 +341,6 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		o->light_base = light;
 		n->slots[slot] = k;
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
-		gather_rays(g, o);
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
 			g->materials[material + m] = material_data(&o->materials[m]);
@@ -292,6 +348,8 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 			g->leaves[leaf + l] = (gi_uvec4){node + o->hierarchy.leaf_node[l], slot,
 							 material + o->hierarchy.leaf_material[l], 0};
 		gi_object_data *data = &n->object_data[slot];
+		gather_rays(g, o, data);
+		o->plane = is_plane(&o->hierarchy);
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
@@ -336,14 +394,15 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 		{&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
 		{&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
 		{&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+		{&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
 		{&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
 		{&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
 		{&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, NULL},
 		{&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
 		{&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
-		{&s->bvh_gpu, sizeof(gi_bvh_node) * g->bvh_count, g->bvh},
+		{&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
 		{&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
-		{&s->tlas_gpu, sizeof(gi_bvh_node) * n->tlas_count, NULL},
+		{&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
 		{&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
 		{&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
 		{&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
@@ -364,6 +423,7 @@ static void free_cpu_arrays(gi_scene *s)
 	free(s->topology);
 	free(s->node_exitance);
 	free(s->tlas);
+	free(s->tlas_packed);
 	free(s->tlas_order);
 }
 
@@ -376,6 +436,7 @@ static void adopt(gi_scene *s, const gi_scene *n)
 	s->topology = n->topology;
 	s->node_exitance = n->node_exitance;
 	s->tlas = n->tlas;
+	s->tlas_packed = n->tlas_packed;
 	s->tlas_order = n->tlas_order;
 	s->tlas_count = n->tlas_count;
 	s->slot_count = n->slot_count;
@@ -466,14 +527,18 @@ static gi_result upload_tlas(gi_context *gi)
 	free(upper);
 	if (!ok)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	/* Leaves of the tree name slots directly. */
+	if (!s->tlas_count)
+		return GI_OK;
+	set_grid(&(gi_vec4){s->tlas[0].lower.x, s->tlas[0].lower.y, s->tlas[0].lower.z, 0},
+		 &(gi_vec4){s->tlas[0].upper.x, s->tlas[0].upper.y, s->tlas[0].upper.z, 0}, &s->tlas_grid, &s->tlas_cells);
 	for (uint32_t k = 0; k < s->tlas_count; k++) {
-		uint32_t leaf;
-		memcpy(&leaf, &s->tlas[k].upper.w, sizeof leaf);
-		if (leaf != GI_NONE)
-			memcpy(&s->tlas[k].upper.w, &s->tlas_order[leaf], sizeof leaf);
+		gi_uvec4 *packed = &s->tlas_packed[k];
+		*packed = pack_node(&s->tlas[k], s->tlas_grid, s->tlas_cells, 0, 0);
+		/* Leaves of the tree name slots directly. */
+		if (packed->w & GI_PACKED_LEAF)
+			packed->w = GI_PACKED_LEAF | s->tlas_order[packed->w & ~GI_PACKED_LEAF];
 	}
-	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas * s->tlas_count, s->tlas);
+	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas_packed * s->tlas_count, s->tlas_packed);
 	return GI_OK;
 }
 
@@ -500,6 +565,8 @@ gi_result scene_upload_changes(gi_context *gi)
 		gi_object_data *data = &s->object_data[slot];
 		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 		data->bvh.z = o ? 0 : GI_OBJECT_SKY;
+		if (o && o->plane)
+			data->bvh.z |= GI_OBJECT_FLAT;
 		if (o && o->moved) {
 			place_object(o, data);
 			data->bvh.z |= GI_OBJECT_MOVED;
@@ -519,6 +586,7 @@ void scene_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_OBJECTS, &s->objects_gpu);
 	gpu_bind_storage(GI_BIND_TOPOLOGY, &s->topology_gpu);
 	gpu_bind_storage(GI_BIND_REST, &s->rest_gpu);
+	gpu_bind_storage(GI_BIND_SPREAD, &s->spread_gpu);
 	gpu_bind_storage(GI_BIND_WORLD, &s->world_gpu);
 	gpu_bind_storage(GI_BIND_VERTICES_REST, &s->vertices_rest_gpu);
 	gpu_bind_storage(GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu);
@@ -543,7 +611,7 @@ void scene_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&s->objects_gpu,	&s->topology_gpu,	&s->rest_gpu,	     &s->world_gpu,
 				 &s->vertices_rest_gpu, &s->vertices_world_gpu, &s->leaves_gpu,	     &s->materials_gpu,
 				 &s->bvh_gpu,		&s->primitives_gpu,	&s->tlas_gpu,	     &s->node_exitance_gpu,
-				 &s->wide_nodes_gpu,	&s->light_links_gpu,	&s->light_first_gpu};
+				 &s->wide_nodes_gpu,	&s->light_links_gpu,	&s->light_first_gpu,  &s->spread_gpu};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 }
