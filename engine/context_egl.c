@@ -16,11 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FUNCTIONS(X)                                                                                                   \
-	X(eglGetProcAddress)                                                                                           \
-	X(eglQueryString)                                                                                              \
-	X(eglInitialize) X(eglBindAPI) X(eglChooseConfig) X(eglCreateContext) X(eglDestroyContext)                     \
-	    X(eglCreatePbufferSurface) X(eglDestroySurface) X(eglMakeCurrent)
+/* clang-format off */
+#define FUNCTIONS(X) \
+	X(eglGetProcAddress) X(eglQueryString) X(eglInitialize) X(eglBindAPI) X(eglChooseConfig) \
+	X(eglCreateContext) X(eglDestroyContext) X(eglCreatePbufferSurface) X(eglDestroySurface) \
+	X(eglMakeCurrent)
+/* clang-format on */
 
 #define DECLARE(name) __typeof__(name) *name;
 #define SYMBOL(function) {#function, offsetof(struct functions, function)},

@@ -5,14 +5,15 @@
 #include <GLFW/glfw3.h>
 #include <stdio.h>
 
-#define FUNCTIONS(X)                                                                                                   \
-	X(glfwInit)                                                                                                    \
-	X(glfwTerminate) X(glfwGetError) X(glfwWindowHint) X(glfwCreateWindow) X(glfwDestroyWindow)                    \
-	    X(glfwMakeContextCurrent) X(glfwGetProcAddress) X(glfwSwapInterval) X(glfwSwapBuffers) X(glfwPollEvents)   \
-		X(glfwWindowShouldClose) X(glfwGetFramebufferSize) X(glfwGetWindowSize) X(glfwSetWindowSize)           \
-		    X(glfwSetWindowUserPointer) X(glfwGetWindowUserPointer) X(glfwSetKeyCallback)                      \
-			X(glfwSetMouseButtonCallback) X(glfwSetCursorPosCallback) X(glfwSetScrollCallback)             \
-			    X(glfwSetFramebufferSizeCallback)
+/* clang-format off */
+#define FUNCTIONS(X) \
+	X(glfwInit) X(glfwTerminate) X(glfwGetError) X(glfwWindowHint) X(glfwCreateWindow) X(glfwDestroyWindow) \
+	X(glfwMakeContextCurrent) X(glfwGetProcAddress) X(glfwSwapInterval) X(glfwSwapBuffers) \
+	X(glfwPollEvents) X(glfwWindowShouldClose) X(glfwGetFramebufferSize) X(glfwGetWindowSize) \
+	X(glfwSetWindowSize) X(glfwSetWindowUserPointer) X(glfwGetWindowUserPointer) X(glfwSetKeyCallback) \
+	X(glfwSetMouseButtonCallback) X(glfwSetCursorPosCallback) X(glfwSetScrollCallback) \
+	X(glfwSetFramebufferSizeCallback)
+/* clang-format on */
 
 #define DECLARE(name) __typeof__(name) *name;
 #define SYMBOL(function) {#function, offsetof(struct functions, function)},

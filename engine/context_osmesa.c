@@ -5,7 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define FUNCTIONS(X) X(OSMesaCreateContextAttribs) X(OSMesaDestroyContext) X(OSMesaMakeCurrent) X(OSMesaGetProcAddress)
+/* clang-format off */
+#define FUNCTIONS(X) \
+	X(OSMesaCreateContextAttribs) X(OSMesaDestroyContext) X(OSMesaMakeCurrent) X(OSMesaGetProcAddress)
+/* clang-format on */
 
 #define DECLARE(name) __typeof__(name) *name;
 #define SYMBOL(function) {#function, offsetof(struct functions, function)},

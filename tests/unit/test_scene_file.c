@@ -54,46 +54,37 @@ static binary make_binary(void)
 	};
 }
 
+/* clang-format off */
 #define VIEW(offset, length) "{\"buffer\":0,\"byteOffset\":" #offset ",\"byteLength\":" #length "}"
-#define ACCESSOR(view, component, count, type)                                                                         \
+#define ACCESSOR(view, component, count, type) \
 	"{\"bufferView\":" #view ",\"componentType\":" #component ",\"count\":" #count ",\"type\":\"" type "\"}"
 
-/* Accessors: 0 square, 1 indices, 2 times, 3 positions, 4 rotations, 5 bad, 6 cubic, 7 flat, 8 far, 9 scales, 10 zero
- * scales, 11 falling times. buffers is the caller's.
+/* Accessors: 0 square, 1 indices, 2 times, 3 positions, 4 rotations, 5 bad, 6 cubic, 7 flat, 8 far, 9 scales,
+ * 10 zero scales, 11 falling times.
  */
-#define ACCESSORS                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                    \
-	"\"bufferViews\":[" VIEW(0, 48) "," VIEW(                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                    \
-	    48, 12) "," VIEW(60, 12) "," VIEW(72, 36) "," VIEW(108, 48) "," VIEW(156,                                                                                                                                                                                                                                                                                                                                                                                                                                                                                \
-										 48) "," VIEW(204,                                                                                                                                                                                                                                                                                                                                                                                                                                                                   \
-											      108) "," VIEW(312,                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
-													    48) "," VIEW(360, 12) "," VIEW(372, 36) "," VIEW(408, 36) "," VIEW(444, 12) "],\"accessors\":[" ACCESSOR(0, 5126, 4, "VEC3") "," ACCESSOR(1, 5123, 6, "SCALAR") "," ACCESSOR(2,                                                                                                                                                                                                                                                                          \
-																																			 5126,                                                                                                                                                                                                                                                                       \
-																																			 3,                                                                                                                                                                                                                                                                          \
-																																			 "SCALAR") "," ACCESSOR(3,                                                                                                                                                                                                                                                   \
-																																						5126,                                                                                                                                                                                                                                                \
-																																						3,                                                                                                                                                                                                                                                   \
-																																						"VEC3") "," ACCESSOR(4,                                                                                                                                                                                                                              \
-																																								     5126, 3, "VEC4") "," ACCESSOR(5, 5126, 4, "VEC3") "," ACCESSOR(6, 5126, 9, "VEC3") "," ACCESSOR(7, 5126, 4, "VEC3") "," ACCESSOR(8,                                                                                             \
-																																																								      5123,                                                                                          \
-																																																								      6, "SCALAR") "," ACCESSOR(9, 5126, 3, "VEC3") "," ACCESSOR(10,                                 \
-																																																																 5126, 3, "VEC3") "," ACCESSOR(11,   \
-																																																																			       5126, \
-																																																																			       3,    \
-																																																																			       "SCALAR") "]"
+#define ACCESSORS \
+	"\"bufferViews\":[" VIEW(0, 48) "," VIEW(48, 12) "," VIEW(60, 12) "," VIEW(72, 36) "," VIEW(108, 48) "," \
+	VIEW(156, 48) "," VIEW(204, 108) "," VIEW(312, 48) "," VIEW(360, 12) "," VIEW(372, 36) "," VIEW(408, 36) "," \
+	VIEW(444, 12) "],\"accessors\":[" ACCESSOR(0, 5126, 4, "VEC3") "," ACCESSOR(1, 5123, 6, "SCALAR") "," \
+	ACCESSOR(2, 5126, 3, "SCALAR") "," ACCESSOR(3, 5126, 3, "VEC3") "," ACCESSOR(4, 5126, 3, "VEC4") "," \
+	ACCESSOR(5, 5126, 4, "VEC3") "," ACCESSOR(6, 5126, 9, "VEC3") "," ACCESSOR(7, 5126, 4, "VEC3") "," \
+	ACCESSOR(8, 5123, 6, "SCALAR") "," ACCESSOR(9, 5126, 3, "VEC3") "," ACCESSOR(10, 5126, 3, "VEC3") "," \
+	ACCESSOR(11, 5126, 3, "SCALAR") "]"
 #define BUFFER "\"buffers\":[{\"byteLength\":456,\"uri\":\"scene%20file.bin\"}]"
 #define HEAD "{\"asset\":{\"version\":\"2.0\"},"
 #define TAIL "," BUFFER "," ACCESSORS "}"
 #define SQUARE "{\"attributes\":{\"POSITION\":0},\"indices\":1}"
 #define MESH "\"meshes\":[{\"primitives\":[" SQUARE "]}]"
 #define ONE_NODE(members) HEAD "\"nodes\":[{\"mesh\":0" members "}]," MESH TAIL
-#define ONE_MATERIAL(members)                                                                                          \
-	HEAD "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"name\":\"paint\"," members                                    \
-	     "}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]" TAIL
-#define ONE_PRIMITIVE(primitive)                                                                                       \
+#define ONE_MATERIAL(members) \
+	HEAD "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"name\":\"paint\"," members "}],\"meshes\":[{" \
+	"\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]" TAIL
+#define ONE_PRIMITIVE(primitive) \
 	HEAD "\"nodes\":[{\"mesh\":0,\"name\":\"thing\"}],\"meshes\":[{\"primitives\":[" primitive "]}]" TAIL
-#define ANIMATED(path, sampler)                                                                                        \
-	HEAD "\"nodes\":[{\"mesh\":0}],\"animations\":[{\"samplers\":[" sampler                                        \
-	     "],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"" path "\"}}]}]," MESH TAIL
+#define ANIMATED(path, sampler) \
+	HEAD "\"nodes\":[{\"mesh\":0}],\"animations\":[{\"samplers\":[" sampler "],\"channels\":[{\"sampler\":0," \
+	"\"target\":{\"node\":0,\"path\":\"" path "\"}}]}]," MESH TAIL
+/* clang-format on */
 
 static char folder[64];
 static char message[512];
