@@ -4,13 +4,46 @@
 // computed in the blocker's rest frame; an end that lies on the blocker itself is used as it is, without a turn through the
 // world. So the answer for a pair of points is the same bits whenever those poses are.
 
-struct segment_end {
-	uint object;   // GI_NONE: a direction, the segment never ends
-	uint leaf;     // the leaf it lies on, which cannot hide it
-	vec3 rest;     // in the object's rest frame
-	vec3 world;    // in the world; a unit direction when object is GI_NONE
-	float size;    // metres, of the leaf: the scale of a ray that has no length of its own
+// An object's pose, loaded once for all samples of an entry.
+struct body {
+	uint object; // GI_NONE: the sky
+	bool flat_surface;
+	vec4 row0, row1, row2; // world from rest
 };
+
+struct segment_end {
+	uint leaf;  // the leaf it lies on, which cannot hide it
+	vec3 rest;  // in its body's rest frame
+	vec3 world; // in the world; a unit direction for the sky: such a segment never ends
+};
+
+body load_body(uint object)
+{
+	gi_object_data o = objects[object];
+	return body(object, (o.bvh.z & GI_OBJECT_FLAT) != 0u, o.row0, o.row1, o.row2);
+}
+
+vec3 to_world(body b, vec3 p)
+{
+	vec4 q = vec4(p, 1.0);
+	return vec3(dot(b.row0, q), dot(b.row1, q), dot(b.row2, q));
+}
+
+vec3 to_rest(body b, vec3 p)
+{
+	vec3 q = p - vec3(b.row0.w, b.row1.w, b.row2.w);
+	return b.row0.xyz * q.x + b.row1.xyz * q.y + b.row2.xyz * q.z;
+}
+
+vec3 direction_to_rest(body b, vec3 d)
+{
+	return b.row0.xyz * d.x + b.row1.xyz * d.y + b.row2.xyz * d.z;
+}
+
+vec3 direction_to_world(body b, vec3 d)
+{
+	return vec3(dot(b.row0.xyz, d), dot(b.row1.xyz, d), dot(b.row2.xyz, d));
+}
 
 // Shares of the segment left out at its ends: more than the rounding of its ends (1e-7 of the coordinates), less than a hair.
 const float SEGMENT_BEGIN = 5e-5;
@@ -67,62 +100,67 @@ bool object_hides(uint object, vec3 origin, vec3 direction, float begin, float e
 	uvec4 range = objects[object].bvh;
 	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
 	uint n = range.x;
-	while (n < range.y) {
-		uvec4 node = bvh[n];
-		bool hit = hits_box(r, node, end);
-		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-		if (hit && leaf) {
-			gi_primitive q = primitives[node.w & ~GI_PACKED_LEAF];
-			uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
-			bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
-			if (!own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, begin, end) ||
-				     hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, begin, end)))
-				return true;
+	bool hidden = false;
+	while (n < range.y && !hidden) {
+		// First every ray of a vector goes on to a quad, then all test theirs together (Aila and Laine, 2009).
+		uint primitive = GI_NONE;
+		while (n < range.y && primitive == GI_NONE) {
+			uvec4 node = bvh[n];
+			bool hit = hits_box(r, node, end);
+			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+			primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
+			n = hit || leaf ? n + 1u : node.w;
 		}
-		n = hit || leaf ? n + 1u : node.w;
+		if (primitive == GI_NONE)
+			break;
+		gi_primitive q = primitives[primitive];
+		uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
+		bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
+		hidden = !own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, begin, end) ||
+				  hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, begin, end));
 	}
-	return false;
+	return hidden;
 }
 
-bool segment_hidden_by(uint object, segment_end a, segment_end b)
+// Does the object of `by` cut the segment between a on body A and b on body B?
+bool segment_hidden_by(body by, body body_a, segment_end a, body body_b, segment_end b, float size)
 {
-	vec3 origin = a.object == object ? a.rest : rest_from_world(object, a.world);
-	uint skip_a = a.object == object ? a.leaf : GI_NONE;
-	if (b.object == GI_NONE) {
-		vec3 direction = rest_direction_from_world(object, b.world);
-		float begin = SEGMENT_BEGIN * a.size;
-		return object_hides(object, origin, direction, begin, 3e38, skip_a, GI_NONE);
-	}
-	vec3 target = b.object == object ? b.rest : rest_from_world(object, b.world);
-	uint skip_b = b.object == object ? b.leaf : GI_NONE;
-	return object_hides(object, origin, target - origin, SEGMENT_BEGIN, 1.0 - SEGMENT_BEGIN, skip_a, skip_b);
-}
-
-bool is_flat(uint object)
-{
-	return (objects[object].bvh.z & GI_OBJECT_FLAT) != 0u;
+	bool own_a = by.object == body_a.object, own_b = by.object == body_b.object;
+	vec3 origin = own_a ? a.rest : to_rest(by, a.world);
+	uint skip_a = own_a ? a.leaf : GI_NONE, skip_b = own_b ? b.leaf : GI_NONE;
+	bool sky = body_b.object == GI_NONE;
+	vec3 target = sky ? direction_to_rest(by, b.world) : (own_b ? b.rest : to_rest(by, b.world)) - origin;
+	return object_hides(by.object, origin, target, sky ? SEGMENT_BEGIN * size : SEGMENT_BEGIN, sky ? 3e38 : 1.0 - SEGMENT_BEGIN,
+			    skip_a, skip_b);
 }
 
 // The object that hides b from a, or GI_BLOCKER_NONE. The ends' own objects come first and without the test of world boxes, whose rounding
-// depends on the pose: an object at rest relative to both ends must always answer the same.
-uint segment_blocker(segment_end a, segment_end b)
+// depends on the pose: an object at rest relative to both ends must always answer the same. `size` of the leaf at a is the scale of
+// rays to the sky, which have no length of their own.
+uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b, float size)
 {
-	if (!is_flat(a.object) && segment_hidden_by(a.object, a, b))
-		return a.object;
-	if (b.object != GI_NONE && b.object != a.object && !is_flat(b.object) && segment_hidden_by(b.object, a, b))
-		return b.object;
-	vec3 direction = b.object == GI_NONE ? b.world : b.world - a.world;
-	float end = b.object == GI_NONE ? 3e38 : 1.0;
-	grid_ray r = ray_on_grid(a.world, direction, frame.grid.xyz, frame.cells.xyz);
-	uint n = 0u;
-	while (n < frame.misc.x) {
-		uvec4 node = tlas[n];
-		bool hit = hits_box(r, node, end);
-		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-		uint object = node.w & ~GI_PACKED_LEAF;
-		if (hit && leaf && object != a.object && object != b.object && segment_hidden_by(object, a, b))
-			return object;
-		n = hit || leaf ? n + 1u : node.w;
+	if (!body_a.flat_surface && segment_hidden_by(body_a, body_a, a, body_b, b, size))
+		return body_a.object;
+	bool sky = body_b.object == GI_NONE;
+	if (!sky && body_b.object != body_a.object && !body_b.flat_surface && segment_hidden_by(body_b, body_a, a, body_b, b, size))
+		return body_b.object;
+	float end = sky ? 3e38 : 1.0;
+	grid_ray r = ray_on_grid(a.world, sky ? b.world : b.world - a.world, frame.grid.xyz, frame.cells.xyz);
+	uint n = 0u, blocker = GI_BLOCKER_NONE;
+	while (n < frame.misc.x && blocker == GI_BLOCKER_NONE) {
+		uint object = GI_NONE;
+		while (n < frame.misc.x && object == GI_NONE) {
+			uvec4 node = tlas[n];
+			bool hit = hits_box(r, node, end);
+			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+			uint candidate = node.w & ~GI_PACKED_LEAF;
+			object = hit && leaf && candidate != body_a.object && candidate != body_b.object ? candidate : GI_NONE;
+			n = hit || leaf ? n + 1u : node.w;
+		}
+		if (object == GI_NONE)
+			break;
+		if (segment_hidden_by(load_body(object), body_a, a, body_b, b, size))
+			blocker = object;
 	}
-	return GI_BLOCKER_NONE;
+	return blocker;
 }

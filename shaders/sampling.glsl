@@ -30,21 +30,3 @@ vec3 point_on_quad(vec3 a, vec3 b, vec3 c, vec3 d, vec2 u)
 {
 	return u.x >= u.y ? a + (b - a) * (u.x - u.y) + (c - a) * u.y : a + (d - a) * (u.y - u.x) + (c - a) * u.x;
 }
-
-vec3 rest_point_on_node(uvec4 corners, vec2 u)
-{
-	return point_on_quad(vertices_rest[corners.x].xyz, vertices_rest[corners.y].xyz, vertices_rest[corners.z].xyz,
-			     vertices_rest[corners.w].xyz, u);
-}
-
-// A point on a node's surface: on its polygon where that is the surface, else on one of its leaves. `leaf` tells which.
-vec3 rest_point_on_surface(gi_node_topology t, vec2 u, out uint leaf)
-{
-	leaf = t.range.y;
-	if ((t.range.w & GI_NODE_FLAT) != 0u || t.range.z == 1u)
-		return rest_point_on_node(t.corners, u);
-	float pick = u.x * float(t.range.z);
-	uint k = min(uint(pick), t.range.z - 1u);
-	leaf += k;
-	return rest_point_on_node(topology[leaves[leaf].x].corners, vec2(clamp(pick - float(k), 0.0, 0.99999994), u.y));
-}

@@ -29,55 +29,109 @@ const uint PROBES = 4u;
 // Segments that leave a surface at its back are drawn again, this often.
 const uint TRIES = 8u;
 
-segment_end end_on(uint object, uint leaf, vec3 rest_point)
+// A quad in its object's rest frame, loaded once for all samples of an entry.
+struct quad {
+	vec3 a, b, c, d;
+};
+
+quad load_quad(uvec4 corners)
 {
-	segment_end e;
-	e.object = object;
-	e.leaf = leaf;
-	e.rest = rest_point;
-	e.world = world_from_rest(object, rest_point);
-	e.size = 0.0;
-	return e;
+	return quad(vertices_rest[corners.x].xyz, vertices_rest[corners.y].xyz, vertices_rest[corners.z].xyz,
+		    vertices_rest[corners.w].xyz);
 }
 
-// Blocker of sample k of the entry.
-uint trace_sample(uint leaf, uint node, gi_node_topology source, bool back, uint k)
+struct pair {
+	uint leaf, node;
+	bool back;          // the source is seen from behind
+	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
+	body receiver, source;
+	quad mine, theirs;  // theirs: of the source node where `whole`
+	vec3 normal;        // of the receiver: at rest, or in the world unless `same`
+	float size;         // radius of the receiver
+	gi_node_topology t; // of the source
+	bool sky, whole;    // whole: one quad is the source's surface
+};
+
+pair load_pair(uvec4 entry)
 {
-	uvec4 mine = leaves[leaf];
-	uvec4 corners = topology[mine.x].corners;
-	bool sky = (source.range.w & GI_NODE_SKY) != 0u;
+	pair p;
+	p.leaf = entry.w & GI_ENTRY_LEAF_MASK;
+	p.node = entry.x;
+	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
+	p.t = topology[entry.x];
+	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
+	p.whole = p.sky || (p.t.range.w & GI_NODE_FLAT) != 0u || p.t.range.z == 1u;
+	uvec4 mine = leaves[p.leaf];
+	p.receiver = load_body(mine.y);
+	p.mine = load_quad(topology[mine.x].corners);
+	p.size = rest[mine.x].sphere.w;
+	p.normal = rest[mine.x].axis.xyz;
+	p.source.object = GI_NONE;
+	p.source.flat_surface = true;
+	if (!p.sky)
+		p.source = load_body(leaves[p.t.range.y].y);
+	p.same = p.source.object == p.receiver.object;
+	if (!p.same)
+		p.normal = direction_to_world(p.receiver, p.normal);
+	if (p.whole)
+		p.theirs = load_quad(p.t.corners);
+	return p;
+}
+
+vec3 point_on(quad q, vec2 u)
+{
+	return point_on_quad(q.a, q.b, q.c, q.d, u);
+}
+
+segment_end end_on(body on, uint leaf, vec3 rest_point)
+{
+	return segment_end(leaf, rest_point, to_world(on, rest_point));
+}
+
+// The source's end for two numbers; m is the normal there, at rest.
+segment_end source_end(pair p, vec2 u, out vec3 m)
+{
+	uint leaf = p.t.range.y;
+	quad q = p.theirs;
+	m = vec3(0.0);
+	if (p.sky) {
+		vec3 direction = normalize(point_on(q, u));
+		return segment_end(GI_NONE, direction, direction);
+	}
+	if (!p.whole) {
+		// One of the node's leaves, then a point on it with the digits that are left.
+		float pick = u.x * float(p.t.range.z);
+		uint k = min(uint(pick), p.t.range.z - 1u);
+		leaf += k;
+		u.x = clamp(pick - float(k), 0.0, 0.99999994);
+		q = load_quad(topology[leaves[leaf].x].corners);
+	}
+	m = cross(q.c - q.a, q.d - q.b);
+	return end_on(p.source, leaf, point_on(q, u));
+}
+
+// Does the segment leave the front of the receiver and arrive on the side of the source that the entry is about?
+bool faces(pair p, segment_end a, segment_end b, vec3 m)
+{
+	if (p.sky)
+		return dot(p.normal, b.world) > 0.0;
+	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
+	vec3 n = p.same ? m : direction_to_world(p.source, m);
+	return dot(p.normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
+}
+
+uint trace_sample(pair p, uint k)
+{
 	segment_end a, b;
 	for (uint attempt = 0u; attempt < TRIES; attempt++) {
-		vec4 u = sample_numbers(leaf, node, k + 16u * attempt);
-		a = end_on(mine.y, leaf, rest_point_on_node(corners, u.xy));
-		a.size = rest[mine.x].sphere.w;
-		if (sky) {
-			b.object = GI_NONE;
-			b.leaf = GI_NONE;
-			b.rest = vec3(0.0);
-			b.world = normalize(rest_point_on_node(source.corners, u.zw));
-			b.size = 0.0;
-			if (dot(b.world, world_direction_from_rest(mine.y, rest[mine.x].axis.xyz)) > 0.0)
-				break;
-			continue;
-		}
-		uint source_leaf;
-		vec3 point = rest_point_on_surface(source, u.zw, source_leaf);
-		uvec4 other = leaves[source_leaf];
-		b = end_on(other.y, source_leaf, point);
-		// Facing is tested in the rest frame when both ends are of one object: it must not depend on the pose.
-		bool same = other.y == mine.y;
-		vec3 n = rest[mine.x].axis.xyz, m = rest[other.x].axis.xyz;
-		vec3 d = b.rest - a.rest;
-		if (!same) {
-			n = world_direction_from_rest(mine.y, n);
-			m = world_direction_from_rest(other.y, m);
-			d = b.world - a.world;
-		}
-		if (dot(n, d) > 0.0 && (dot(m, d) < 0.0) != back)
+		vec4 u = sample_numbers(p.leaf, p.node, k + 16u * attempt);
+		vec3 m;
+		a = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy));
+		b = source_end(p, u.zw, m);
+		if (faces(p, a, b, m))
 			break;
 	}
-	return segment_blocker(a, b);
+	return segment_blocker(p.receiver, a, p.source, b, p.size);
 }
 
 void main()
@@ -87,21 +141,20 @@ void main()
 		return;
 	uint slot = queue[t];
 	uvec4 entry = entries[slot];
-	if (uintBitsToFloat(entry.y) <= FACTOR_FLOOR)
+	float factor = uintBitsToFloat(entry.y);
+	if (factor <= FACTOR_FLOOR)
 		return;
-	uint leaf = entry.w & GI_ENTRY_LEAF_MASK;
-	gi_node_topology source = topology[entry.x];
-	bool emitter = (source.range.w & GI_NODE_EMITTER) != 0u;
-	bool back = (entry.w & GI_ENTRY_BACK) != 0u;
+	pair p = load_pair(entry);
+	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
 	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the tolerance.
-	uint near = uint(clamp(uintBitsToFloat(entry.y) / frame.tolerance.x, 1.0, float(frame.limits.z)));
-	bool dark_sky = (source.range.w & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
+	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, float(frame.limits.z)));
+	bool dark_sky = p.sky && frame.misc.w == 0u;
 	uint wanted = emitter ? frame.limits.w : dark_sky ? (near + 3u) / 4u : near;
 	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
 	while (taken < wanted) {
-		uint by = trace_sample(leaf, entry.x, source, back, taken);
+		uint by = trace_sample(p, taken);
 		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else
@@ -111,6 +164,6 @@ void main()
 			break;
 	}
 	entries[slot].z = visible | (blocker << 16u);
-	entries[slot].w = leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+	entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
 	atomicAdd(state[GI_STATE_RAYS], taken);
 }
