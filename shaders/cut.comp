@@ -67,7 +67,7 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	float slack = HORIZON_SLACK * (d + g.sphere.w + p.sphere.w);
 	float cosine = dot(p.axis.xyz, g.axis.xyz);
 
-	float height = dot(p.axis.xyz, to) + reach_along(g.sphere.w, cosine, g.axis.w) + p.sphere.w * sine_of(p.axis.w);
+	float height = dot(p.axis.xyz, to) + reach_along(g.sphere.w, cosine, g.axis.w) + (d + p.sphere.w) * sine_of(p.axis.w);
 	if (height <= slack)
 		return CUT_SKIP;
 

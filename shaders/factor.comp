@@ -28,6 +28,9 @@ const float WEIGHT_4[4] = float[](0.1739274226, 0.3260725774, 0.3260725774, 0.17
 // A source that subtends less than this (radius over distance) is taken as a point: the contour sum would lose digits.
 const float POINT_SOURCE = 0.02;
 
+// Leaves whose halves' normals differ from the mean by more than this cosine (2.5 degrees) are folded.
+const float FOLDED = 0.999;
+
 // Receivers larger than these shares of the distance are averaged over 2 x 2 and 4 x 4 points.
 const float RECEIVER_2 = 0.08;
 const float RECEIVER_4 = 0.35;
@@ -63,9 +66,13 @@ void main()
 	}
 	uvec4 mine = topology[receiver].corners;
 	vec3 a = corner_of(mine.x, same), b = corner_of(mine.y, same), c = corner_of(mine.z, same), d = corner_of(mine.w, same);
-	vec3 n = p.axis.xyz;
+	// A folded leaf has two normals: the mean of what its halves see is not what their mean normal sees.
+	vec3 fold_abc = cross(b - a, c - a), fold_acd = cross(c - a, d - a);
+	float area_abc = length(fold_abc), area_acd = length(fold_acd);
+	bool folded = p.axis.w < FOLDED && mine.z != mine.w;
+	vec3 normal_abc = folded ? fold_abc / max(area_abc, 1e-30) : p.axis.xyz;
+	vec3 normal_acd = folded ? fold_acd / max(area_acd, 1e-30) : p.axis.xyz;
 
-	vec3 centre = mine.z == mine.w ? (a + b + c) / 3.0 : (a + b + c + d) * 0.25;
 	float far = sky ? 1e30 : length(g.sphere.xyz - p.sphere.xyz);
 	float size = p.sphere.w / max(far, 1e-30);
 	int side = sky || size < RECEIVER_2 ? 1 : size < RECEIVER_4 ? 2 : 4;
@@ -81,9 +88,10 @@ void main()
 	}
 
 	float sum = 0.0, weight_sum = 0.0;
-	for (int k = 0; k < side * side; k++) {
+	int points = side == 1 && folded ? 2 : side * side;
+	for (int k = 0; k < points; k++) {
 		int i = k % side, j = k / side;
-		vec2 u = vec2(0.5);
+		vec2 u = mine.z == mine.w || folded ? vec2(2.0, 1.0) / 3.0 : vec2(0.5);
 		float weight = 1.0;
 		if (side == 2) {
 			u = vec2(GAUSS_2[i], GAUSS_2[j]);
@@ -91,7 +99,13 @@ void main()
 			u = vec2(GAUSS_4[i], GAUSS_4[j]);
 			weight = WEIGHT_4[i] * WEIGHT_4[j];
 		}
-		vec3 x = side == 1 ? centre : point_on_quad(a, b, c, d, u);
+		if (side == 1 && k == 1)
+			u = u.yx;
+		// Halves of the unit square become the two triangles, whose areas differ.
+		bool first = u.x >= u.y;
+		weight *= folded ? (first ? area_abc : area_acd) : 1.0;
+		vec3 n = first ? normal_abc : normal_acd;
+		vec3 x = point_on_quad(a, b, c, d, u);
 		float f;
 		if (disc) {
 			vec3 to = g.sphere.xyz - x;

@@ -28,5 +28,7 @@ vec4 sample_numbers(uint leaf, uint node, uint k)
 // The unit square onto the two triangles a b c and a c d: they, not a bilinear patch, are the surface that rays meet.
 vec3 point_on_quad(vec3 a, vec3 b, vec3 c, vec3 d, vec2 u)
 {
+	if (c == d)
+		u = vec2(max(u.x, u.y), min(u.x, u.y)); // a triangle
 	return u.x >= u.y ? a + (b - a) * (u.x - u.y) + (c - a) * u.y : a + (d - a) * (u.y - u.x) + (c - a) * u.x;
 }

@@ -46,7 +46,6 @@ struct pair {
 	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
 	body receiver, source;
 	quad mine, theirs;  // theirs: of the source node where `whole`
-	vec3 normal;        // of the receiver: at rest, or in the world unless `same`
 	float size;         // radius of the receiver
 	gi_node_topology t; // of the source
 	bool sky, whole;    // whole: one quad is the source's surface
@@ -65,14 +64,11 @@ pair load_pair(uvec4 entry)
 	p.receiver = load_body(mine.y);
 	p.mine = load_quad(topology[mine.x].corners);
 	p.size = rest[mine.x].sphere.w;
-	p.normal = rest[mine.x].axis.xyz;
 	p.source.object = GI_NONE;
 	p.source.flat_surface = true;
 	if (!p.sky)
 		p.source = load_body(leaves[p.t.range.y].y);
 	p.same = p.source.object == p.receiver.object;
-	if (!p.same)
-		p.normal = direction_to_world(p.receiver, p.normal);
 	if (p.whole)
 		p.theirs = load_quad(p.t.corners);
 	return p;
@@ -111,13 +107,17 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 }
 
 // Does the segment leave the front of the receiver and arrive on the side of the source that the entry is about?
-bool faces(pair p, segment_end a, segment_end b, vec3 m)
+bool faces(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 {
+	// Of the triangle of the receiver that the point is on (point_on_quad).
+	vec3 normal = u.x >= u.y || p.mine.c == p.mine.d ? cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a) : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
+	if (!p.same)
+		normal = direction_to_world(p.receiver, normal);
 	if (p.sky)
-		return dot(p.normal, b.world) > 0.0;
+		return dot(normal, b.world) > 0.0;
 	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
 	vec3 n = p.same ? m : direction_to_world(p.source, m);
-	return dot(p.normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
+	return dot(normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
 }
 
 uint trace_sample(pair p, uint k)
@@ -128,7 +128,7 @@ uint trace_sample(pair p, uint k)
 		vec3 m;
 		a = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy));
 		b = source_end(p, u.zw, m);
-		if (faces(p, a, b, m))
+		if (faces(p, a, b, u.xy, m))
 			break;
 	}
 	return segment_blocker(p.receiver, a, p.source, b, p.size);
