@@ -37,6 +37,7 @@ typedef struct body {
 	const char *name;
 	gi_scheme scheme;
 	uint32_t levels;
+	float leaf_size;
 	const float *rho, *exitance;
 	float position[3];
 	float scale;
@@ -63,6 +64,7 @@ static gi_result add(gi_context *gi, const body *b, engine_mesh *mesh, gi_object
 	def.crease_count = mesh->crease_count;
 	def.scheme = b->scheme;
 	def.levels = b->levels;
+	def.leaf_size = b->leaf_size;
 	def.materials = &material;
 	def.material_count = 1;
 	memcpy(def.pose.position, b->position, sizeof def.pose.position);
@@ -98,7 +100,7 @@ static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 		engine_mesh mesh;
 		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
-		const body b = {.name = walls[k].name, .levels = def->wall_levels, .rho = walls[k].rho};
+		const body b = {.name = walls[k].name, .levels = def->wall_levels, .leaf_size = def->leaf_size, .rho = walls[k].rho};
 		result = add(gi, &b, &mesh, walls[k].object);
 	}
 	return result;
@@ -157,6 +159,7 @@ static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
 		return GI_ERROR_OUT_OF_MEMORY;
 	const body b = {.name = "light",
 			.levels = def->light_levels,
+			.leaf_size = def->leaf_size,
 			.rho = black,
 			.exitance = LIGHT_EXITANCE,
 			.position = {0, HEIGHT, 0}};
@@ -189,7 +192,7 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const body b = {.name = "figure", .rho = STONE, .draw = &drawn};
+	const body b = {.name = "figure", .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
 	const gi_result result = add(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -203,6 +206,7 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	const body b = {.name = "buddha",
 			.scheme = GI_SCHEME_CATMULL_CLARK,
 			.levels = def->buddha_levels,
+			.leaf_size = def->leaf_size,
 			.rho = STONE,
 			.scale = def->buddha_height};
 	return add(gi, &b, &mesh, &out->buddha);
@@ -218,6 +222,7 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 			return GI_ERROR_OUT_OF_MEMORY;
 		const body b = {.name = k ? "small ball" : "ball",
 				.scheme = GI_SCHEME_CATMULL_CLARK,
+				.leaf_size = def->leaf_size,
 				.rho = WHITE,
 				.position = {places[k][0], places[k][1], places[k][2]}};
 		result = add(gi, &b, &mesh, &out->balls[k]);

@@ -1,0 +1,226 @@
+/* The demo: a Buddha moves through the Cornell box and the light follows.
+ *
+ * Without a window it records: every eighth frame in the three modes of the paper's figure 4, and figures of all frames.
+ */
+#include "player.h"
+
+#include "scene_file.h"
+#include "scenes/cornell.h"
+#include "simplify.h"
+
+#include <cglm/cglm.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_MESH = 'm', CAGE_FACES = 900, OBJECTS = 9 };
+
+/* Display value 1 is a little more than the brightest patch of the white floor. */
+static const float EXPOSURE = 0.8f;
+
+/* The floor that the figure's middle may stand on: the box less about half the figure's width. */
+static const float REACH = 1.7f;
+
+typedef struct moving_buddha {
+	options options;
+	const char *mesh_path;
+	engine_mesh figure, cage;
+	cornell box;
+	gi_object handles[OBJECTS];
+	const char *names[OBJECTS];
+	uint32_t object_count;
+	float pushed[2]; /* x and z, by the user */
+} moving_buddha;
+
+/* ---- options ------------------------------------------------------------------------------------------------------- */
+
+static const struct argp_option table[] = {
+	{"mesh", KEY_MESH, "FILE", 0, "a figure in the Buddha's place: OBJ, PLY or glTF, y up, facing +z", 0},
+	{0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+	moving_buddha *b = state->input;
+	switch (key) {
+	case ARGP_KEY_INIT:
+		state->child_inputs[0] = &b->options;
+		return 0;
+	case KEY_MESH:
+		b->mesh_path = text;
+		return 0;
+	case ARGP_KEY_ARG:
+		options_fail(b->options.program, "%s: takes options only; see --help", text);
+	}
+	return ARGP_ERR_UNKNOWN;
+}
+
+static const struct argp_child children[] = {{&options_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+	.options = table,
+	.parser = parse,
+	.children = children,
+	.doc = "A Buddha moves through the Cornell box, its light computed anew every frame."
+	       "\vWithout a window pictures and report go to out/moving_buddha unless --out says otherwise.",
+};
+
+/* ---- figure -------------------------------------------------------------------------------------------------------- */
+
+static void free_figure(moving_buddha *b)
+{
+	engine_mesh_free(&b->figure);
+	engine_mesh_free(&b->cage);
+}
+
+/* Drawn are triangles: polygons become fans about their first corner. */
+static bool to_triangles(engine_mesh *mesh)
+{
+	const uint32_t triangles = mesh->index_count - 2 * mesh->face_count;
+	uint32_t *indices = malloc(3 * (size_t)triangles * sizeof *indices), *counts = malloc(triangles * sizeof *counts);
+	if (!indices || !counts) {
+		free(indices);
+		free(counts);
+		return false;
+	}
+	const uint32_t *corners = mesh->indices;
+	uint32_t *to = indices;
+	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++])
+		for (uint32_t k = 2; k < mesh->face_counts[f]; k++, to += 3)
+			memcpy(to, (uint32_t[3]){corners[0], corners[k - 1], corners[k]}, 3 * sizeof *to);
+	for (uint32_t k = 0; k < triangles; k++)
+		counts[k] = 3;
+	free(mesh->indices);
+	free(mesh->face_counts);
+	free(mesh->face_materials); /* one figure, one stone */
+	mesh->indices = indices;
+	mesh->face_counts = counts;
+	mesh->face_materials = NULL;
+	mesh->index_count = 3 * triangles;
+	mesh->face_count = triangles;
+	return true;
+}
+
+static bool load_figure(moving_buddha *b, char *message, size_t message_size)
+{
+	engine_scene scene;
+	if (!engine_scene_load(b->mesh_path, &scene, message, message_size))
+		return false;
+	bool loaded = engine_scene_merge(&scene, &b->figure, message, message_size);
+	engine_scene_free(&scene);
+	if (loaded && !b->figure.face_count) {
+		snprintf(message, message_size, "%s: there is no face in it", b->mesh_path);
+		loaded = false;
+	}
+	if (loaded && !to_triangles(&b->figure)) {
+		snprintf(message, message_size, "out of memory");
+		loaded = false;
+	}
+	const uint32_t faces = b->options.cage_faces ? b->options.cage_faces : CAGE_FACES;
+	if (loaded && b->figure.face_count <= faces)
+		return engine_mesh_copy(&b->figure, &b->cage);
+	return loaded && engine_simplify(&b->figure, faces, &b->cage, message, message_size);
+}
+
+/* ---- scene --------------------------------------------------------------------------------------------------------- */
+
+static void name_object(moving_buddha *b, const char *name, gi_object handle)
+{
+	b->names[b->object_count] = name;
+	b->handles[b->object_count++] = handle;
+}
+
+static void name_objects(moving_buddha *b)
+{
+	const cornell *c = &b->box;
+	name_object(b, "floor", c->floor);
+	name_object(b, "ceiling", c->ceiling);
+	name_object(b, "back", c->back);
+	name_object(b, "left", c->left);
+	name_object(b, "right", c->right);
+	name_object(b, "light", c->light);
+	name_object(b, b->mesh_path ? "figure" : "buddha", c->buddha);
+	name_object(b, "ball", c->balls[0]);
+	name_object(b, "small ball", c->balls[1]);
+}
+
+static bool create(void *user, gi_context *gi, char *message, size_t message_size)
+{
+	moving_buddha *b = user;
+	cornell_def def = cornell_def_default();
+	def.leaf_size = b->options.leaf_size;
+	if (b->mesh_path) {
+		def.figure = &b->figure;
+		def.figure_cage = &b->cage;
+	}
+	const gi_result result = cornell_create(gi, &def, &b->box);
+	if (result && !message[0])
+		snprintf(message, message_size, "the box cannot be built: %s", gi_result_text(result));
+	name_objects(b);
+	return result == GI_OK;
+}
+
+static gi_result animate(void *user, gi_context *gi, double time_s)
+{
+	const moving_buddha *b = user;
+	gi_pose pose = cornell_buddha_pose((float)time_s);
+	pose.position[0] = glm_clamp(pose.position[0] + b->pushed[0], -REACH, REACH);
+	pose.position[2] = glm_clamp(pose.position[2] + b->pushed[1], -REACH, REACH);
+	return gi_set_pose(gi, b->box.buddha, pose);
+}
+
+static void move(void *user, float x, float z)
+{
+	moving_buddha *b = user;
+	/* A push against a wall is not kept, else the way back would begin with nothing happening. */
+	b->pushed[0] = glm_clamp(b->pushed[0] + x, -2 * REACH, 2 * REACH);
+	b->pushed[1] = glm_clamp(b->pushed[1] + z, -2 * REACH, 2 * REACH);
+}
+
+/* That of the scene; the box's middle is what it turns about. */
+static void view(void *user, double time_s, camera *out)
+{
+	(void)user;
+	(void)time_s;
+	float view_from_world[16], clip_from_view[16];
+	mat4 view, world_from_view;
+	cornell_camera(1, view_from_world, clip_from_view);
+	memcpy(view, view_from_world, sizeof view);
+	glm_mat4_inv(view, world_from_view);
+	*out = (camera){.target = {0, world_from_view[3][1], 0}, .up = {0, 1, 0}, .radius = 5};
+	memcpy(out->eye, world_from_view[3], sizeof out->eye);
+	out->vertical_fov = 2 * atanf(1 / clip_from_view[5]);
+}
+
+static export_objects objects(void *user)
+{
+	const moving_buddha *b = user;
+	return (export_objects){b->handles, b->names, b->object_count};
+}
+
+int main(int argc, char **argv)
+{
+	moving_buddha b = {.options = options_default("moving_buddha")};
+	b.options.out = "out/moving_buddha";
+	options_parse(&parser, argc, argv, &b);
+	char message[1024];
+	if (b.mesh_path && !load_figure(&b, message, sizeof message)) {
+		fprintf(stderr, "moving_buddha: %s\n", message);
+		free_figure(&b);
+		return EXIT_FAILURE;
+	}
+	const player_scene scene = {.user = &b,
+				    .title = "moving_buddha",
+				    .create = create,
+				    .animate = animate,
+				    .view = view,
+				    .move = move,
+				    .objects = objects,
+				    .frames = 48,
+				    .exposure = EXPOSURE,
+				    .gallery = true,
+				    .report = "frames.csv"};
+	const int code = player_run(&b.options, &scene);
+	free_figure(&b);
+	return code;
+}

@@ -1,0 +1,229 @@
+#include "options.h"
+
+#include "image.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXIT_USAGE = 2, MAX_FRAMES = 10000000, MAX_SIZE = 16384 };
+
+enum {
+	KEY_FRAMES = 0x100,
+	KEY_FPS,
+	KEY_SIZE,
+	KEY_MODE,
+	KEY_CONTEXT,
+	KEY_REBUILD,
+	KEY_ROW_TOLERANCE,
+	KEY_LEAF_SIZE,
+	KEY_SOLVE_TOLERANCE,
+	KEY_CAGE_FACES,
+	KEY_EXPOSURE,
+	KEY_IMAGES,
+	KEY_REPORT,
+	KEY_FIELD,
+	KEY_FORM_FACTORS,
+	KEY_OUT,
+};
+
+static const struct argp_option table[] = {
+	{"frames", KEY_FRAMES, "N", 0, "how many frames; without it a window plays on", 0},
+	{"fps", KEY_FPS, "R", 0, "frames a second of the animation (24)", 0},
+	{"size", KEY_SIZE, "WxH", 0, "pixels of the picture (512x512)", 0},
+	{"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
+	{"context", KEY_CONTEXT, "KIND", 0, "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
+	{"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
+	{0, 0, 0, 0, "How fine:", 1},
+	{"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6..1 (0.006)", 1},
+	{"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
+	{"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
+	{"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
+	{"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
+	{0, 0, 0, 0, "What to write:", 2},
+	{"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
+	{"report", KEY_REPORT, "FILE", 0, "a CSV line each frame", 2},
+	{"field", KEY_FIELD, "PATTERN", 0, "a PLY of all leaves each frame, e.g. field_%04d.ply", 2},
+	{"form-factors", KEY_FORM_FACTORS, "FILE", 0, "a CSV of form factors between the objects, after the last frame", 2},
+	{"out", KEY_OUT, "FOLDER", 0, "where pictures and reports go that have no name of their own", 2},
+	{0},
+};
+
+void options_fail(const char *program, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	fprintf(stderr, "%s: ", program);
+	vfprintf(stderr, format, arguments);
+	fputc('\n', stderr);
+	va_end(arguments);
+	exit(EXIT_USAGE);
+}
+
+/* A number, with nothing before or after it. */
+static bool parse_number(const char *text, double *value)
+{
+	char *end;
+	errno = 0;
+	*value = strtod(text, &end);
+	return *text > ' ' && end != text && *end == '\0' && isfinite(*value);
+}
+
+uint32_t options_count(const char *program, const char *option, const char *text, uint32_t low, uint32_t high)
+{
+	double value;
+	if (!parse_number(text, &value) || value < low || value > high || value != floor(value))
+		options_fail(program, "%s %s: must be a whole number of %u to %u", option, text, low, high);
+	return (uint32_t)value;
+}
+
+/* A number in (0, high]. */
+static float positive(const options *o, const char *option, const char *text, double high)
+{
+	double value;
+	if (!parse_number(text, &value) || !(value > 0) || value > high)
+		options_fail(o->program, "%s %s: must be a number above 0 and at most %g", option, text, high);
+	return (float)value;
+}
+
+static void parse_size(options *o, const char *text)
+{
+	char after;
+	if (sscanf(text, "%5dx%5d%c", &o->width, &o->height, &after) != 2 || o->width < 1 || o->height < 1 ||
+	    o->width > MAX_SIZE || o->height > MAX_SIZE)
+		options_fail(o->program, "--size %s: must be WIDTHxHEIGHT, 1 to %d each, e.g. 512x512", text, MAX_SIZE);
+}
+
+static const char *const mode_names[] = {
+	[GI_MODE_GLOBAL] = "global", [GI_MODE_DIRECT] = "direct", [GI_MODE_INDIRECT] = "indirect"};
+
+const char *options_mode_name(gi_mode mode)
+{
+	return mode_names[mode];
+}
+
+static void parse_mode(options *o, const char *text)
+{
+	for (int k = 0; k < 3; k++)
+		if (strcmp(text, mode_names[k]) == 0) {
+			o->mode = (gi_mode)k;
+			return;
+		}
+	options_fail(o->program, "--mode %s: must be direct, indirect or global", text);
+}
+
+static void parse_context(options *o, const char *text)
+{
+	if (!engine_context_kind_from_name(text, &o->context))
+		options_fail(o->program, "--context %s: must be auto, glfw, egl or osmesa", text);
+}
+
+static const char *checked_pattern(const options *o, const char *option, const char *text)
+{
+	char message[256];
+	if (!engine_frame_pattern_check(text, message, sizeof message))
+		options_fail(o->program, "%s: %s", option, message);
+	return text;
+}
+
+static const char *checked_name(const options *o, const char *option, const char *text)
+{
+	if (!*text)
+		options_fail(o->program, "%s: the name of a file is missing", option);
+	return text;
+}
+
+static void parse_fineness(options *o, int key, const char *text)
+{
+	switch (key) {
+	case KEY_ROW_TOLERANCE:
+		o->row_tolerance = positive(o, "--row-tolerance", text, 1);
+		if (o->row_tolerance < 1e-6f)
+			options_fail(o->program, "--row-tolerance %s: must be at least 1e-6", text);
+		break;
+	case KEY_LEAF_SIZE:
+		o->leaf_size = positive(o, "--leaf-size", text, 1e6);
+		break;
+	case KEY_SOLVE_TOLERANCE:
+		o->solve_tolerance = positive(o, "--solve-tolerance", text, 1);
+		break;
+	case KEY_CAGE_FACES:
+		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);
+		break;
+	}
+}
+
+static void parse_output(options *o, int key, const char *text)
+{
+	switch (key) {
+	case KEY_IMAGES:
+		o->images = checked_pattern(o, "--images", text);
+		break;
+	case KEY_REPORT:
+		o->report = checked_name(o, "--report", text);
+		break;
+	case KEY_FIELD:
+		o->field = checked_pattern(o, "--field", text);
+		break;
+	case KEY_FORM_FACTORS:
+		o->form_factors = checked_name(o, "--form-factors", text);
+		break;
+	case KEY_OUT:
+		o->out = checked_name(o, "--out", text);
+		break;
+	}
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+	options *o = state->input;
+	switch (key) {
+	case ARGP_KEY_INIT:
+		state->err_stream = NULL; /* no second line "Try ..." under what getopt says */
+		return 0;
+	case KEY_FRAMES:
+		o->frames = options_count(o->program, "--frames", text, 1, MAX_FRAMES);
+		return 0;
+	case KEY_FPS:
+		o->fps = positive(o, "--fps", text, 1e6);
+		return 0;
+	case KEY_SIZE:
+		parse_size(o, text);
+		return 0;
+	case KEY_MODE:
+		parse_mode(o, text);
+		return 0;
+	case KEY_CONTEXT:
+		parse_context(o, text);
+		return 0;
+	case KEY_EXPOSURE:
+		o->exposure = positive(o, "--exposure", text, 1e9);
+		return 0;
+	case KEY_REBUILD:
+		o->rebuild = true;
+		return 0;
+	}
+	if (key >= KEY_ROW_TOLERANCE && key <= KEY_CAGE_FACES)
+		parse_fineness(o, key, text);
+	else if (key >= KEY_IMAGES && key <= KEY_OUT)
+		parse_output(o, key, text);
+	else
+		return ARGP_ERR_UNKNOWN;
+	return 0;
+}
+
+const struct argp options_argp = {.options = table, .parser = parse};
+
+options options_default(const char *program)
+{
+	return (options){.program = program, .fps = 24, .width = 512, .height = 512};
+}
+
+void options_parse(const struct argp *parser, int argc, char **argv, void *input)
+{
+	if (argp_parse(parser, argc, argv, 0, NULL, input))
+		exit(EXIT_USAGE);
+}

@@ -1,0 +1,52 @@
+/* The command line that the programs share.
+ *
+ * Whatever is wrong with it is one line on stderr and exit code 2, before anything is opened or written.
+ */
+#ifndef DEMOS_OPTIONS_H
+#define DEMOS_OPTIONS_H
+
+#include "context.h"
+#include "gi/gi.h"
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct options {
+	const char *program;
+	uint32_t frames; /* 0: endless in a window, the program's choice without one */
+	double fps;      /* frames a second of the animation, default 24 */
+	int width, height;
+	gi_mode mode;
+	engine_context_kind context;
+	bool rebuild;          /* every frame from scratch */
+	float row_tolerance;   /* 0: the library's default, as the next two */
+	float solve_tolerance;
+	float leaf_size;       /* 0: the levels that scene or program give */
+	uint32_t cage_faces;   /* of the cage that lights a detailed mesh; 0: the program's default */
+	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
+	const char *images, *report, *field, *form_factors; /* files to write; NULL: none */
+	const char *out;       /* folder for what has no name of its own */
+} options;
+
+/* To be a child of a program's own parser; its input is an options made by options_default. */
+extern const struct argp options_argp;
+
+options options_default(const char *program);
+
+/* Runs argp so that every complaint is one line and ends the program with code 2. */
+void options_parse(const struct argp *parser, int argc, char **argv, void *input);
+
+/* Prints "program: message" and ends with code 2. */
+#if defined(__GNUC__)
+__attribute__((noreturn, format(printf, 2, 3)))
+#endif
+void options_fail(const char *program, const char *format, ...);
+
+/* A whole number of low..high, or the end of the program with a line that names the option. */
+uint32_t options_count(const char *program, const char *option, const char *text, uint32_t low, uint32_t high);
+
+/* The name that --mode takes. */
+const char *options_mode_name(gi_mode mode);
+
+#endif

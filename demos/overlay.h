@@ -1,0 +1,23 @@
+/* The figures of a frame over its picture, and the list of keys. */
+#ifndef DEMOS_OVERLAY_H
+#define DEMOS_OVERLAY_H
+
+#include "gi/gi.h"
+#include "hud.h"
+
+#include <stdbool.h>
+
+typedef struct overlay {
+	const char *title;
+	const char *renderer;
+	gi_report report;
+	gi_mode mode;
+	gi_overlay layer;
+	double fps, update_ms, frame_ms;
+	bool paused, rebuild, help, can_move;
+} overlay;
+
+/* Collects text for engine_hud_draw; height of the picture in pixels. */
+void overlay_text(engine_hud *hud, const overlay *o, int height);
+
+#endif

@@ -1,0 +1,290 @@
+#define _POSIX_C_SOURCE 200809L
+#include "player_internal.h"
+
+#include "overlay.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+double player_clock_ms(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+/* ---- messages ------------------------------------------------------------------------------------------------------ */
+
+/* The library's line says more than its result: the first error is kept, warnings are shown at once. */
+static void on_message(gi_result result, const char *message, void *user)
+{
+	player *p = user;
+	if (result == GI_OK)
+		fprintf(stderr, "%s: %s\n", p->o->program, message);
+	else if (!p->message[0])
+		snprintf(p->message, sizeof p->message, "%s", message);
+}
+
+static bool succeeded(player *p, gi_result result)
+{
+	if (result && !p->message[0])
+		snprintf(p->message, sizeof p->message, "%s", gi_result_text(result));
+	return result == GI_OK;
+}
+
+/* ---- begin --------------------------------------------------------------------------------------------------------- */
+
+static bool open_context(player *p)
+{
+	engine_context_def def = engine_context_def_default();
+	def.kind = p->o->context;
+	def.width = p->o->width;
+	def.height = p->o->height;
+	def.title = p->scene->title;
+	p->context = engine_context_create(&def, p->message, sizeof p->message);
+	return p->context != NULL;
+}
+
+static bool open_gi(player *p)
+{
+	gi_context_def def = gi_context_def_default();
+	def.get_proc_address = engine_context_get_proc_address(p->context);
+	def.message = on_message;
+	def.user = p;
+	if (p->o->row_tolerance > 0)
+		def.row_tolerance = p->o->row_tolerance;
+	if (p->o->solve_tolerance > 0)
+		def.solve_tolerance = p->o->solve_tolerance;
+	return succeeded(p, gi_context_create(&def, &p->gi));
+}
+
+static bool open_picture(player *p)
+{
+	p->target = engine_target_create(p->o->width, p->o->height, p->message, sizeof p->message);
+	p->pixels = malloc(3 * (size_t)p->o->width * (size_t)p->o->height);
+	if (p->target && !p->pixels)
+		snprintf(p->message, sizeof p->message, "out of memory for a picture");
+	if (p->target && p->pixels && engine_context_has_window(p->context))
+		p->hud = engine_hud_create(p->message, sizeof p->message);
+	return p->target && p->pixels && (p->hud || !engine_context_has_window(p->context));
+}
+
+static void choose_frames(player *p)
+{
+	const bool window = engine_context_has_window(p->context);
+	p->recording = p->o->frames > 0 || !window;
+	p->frames = p->o->frames ? p->o->frames : window ? 0 : p->scene->frames;
+}
+
+static bool begin(player *p)
+{
+	if (!open_context(p) || !open_picture(p) || !open_gi(p))
+		return false;
+	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !succeeded(p, gi_commit(p->gi)))
+		return false;
+	choose_frames(p);
+	p->last_clock_ms = player_clock_ms();
+	return player_open_files(p);
+}
+
+static void end(player *p)
+{
+	char ignored[PLAYER_MESSAGE];
+	report_close(&p->report, ignored, sizeof ignored);
+	report_free(&p->report);
+	gi_context_destroy(p->gi);
+	engine_hud_destroy(p->hud);
+	engine_target_destroy(p->target);
+	engine_context_destroy(p->context);
+	free(p->pixels);
+}
+
+/* ---- exposure ------------------------------------------------------------------------------------------------------ */
+
+/* Area-weighted mean of the radiance that leaves what does not shine itself, W/(m2 sr); 0 in the dark. */
+static double mean_radiance(const gi_leaf *leaves, uint32_t count)
+{
+	double sum = 0, area = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		const gi_leaf *l = leaves + k;
+		const double b = 0.2126 * (double)l->radiosity[0] + 0.7152 * (double)l->radiosity[1] + 0.0722 * (double)l->radiosity[2];
+		if (l->exitance[0] + l->exitance[1] + l->exitance[2] > 0 || !isfinite(b))
+			continue;
+		sum += (double)l->area * b;
+		area += (double)l->area;
+	}
+	return area > 0 ? sum / area / 3.14159265358979 : 0;
+}
+
+/* The mean of the scene as 0.3 in the picture leaves its bright half below white. */
+static float measured_exposure(player *p)
+{
+	uint32_t count = 0;
+	gi_leaf *leaves = NULL;
+	if (gi_read_leaves(p->gi, NULL, 0, &count) == GI_OK && count && (leaves = malloc(count * sizeof *leaves)) != NULL &&
+	    gi_read_leaves(p->gi, leaves, count, &count) != GI_OK)
+		count = 0;
+	const double mean = leaves ? mean_radiance(leaves, count) : 0;
+	free(leaves);
+	return mean > 0 ? (float)(0.3 / mean) : 1;
+}
+
+static void choose_exposure(player *p)
+{
+	p->exposure = p->o->exposure > 0 ? p->o->exposure : p->scene->exposure > 0 ? p->scene->exposure : measured_exposure(p);
+}
+
+/* ---- frame --------------------------------------------------------------------------------------------------------- */
+
+/* Files need the light of this frame, a window is content with the newest. */
+static bool waits(const player *p)
+{
+	return p->recording || player_wants_picture(p) || p->o->report || p->o->field;
+}
+
+static bool light(player *p)
+{
+	if (!succeeded(p, p->scene->animate(p->scene->user, p->gi, p->time_s)))
+		return false;
+	if (p->rebuild) {
+		gi_invalidate(p->gi);
+		gi_reset_radiosity(p->gi);
+	}
+	return succeeded(p, gi_update(p->gi)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
+}
+
+bool player_draw(player *p, gi_mode mode)
+{
+	gi_view view = gi_view_default();
+	view.width = (uint32_t)engine_target_width(p->target);
+	view.height = (uint32_t)engine_target_height(p->target);
+	view.mode = mode;
+	view.overlay = p->layer;
+	camera_matrices(&p->camera, (float)view.width / (float)view.height, view.view_from_world, view.clip_from_view);
+	engine_target_begin(p->target);
+	if (!succeeded(p, gi_draw(p->gi, &view)))
+		return false;
+	engine_target_tonemap(p->target, p->exposure);
+	return true;
+}
+
+static void show(player *p, const gi_report *report)
+{
+	const overlay figures = {.title = p->scene->title,
+				 .renderer = engine_context_describe(p->context),
+				 .report = *report,
+				 .mode = p->mode,
+				 .layer = p->layer,
+				 .fps = p->fps,
+				 .update_ms = p->update_ms,
+				 .frame_ms = p->frame_ms,
+				 .paused = p->paused,
+				 .rebuild = p->rebuild,
+				 .help = p->help,
+				 .can_move = p->scene->move != NULL};
+	overlay_text(p->hud, &figures, engine_target_height(p->target));
+	engine_hud_draw(p->hud, engine_target_width(p->target), engine_target_height(p->target));
+	engine_target_present(p->target, engine_context_width(p->context), engine_context_height(p->context));
+	engine_context_swap(p->context);
+}
+
+/* A window that plays decides the size of the picture; recorded ones keep what was asked for. */
+static bool fit_window(player *p)
+{
+	const int width = engine_context_width(p->context), height = engine_context_height(p->context);
+	if (p->recording || p->o->images || width < 1 || height < 1)
+		return true;
+	return engine_target_resize(p->target, width, height, p->message, sizeof p->message);
+}
+
+/* The picture of a frame nobody sees is not drawn, unless its time is part of the report. */
+static bool is_seen(const player *p)
+{
+	return p->hud || player_wants_picture(p) || p->scene->gallery;
+}
+
+static bool draw(player *p, double began, gi_report *report)
+{
+	if (is_seen(p) && (!fit_window(p) || !player_draw(p, p->mode)))
+		return false;
+	if (waits(p) && is_seen(p) && !succeeded(p, gi_finish(p->gi)))
+		return false;
+	p->frame_ms = player_clock_ms() - began;
+	return succeeded(p, gi_get_report(p->gi, report));
+}
+
+static bool record(player *p, const gi_report *report)
+{
+	const report_frame frame = {p->frame, p->time_s, p->update_ms, p->frame_ms, *report};
+	if (waits(p) && !report_add(&p->report, &frame, p->message, sizeof p->message))
+		return false;
+	return player_write_frame(p);
+}
+
+static void show_progress(const player *p, const gi_report *r)
+{
+	if (!p->frames || !isatty(STDERR_FILENO))
+		return;
+	fprintf(stderr, "\rframe %u of %u  %.0f ms, %.1f %% of %llu entries dirty, %u sweeps \033[K", p->frame + 1, p->frames, p->frame_ms,
+		r->entries ? 100 * (double)r->dirty_entries / (double)r->entries : 0, (unsigned long long)r->entries, r->sweeps);
+	if (p->frame + 1 == p->frames)
+		fputs("\r\033[K", stderr);
+	fflush(stderr);
+}
+
+static bool play_frame(player *p)
+{
+	player_input(p);
+	if (p->recording)
+		p->time_s = p->frame / p->o->fps;
+	if (!p->camera_taken)
+		p->scene->view(p->scene->user, p->time_s, &p->camera);
+	const double began = player_clock_ms();
+	if (!light(p))
+		return false;
+	p->update_ms = player_clock_ms() - began;
+	if (p->frame == 0)
+		choose_exposure(p);
+	const double drawing = player_clock_ms();
+	gi_report report;
+	if (!draw(p, drawing - p->update_ms, &report) || !record(p, &report))
+		return false;
+	if (p->hud)
+		show(p, &report);
+	show_progress(p, &report);
+	p->frame++;
+	return true;
+}
+
+static bool play(player *p)
+{
+	while ((!p->frames || p->frame < p->frames) && !engine_context_should_close(p->context))
+		if (!play_frame(p))
+			return false;
+	return player_close_files(p);
+}
+
+int player_run(const options *o, const player_scene *scene)
+{
+	player *p = calloc(1, sizeof *p);
+	if (!p) {
+		fprintf(stderr, "%s: out of memory\n", o->program);
+		return EXIT_FAILURE;
+	}
+	p->o = o;
+	p->scene = scene;
+	p->mode = o->mode;
+	p->rebuild = o->rebuild;
+	const bool played = begin(p) && play(p);
+	if (played)
+		player_print_end(p);
+	else
+		fprintf(stderr, "%s%s: %s\n", p->frame && isatty(STDERR_FILENO) ? "\n" : "", o->program, p->message);
+	end(p);
+	free(p);
+	return played ? EXIT_SUCCESS : EXIT_FAILURE;
+}

@@ -1,0 +1,42 @@
+/* Plays a scene: opens a context, creates the objects, and then frame by frame poses, light, picture, files.
+ *
+ * Recorded (--frames given, or no window): time goes on by 1/fps a frame, every frame waits for its GPU, so that each line of the report
+ * is about its own frame. Played in a window without --frames: time is the clock's and nothing waits.
+ */
+#ifndef DEMOS_PLAYER_H
+#define DEMOS_PLAYER_H
+
+#include "camera.h"
+#include "export.h"
+#include "options.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct player_scene {
+	void *user; /* handed to the functions */
+	const char *title;
+
+	/* Creates the objects; the player commits. False with one line in message. */
+	bool (*create)(void *user, gi_context *gi, char *message, size_t message_size);
+	/* Sets the poses of that time. */
+	gi_result (*animate)(void *user, gi_context *gi, double time_s);
+	/* The scene's own camera, asked every frame until the user takes it over. */
+	void (*view)(void *user, double time_s, camera *out);
+	/* The user pushes what can be pushed over the floor, metres; NULL: nothing can. */
+	void (*move)(void *user, float x, float z);
+	/* For the exports. */
+	export_objects (*objects)(void *user);
+
+	double loop_s;       /* > 0: a window begins anew after so long */
+	uint32_t frames;     /* recorded frames when nobody says how many; > 0 */
+	float exposure;      /* > 0: used unless --exposure says otherwise; 0: from the light of the first frame */
+	bool gallery;        /* without --images: every eighth frame in all three modes goes to the folder --out */
+	const char *report;  /* without --report: a file in the folder --out; NULL: none */
+} player_scene;
+
+/* Returns the exit code; whatever failed has been told on stderr in one line. */
+int player_run(const options *o, const player_scene *scene);
+
+#endif

@@ -1,0 +1,123 @@
+#include "player_internal.h"
+
+#include <math.h>
+
+/* A drag over the whole picture turns the view by so many radians; arrow keys push so many metres a second. */
+static const float DRAG_TURN = 4, PUSH_SPEED = 1.5f;
+
+static gi_mode next_mode(gi_mode mode)
+{
+	return mode == GI_MODE_GLOBAL ? GI_MODE_DIRECT : mode == GI_MODE_DIRECT ? GI_MODE_INDIRECT : GI_MODE_GLOBAL;
+}
+
+static void toggle_layer(player *p, gi_overlay layer)
+{
+	p->layer = p->layer == layer ? GI_OVERLAY_NONE : layer;
+}
+
+static void press_mode(player *p, int key)
+{
+	switch (key) {
+	case '1':
+		p->mode = GI_MODE_DIRECT;
+		break;
+	case '2':
+		p->mode = GI_MODE_INDIRECT;
+		break;
+	case '3':
+		p->mode = GI_MODE_GLOBAL;
+		break;
+	case 'M':
+		p->mode = next_mode(p->mode);
+		break;
+	}
+}
+
+static void press_layer(player *p, int key)
+{
+	switch (key) {
+	case 'W':
+		toggle_layer(p, GI_OVERLAY_WIREFRAME);
+		break;
+	case 'D':
+		toggle_layer(p, GI_OVERLAY_DIRTY);
+		break;
+	case 'R':
+		toggle_layer(p, GI_OVERLAY_RESIDUAL);
+		break;
+	case 'O':
+		p->layer = GI_OVERLAY_NONE;
+		break;
+	}
+}
+
+static void press(player *p, int key)
+{
+	switch (key) {
+	case ' ':
+		p->paused = !p->paused;
+		break;
+	case 'B':
+		p->rebuild = !p->rebuild;
+		break;
+	case 'H':
+		p->help = !p->help;
+		break;
+	case '-':
+		p->exposure /= 1.125f;
+		break;
+	case '=':
+		p->exposure *= 1.125f;
+		break;
+	case ENGINE_KEY_ESCAPE:
+		engine_context_request_close(p->context);
+		break;
+	default:
+		press_mode(p, key);
+		press_layer(p, key);
+	}
+}
+
+static void look(player *p, const engine_input *in)
+{
+	const float *drag = in->drag[ENGINE_MOUSE_LEFT];
+	if (drag[0] == 0 && drag[1] == 0 && in->scroll == 0)
+		return;
+	const float turn = DRAG_TURN / fmaxf(1, (float)engine_context_height(p->context));
+	camera_orbit(&p->camera, -turn * drag[0], turn * drag[1]);
+	camera_zoom(&p->camera, in->scroll);
+	p->camera_taken = true;
+}
+
+/* Along the picture's axes laid on the floor, so that a drag takes the figure where the hand goes. */
+static void push(player *p, const engine_input *in, double seconds)
+{
+	float right[3], away[3];
+	camera_floor_axes(&p->camera, right, away);
+	const float step = PUSH_SPEED * (float)seconds;
+	const float metres = camera_metres_per_pixel(&p->camera, engine_context_height(p->context));
+	const float *drag = in->drag[ENGINE_MOUSE_RIGHT];
+	const float r = step * (float)(in->key_down[ENGINE_KEY_RIGHT] - in->key_down[ENGINE_KEY_LEFT]) + metres * drag[0];
+	const float a = step * (float)(in->key_down[ENGINE_KEY_UP] - in->key_down[ENGINE_KEY_DOWN]) - metres * drag[1];
+	if (r != 0 || a != 0)
+		p->scene->move(p->scene->user, r * right[0] + a * away[0], r * right[2] + a * away[2]);
+}
+
+void player_input(player *p)
+{
+	const engine_input *in = engine_context_poll(p->context);
+	const double now = player_clock_ms(), seconds = fmin(0.25, 1e-3 * (now - p->last_clock_ms));
+	p->last_clock_ms = now;
+	p->fps = p->fps > 0 ? 0.9 * p->fps + 0.1 / fmax(seconds, 1e-6) : 1 / fmax(seconds, 1e-6);
+	if (!engine_context_has_window(p->context))
+		return;
+	for (int k = 0; k < in->pressed_count; k++)
+		press(p, in->pressed[k]);
+	look(p, in);
+	if (p->scene->move && engine_context_height(p->context) > 0)
+		push(p, in, seconds);
+	if (!p->recording && !p->paused)
+		p->time_s += seconds;
+	if (p->scene->loop_s > 0)
+		p->time_s = fmod(p->time_s, p->scene->loop_s);
+}

@@ -1,0 +1,67 @@
+/* What the parts of the player share. */
+#ifndef DEMOS_PLAYER_INTERNAL_H
+#define DEMOS_PLAYER_INTERNAL_H
+
+#include "hud.h"
+#include "player.h"
+#include "report.h"
+#include "tonemap.h"
+
+enum { PLAYER_MESSAGE = 1024, PLAYER_PATH = 4096, PLAYER_GALLERY_STEP = 8 };
+
+typedef struct player {
+	const options *o;
+	const player_scene *scene;
+
+	engine_context *context;
+	engine_target *target;
+	engine_hud *hud; /* NULL without a window */
+	gi_context *gi;
+	uint8_t *pixels; /* of a picture on its way to a file */
+
+	bool recording;
+	uint32_t frames; /* 0: endless */
+	uint32_t frame;
+	double time_s;
+
+	camera camera;
+	bool camera_taken; /* by the user */
+	gi_mode mode;
+	gi_overlay layer;
+	bool paused, rebuild, help;
+	float exposure;
+
+	double update_ms, frame_ms, fps;
+	double last_clock_ms;
+	report report;
+	char report_path[PLAYER_PATH];
+	uint32_t pictures;
+
+	char message[PLAYER_MESSAGE]; /* why a step failed; "" so far */
+} player;
+
+/* Keys and mouse since the last frame. */
+void player_input(player *p);
+
+/* Checks and makes the places that files go to, before anything is drawn. */
+bool player_open_files(player *p);
+
+/* Whether this frame's picture goes to a file. */
+bool player_wants_picture(const player *p);
+
+/* Draws the scene in a mode into the target's picture. */
+bool player_draw(player *p, gi_mode mode);
+
+/* Writes the pictures and the field of this frame; the picture of the player's mode is in the target. */
+bool player_write_frame(player *p);
+
+/* After the last frame: form factors, the end of the report. */
+bool player_close_files(player *p);
+
+/* Where everything lies, and the table of the run. */
+void player_print_end(const player *p);
+
+/* Milliseconds of a clock that only goes forward. */
+double player_clock_ms(void);
+
+#endif

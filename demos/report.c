@@ -1,0 +1,216 @@
+#include "report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* After so many frames the table is about those; the file goes on. */
+enum { MAX_REMEMBERED = 100000 };
+
+const char *report_outcome_name(gi_outcome outcome)
+{
+	switch (outcome) {
+	case GI_OUTCOME_NOT_FINITE:
+		return "not finite";
+	case GI_OUTCOME_TRUNCATED:
+		return "truncated";
+	case GI_OUTCOME_NOT_RUN:
+		return "not run";
+	case GI_OUTCOME_CONVERGED:
+		return "converged";
+	case GI_OUTCOME_SWEEPS:
+		return "sweeps spent";
+	case GI_OUTCOME_AT_REST:
+		return "at rest";
+	}
+	return "unknown";
+}
+
+/* ---- the file ------------------------------------------------------------------------------------------------------ */
+
+static void write_header(FILE *file)
+{
+	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_rows,rays,"
+	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,dispatches,"
+	      "uploaded_bytes,gpu_bytes",
+	      file);
+	for (int k = 0; k < GI_PASS_COUNT; k++)
+		fprintf(file, ",%s_gpu_ms", gi_pass_name((gi_pass)k));
+	fputs(",update_cpu_ms,update_wall_ms,frame_wall_ms\n", file);
+}
+
+static void write_frame(FILE *file, const report_frame *f)
+{
+	const gi_report *g = &f->gi;
+	fprintf(file, "%u,%.6f,%s,%u,%u,%u,%llu,%llu", f->number, f->time_s, report_outcome_name(g->outcome), g->objects, g->leaves,
+		g->nodes, (unsigned long long)g->entries, (unsigned long long)g->links);
+	fprintf(file, ",%llu,%llu,%llu,%llu,%llu", (unsigned long long)g->new_entries, (unsigned long long)g->flagged_entries,
+		(unsigned long long)g->dirty_entries, (unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
+	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction, (double)g->solve_bound,
+		(double)g->solve_relative, (double)g->radiosity_max);
+	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes, (unsigned long long)g->gpu_bytes);
+	for (int k = 0; k < GI_PASS_COUNT; k++)
+		fprintf(file, ",%.3f", (double)g->pass_ms[k]);
+	fprintf(file, ",%.3f,%.3f,%.3f\n", (double)g->update_ms, f->update_ms, f->frame_ms);
+}
+
+static bool cannot_write(const report *r, char *message, size_t message_size)
+{
+	snprintf(message, message_size, "cannot write %s: %s", r->path, strerror(errno ? errno : EIO));
+	return false;
+}
+
+bool report_open(report *r, const char *path, char *message, size_t message_size)
+{
+	*r = (report){.path = path};
+	if (!path)
+		return true;
+	errno = 0;
+	r->file = fopen(path, "w");
+	if (!r->file)
+		return cannot_write(r, message, message_size);
+	write_header(r->file);
+	if (fflush(r->file) == 0)
+		return true;
+	cannot_write(r, message, message_size);
+	fclose(r->file);
+	r->file = NULL;
+	return false;
+}
+
+bool report_close(report *r, char *message, size_t message_size)
+{
+	errno = 0;
+	const bool written = !r->file || (fclose(r->file) == 0);
+	r->file = NULL;
+	return written || cannot_write(r, message, message_size);
+}
+
+/* ---- the table ----------------------------------------------------------------------------------------------------- */
+
+static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
+{
+	columns[REPORT_UPDATE_MS] = (float)f->update_ms;
+	columns[REPORT_FRAME_MS] = (float)f->frame_ms;
+	columns[REPORT_SWEEPS] = (float)f->gi.sweeps;
+	columns[REPORT_DIRTY_PERCENT] = f->gi.entries ? 100.0f * (float)f->gi.dirty_entries / (float)f->gi.entries : 0;
+	columns[REPORT_RAYS] = (float)f->gi.rays;
+	columns[REPORT_RESIDUAL] = f->gi.residual;
+	columns[REPORT_BOUND] = f->gi.solve_bound;
+	memcpy(columns + REPORT_PASS_MS, f->gi.pass_ms, sizeof f->gi.pass_ms);
+}
+
+/* A lack of memory costs rows of the table and nothing else. */
+static bool make_room(report *r)
+{
+	if (r->count < r->capacity)
+		return true;
+	if (r->capacity >= MAX_REMEMBERED)
+		return false;
+	const uint32_t capacity = r->capacity ? 2 * r->capacity : 256;
+	void *values = realloc(r->values, capacity * sizeof *r->values);
+	if (!values)
+		return false;
+	r->values = values;
+	r->capacity = capacity;
+	return true;
+}
+
+bool report_add(report *r, const report_frame *frame, char *message, size_t message_size)
+{
+	if (frame->number == 0) {
+		r->first = frame->gi;
+		r->first_ms = frame->update_ms;
+	}
+	r->last = frame->gi;
+	r->outcomes[frame->gi.outcome - GI_OUTCOME_NOT_FINITE]++;
+	if (make_room(r))
+		to_columns(frame, r->values[r->count++]);
+	errno = 0;
+	if (r->file)
+		write_frame(r->file, frame);
+	return !r->file || !ferror(r->file) || cannot_write(r, message, message_size);
+}
+
+static int compare(const void *a, const void *b)
+{
+	const float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* A row of the table; the first frame, which builds everything, is not in it unless it is the only one. */
+static void print_row(const report *r, FILE *to, const char *name, int column, int digits)
+{
+	const uint32_t skip = r->count > 1, count = r->count - skip;
+	float *sorted = malloc(count * sizeof *sorted);
+	if (!sorted)
+		return;
+	for (uint32_t k = 0; k < count; k++)
+		sorted[k] = r->values[k + skip][column];
+	qsort(sorted, count, sizeof *sorted, compare);
+	const double median = 0.5 * ((double)sorted[(count - 1) / 2] + (double)sorted[count / 2]);
+	const double least = (double)sorted[0], most = (double)sorted[count - 1];
+	if (digits < 0)
+		fprintf(to, "  %-22s %12.3g %12.3g %12.3g\n", name, median, least, most);
+	else
+		fprintf(to, "  %-22s %12.*f %12.*f %12.*f\n", name, digits, median, digits, least, digits, most);
+	free(sorted);
+}
+
+static void print_passes(const report *r, FILE *to)
+{
+	for (int k = 0; k < GI_PASS_COUNT; k++) {
+		char name[32];
+		float most = 0;
+		for (uint32_t f = 0; f < r->count; f++)
+			most = fmaxf(most, r->values[f][REPORT_PASS_MS + k]);
+		snprintf(name, sizeof name, "  %s, GPU ms", gi_pass_name((gi_pass)k));
+		if (most > 0)
+			print_row(r, to, name, REPORT_PASS_MS + k, 2);
+	}
+}
+
+static void print_outcomes(const report *r, FILE *to)
+{
+	const char *separator = "  outcomes               ";
+	for (int k = 0; k < 8; k++)
+		if (r->outcomes[k]) {
+			fprintf(to, "%s%s %u", separator, report_outcome_name((gi_outcome)(k + GI_OUTCOME_NOT_FINITE)), r->outcomes[k]);
+			separator = ", ";
+		}
+	fputc('\n', to);
+}
+
+static void print_sizes(const report *r, FILE *to)
+{
+	const gi_report *g = &r->last;
+	fprintf(to, "  %-22s %u leaves of %u objects, %llu entries, %.0f per leaf, %.1f MiB on the GPU\n", "scene", g->leaves,
+		g->objects, (unsigned long long)g->entries, g->leaves ? (double)g->entries / g->leaves : 0,
+		(double)g->gpu_bytes / (1 << 20));
+	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps\n", "first frame", r->first_ms, r->first.sweeps);
+}
+
+void report_print(const report *r, FILE *to)
+{
+	if (!r->count)
+		return;
+	print_sizes(r, to);
+	print_outcomes(r, to);
+	fprintf(to, "  %-22s %12s %12s %12s\n", r->count > 1 ? "frames after the first" : "this frame", "median", "least", "most");
+	print_row(r, to, "update, ms", REPORT_UPDATE_MS, 1);
+	print_row(r, to, "update and picture, ms", REPORT_FRAME_MS, 1);
+	print_passes(r, to);
+	print_row(r, to, "dirty entries, %", REPORT_DIRTY_PERCENT, 2);
+	print_row(r, to, "rays", REPORT_RAYS, 0);
+	print_row(r, to, "sweeps", REPORT_SWEEPS, 0);
+	print_row(r, to, "residual, W/m2", REPORT_RESIDUAL, -1);
+	print_row(r, to, "certified bound, W/m2", REPORT_BOUND, -1);
+}
+
+void report_free(report *r)
+{
+	free(r->values);
+	r->values = NULL;
+	r->count = r->capacity = 0;
+}
