@@ -54,6 +54,17 @@ static void sweep(gi_context *gi)
 	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
 }
 
+/* Does anything shine? Without light B is 0, which Jacobi from a bright start would near for ever: it starts from B = E, the solution. */
+static bool is_lit(const gi_scene *s)
+{
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const gi_vec4 e = s->node_exitance[s->object_data[slot].nodes.x];
+		if (e.x + e.y + e.z > 0)
+			return true;
+	}
+	return false;
+}
+
 void solver_update(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
@@ -61,7 +72,7 @@ void solver_update(gi_context *gi)
 	rows_bind(gi);
 	solver_bind(gi);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
-	if (s->cold)
+	if (s->cold || !is_lit(&gi->scene))
 		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
 	s->cold = false;
 	gpu_set_uint(s->check_program, 0, 1);
