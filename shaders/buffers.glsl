@@ -42,7 +42,7 @@ layout(std430, binding = GI_BIND_PRIMITIVES) restrict readonly buffer primitive_
 layout(std430, binding = GI_BIND_TLAS) restrict readonly buffer tlas_block { uvec4 tlas[]; };
 #endif
 #ifdef USE_SEGMENTS
-layout(std430, binding = GI_BIND_SEGMENTS) restrict buffer segment_block { uvec2 segments[]; };
+layout(std430, binding = GI_BIND_SEGMENTS) restrict buffer segment_block { uvec4 segments[]; };
 #endif
 #ifdef USE_ENTRIES
 layout(std430, binding = GI_BIND_ENTRIES) restrict buffer entry_block { uvec4 entries[]; };

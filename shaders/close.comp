@@ -33,8 +33,13 @@ const float BELOW_ONE = 1.0 - 2.5e-7;
 const float FACTOR_ERROR_POLYGON = 0.01;
 const float FACTOR_ERROR_DISC = 0.1;
 
+// Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what a Beta(0.1, 0.1)
+// prior gives for one sample).
+const float UNSEEN = 0.3;
+
 // How often the correction is adjusted for entries that reached their limits; the last remainder goes to all alike.
 const uint CLOSE_STEPS = 4u;
+const float CLOSE_ENOUGH = 1e-4;
 
 struct visible_entry {
 	float weight;   // F V
@@ -61,24 +66,24 @@ uint samples_of(uvec4 e)
 	return (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
 }
 
-uvec2 block_of(uint slot)
+uvec2 range_of(uvec4 segment)
 {
-	uvec2 block = segments[slot];
-	return uvec2(block.x, block.x + (block.y & GI_BLOCK_COUNT_MASK));
+	return uvec2(segment.x, segment.x + (segment.y & GI_BLOCK_COUNT_MASK));
 }
 
-// Visibility is mostly all or nothing: its prior is Beta(PRIOR, PRIOR), which weighs little against any sample.
-const float PRIOR = 0.1;
-
-// Share of the segment's samples that see their object: a wall seen by a hundred rays is hardly hidden anywhere.
-float seen_share(uvec2 range)
+// Squared relative error of an entry's form factor.
+float factor_variance(uint node)
 {
-	uint seen = 0u, taken = 0u;
-	for (uint k = range.x; k < range.y; k++) {
-		seen += uint(bitCount(entries[k].z & 0xFFFFu));
-		taken += samples_of(entries[k]);
-	}
-	return (float(seen) + PRIOR) / (float(taken) + 2.0 * PRIOR);
+	float error = (topology[node].range.w & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
+	return error * error;
+}
+
+// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do: `share` of them see
+// their object, and one of a wall that a hundred rays see is hardly hidden.
+float visibility_variance(float seen, float taken, float share)
+{
+	float v = seen / taken;
+	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
 }
 
 visible_entry read_entry(uvec4 e, float share)
@@ -87,10 +92,7 @@ visible_entry read_entry(uvec4 e, float share)
 	float taken = float(samples_of(e)), seen = float(bitCount(e.z & 0xFFFFu));
 	if (seen == 0.0)
 		return visible_entry(0.0, 0.0);
-	float p = (seen + 2.0 * PRIOR * share) / (taken + 2.0 * PRIOR);
-	uint flags = topology[e.x].range.w;
-	float error = (flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
-	return visible_entry(f * seen / taken, f * f * (p * (1.0 - p) / taken + error * error));
+	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken, share) + factor_variance(e.x)));
 }
 
 float corrected(visible_entry v, float per_variance)
@@ -115,38 +117,67 @@ struct row_sums {
 	uint lit;       // how many carry light
 };
 
-row_sums sum_row(uint leaf, float per_variance, bool raise)
+// The row as it came from the rays; leaves each segment's share of seen samples with it.
+row_sums sum_samples(uint leaf)
+{
+	kahan weight = kahan(0.0, 0.0);
+	row_sums row = row_sums(0.0, 0.0, 0u);
+	for (uint s = 0u; s < frame.counts.z; s++) {
+		uint slot = leaf * frame.counts.z + s;
+		uvec2 range = range_of(segments[slot]);
+		uint all_seen = 0u, all_taken = 0u;
+		float own = 0.0, shared_part = 0.0;
+		for (uint k = range.x; k < range.y; k++) {
+			uvec4 e = entries[k];
+			uint seen = uint(bitCount(e.z & 0xFFFFu)), taken = samples_of(e);
+			all_seen += seen;
+			all_taken += taken;
+			if (seen == 0u)
+				continue;
+			float f = uintBitsToFloat(e.y), n = float(taken);
+			add(weight, f * float(seen) / n);
+			own += f * f * (visibility_variance(float(seen), n, 0.0) + factor_variance(e.x));
+			shared_part += f * f / (n * n);
+			row.lit += carries_light(e) ? 1u : 0u;
+		}
+		float share = all_taken > 0u ? float(all_seen) / float(all_taken) : 0.0;
+		segments[slot].z = floatBitsToUint(share);
+		row.variance += own + UNSEEN * share * (1.0 - share) * shared_part;
+	}
+	row.weight = weight.sum;
+	return row;
+}
+
+// The row with a correction; raise: which way it goes on.
+row_sums sum_corrected(uint leaf, float per_variance, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
 	float variance = 0.0;
-	uint lit = 0u;
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 range = block_of(leaf * frame.counts.z + s);
-		float share = seen_share(range);
+		uvec4 segment = segments[leaf * frame.counts.z + s];
+		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
-			uvec4 e = entries[k];
-			visible_entry v = read_entry(e, share);
+			visible_entry v = read_entry(entries[k], uintBitsToFloat(segment.z));
 			if (v.weight <= 0.0)
 				continue;
 			float w = corrected(v, per_variance);
 			add(weight, w);
 			bool at_limit = raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight;
 			variance += at_limit ? 0.0 : v.variance;
-			lit += carries_light(e) ? 1u : 0u;
 		}
 	}
-	return row_sums(weight.sum, variance, lit);
+	return row_sums(weight.sum, variance, 0u);
 }
 
 float write_links(uint leaf, uint at, float per_variance, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 range = block_of(leaf * frame.counts.z + s);
-		float share = seen_share(range);
+		uvec4 segment = segments[leaf * frame.counts.z + s];
+		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
-			float weight = scale * corrected(read_entry(e, share), per_variance);
+			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), per_variance);
 			if (weight <= 0.0 || !carries_light(e))
 				continue;
 			links[at++] = uvec2(e.x, floatBitsToUint(weight));
@@ -177,22 +208,21 @@ void main()
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
 	float per_variance = 0.0;
-	row_sums sums = sum_row(leaf, 0.0, true);
+	row_sums sums = sum_samples(leaf);
+	uint lit = sums.lit;
 	bool raise = sums.weight < 1.0;
-	if (!raise)
-		sums = sum_row(leaf, 0.0, false);
-	for (uint step = 0u; step < CLOSE_STEPS && sums.variance > 0.0 && abs(1.0 - sums.weight) > 1e-6; step++) {
+	for (uint step = 0u; step < CLOSE_STEPS && sums.variance > 0.0 && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
 		per_variance += (1.0 - sums.weight) / sums.variance;
-		sums = sum_row(leaf, per_variance, raise);
+		sums = sum_corrected(leaf, per_variance, raise);
 	}
 	float scale = sums.weight > 1.0 - CLOSE_SHARE ? BELOW_ONE / sums.weight : 1.0;
 
 	uvec4 row = rows[leaf];
 	uint old_count = row.y & GI_BLOCK_COUNT_MASK;
-	uvec2 block = fit_block(row.xy, sums.lit);
-	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && sums.lit > 0u;
+	uvec2 block = fit_block(row.xy, lit);
+	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && lit > 0u;
 	float row_sum = room ? write_links(leaf, block.x, per_variance, scale) : 0.0;
-	uint count = room ? sums.lit : 0u;
+	uint count = room ? lit : 0u;
 	rows[leaf] = uvec4(block.x, count | (block.y & ~GI_BLOCK_COUNT_MASK), 0u, floatBitsToUint(row_sum));
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_LINKS], count - old_count);

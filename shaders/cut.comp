@@ -137,7 +137,7 @@ void main()
 	gi_node_geometry p = geometry_of(leaves[leaf].x, same);
 	uvec4 nodes = objects[source].nodes;
 	uint slot = leaf * frame.counts.z + source;
-	uvec2 block = segments[slot];
+	uvec2 block = segments[slot].xy;
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK;
 
 	if (block.y >> 24u == GI_BLOCK_NO_CLASS) {
@@ -166,7 +166,7 @@ void main()
 		}
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
 	}
-	segments[slot] = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
+	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
 
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_ENTRIES], count - old_count);

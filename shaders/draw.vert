@@ -18,9 +18,10 @@ layout(location = 1) uniform uint mode;
 
 layout(location = 0) out vec4 world_sink;
 layout(location = 1) out vec3 world_normal;
-layout(location = 2) out vec3 indirect;
-layout(location = 3) flat out vec3 rho;
-layout(location = 4) flat out vec3 exitance;
+layout(location = 2) out vec3 own;
+layout(location = 3) flat out vec3 albedo;
+
+const float INVERSE_PI = 0.318309886183791;
 
 void main()
 {
@@ -28,11 +29,12 @@ void main()
 	vec3 p = world_from_rest(leaf.y, position);
 	world_sink = vec4(p, normal_sink.w);
 	world_normal = world_direction_from_rest(leaf.y, normal_sink.xyz);
-	indirect = vec3(0.0);
+	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : materials[leaf.z].exitance.xyz;
+	albedo = materials[leaf.z].rho.xyz * INVERSE_PI;
 	if (mode != MODE_DIRECT)
-		indirect = light[light_vertex.x].xyz * light_weight.x + light[light_vertex.y].xyz * light_weight.y +
-			   light[light_vertex.z].xyz * light_weight.z + light[light_vertex.w].xyz * light_weight.w;
-	rho = materials[leaf.z].rho.xyz;
-	exitance = mode == MODE_INDIRECT ? vec3(0.0) : materials[leaf.z].exitance.xyz;
+		sum += materials[leaf.z].rho.xyz *
+		       (light[light_vertex.x].xyz * light_weight.x + light[light_vertex.y].xyz * light_weight.y +
+			light[light_vertex.z].xyz * light_weight.z + light[light_vertex.w].xyz * light_weight.w);
+	own = sum * INVERSE_PI;
 	gl_Position = clip_from_world * vec4(p, 1.0);
 }

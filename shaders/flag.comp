@@ -27,17 +27,32 @@ bool object_moved(uint object)
 	return (objects[object].bvh.z & GI_OBJECT_MOVED) != 0u;
 }
 
-// Can a point within `radius` of the segment from `origin` along `direction` (unit times length; no end for a sky) be in the box?
-bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, bool endless)
+// Narrows the interval to where slope * t <= limit.
+void keep_below(float slope, float limit, inout vec2 interval)
+{
+	if (slope > 0.0)
+		interval.y = min(interval.y, limit / slope);
+	else if (slope < 0.0)
+		interval.x = max(interval.x, limit / slope);
+	else if (limit < 0.0)
+		interval.y = -1.0;
+}
+
+// Can a segment from within a ball about `origin` to within one about `origin + direction` meet the object's box? At share t of its
+// way it is within the radius between the two, so each side of the box bounds t.
+bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, float end_radius)
 {
 	vec3 o = rest_from_world(object, origin);
 	vec3 d = rest_direction_from_world(object, direction);
 	vec3 lower = objects[object].lower.xyz, upper = objects[object].upper.xyz;
-	float grown = radius + BOX_SLACK * (length(o) + length(d) * (endless ? 0.0 : 1.0) + length(upper - lower));
-	vec3 safe = mix(d, vec3(1e-30), lessThan(abs(d), vec3(1e-30)));
-	vec3 a = (lower - grown - o) / safe, b = (upper + grown - o) / safe;
-	vec3 near = min(a, b), far = max(a, b);
-	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, endless ? 3e38 : 1.0));
+	float slack = BOX_SLACK * (length(o) + length(d) + length(upper - lower));
+	float grown = radius + slack, growth = end_radius - radius;
+	vec2 interval = vec2(0.0, 1.0);
+	for (int k = 0; k < 3; k++) {
+		keep_below(d[k] - growth, upper[k] - o[k] + grown, interval);
+		keep_below(-d[k] - growth, o[k] - lower[k] + grown, interval);
+	}
+	return interval.x <= interval.y;
 }
 
 // Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's sphere?
@@ -59,7 +74,7 @@ bool may_change(gi_node_geometry p, uint node, uint flags, uvec2 list)
 		uint object = suspects[k];
 		bool crosses = (flags & GI_NODE_SKY) != 0u
 				       ? crosses_cone(object, p.sphere.xyz, p.sphere.w, ball.xyz, ball.w)
-				       : crosses_bounds(object, p.sphere.xyz, ball.xyz - p.sphere.xyz, max(ball.w, p.sphere.w), false);
+				       : crosses_bounds(object, p.sphere.xyz, ball.xyz - p.sphere.xyz, p.sphere.w, ball.w);
 		if (crosses)
 			return true;
 	}
@@ -79,7 +94,7 @@ void main()
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		if (moved ? source != mine : object_moved(source))
 			continue; // cut anew
-		uvec2 block = segments[leaf * frame.counts.z + source];
+		uvec4 block = segments[leaf * frame.counts.z + source];
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		for (uint k = 0u; k < count; k++) {
 			uvec4 entry = entries[block.x + k];

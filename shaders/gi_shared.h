@@ -188,7 +188,10 @@ GI_STRUCT(gi_frame) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
-/* A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c. */
+/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their object as float
+ * bits (close.comp), w 0.
+ *
+ * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c. */
 #define GI_BLOCK_COUNT_MASK 0x00FFFFFFu
 #define GI_BLOCK_NO_CLASS 255u
 #define GI_BLOCK_CLASSES 22u

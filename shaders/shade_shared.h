@@ -14,7 +14,7 @@
 
 #define GI_LAMP_MAX 32u        /* lamps drawn per pixel; what emits beyond them goes through the leaves */
 #define GI_LAMP_SAMPLE_MAX 32u /* depth maps of all lamps together */
-#define GI_LAMP_PROBES 4u      /* samples that have to disagree before the others are asked */
+#define GI_LAMP_PROBES 8u      /* samples that have to disagree before the others are asked */
 
 #define GI_BIND_LAMPS 0 /* uniform block */
 
@@ -25,7 +25,7 @@
  *   exitance.xyz    E; a curved emitter's is scaled to the power of the surface the polygon stands for
  *   frame_x .. z    rows of the frame; w: minus the row times the origin
  *   map.xy scale    map.zw shift
- *   depth.x, depth.y as above; depth.z edge of a texel at q.z = 1; depth.w 0
+ *   depth.x, depth.y as above; depth.z edge of a texel at q.z = 1; depth.w how far a sample looks aside, metres
  *   range.x first sample    range.y samples; 0: casts no shadows
  */
 GI_STRUCT(gi_lamp) {
@@ -39,7 +39,7 @@ GI_STRUCT(gi_lamp) {
 	GI_UVEC4 range;
 } GI_END(gi_lamp)
 
-/* counts.x lamps; sample.xy in the lamp's frame. */
+/* counts.x lamps; samples.xy in the lamp's frame, samples.zw where its second look lies. */
 GI_STRUCT(gi_lamp_block) {
 	GI_UVEC4 counts;
 	GI_VEC4 samples[GI_LAMP_SAMPLE_MAX];

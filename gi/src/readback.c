@@ -145,15 +145,15 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	*count = 0;
 	if (!segments)
 		return GI_OK;
-	uint32_t *segment = read_buffer(&gi->rows.segments, 2 * sizeof(uint32_t) * segments);
+	gi_uvec4 *segment = read_buffer(&gi->rows.segments, sizeof *segment * segments);
 	gi_uvec4 *pool = entries ? read_buffer(&gi->rows.entries, gi->rows.entries.size) : NULL;
 	if (!segment || (entries && !pool))
 		result = no_memory(gi);
 	for (uint64_t k = 0; !result && k < segments; k++) {
-		const uint32_t n = segment[2 * k + 1] & GI_BLOCK_COUNT_MASK;
+		const uint32_t n = segment[k].y & GI_BLOCK_COUNT_MASK;
 		for (uint32_t e = 0; e < n; e++, (*count)++)
 			if (entries && *count < capacity)
-				entries[*count] = entry_of(s, pool[segment[2 * k] + e]);
+				entries[*count] = entry_of(s, pool[segment[k].x + e]);
 	}
 	free(segment);
 	free(pool);

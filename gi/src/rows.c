@@ -85,7 +85,7 @@ gi_result rows_allocate(gi_context *gi)
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = s->leaf_count;
 	gi_result result =
-		gpu_buffer_allocate(g, &r->segments, 2 * sizeof(uint32_t) * leaves * s->slot_count, NULL);
+		gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * s->slot_count, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
