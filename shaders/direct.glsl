@@ -100,38 +100,36 @@ float weight_of(receiver r, vec2 s)
 	return max(dot(r.m, to), 0.0) / (square * square);
 }
 
-// What the probes say: of how many weights the point is hidden, and how far along the lamp's normal its blockers lie.
+// What the probes say.
 struct answer {
-	float total, hidden;    // weights
-	float blockers, away;   // blockers seen, sum of their distances
+	float asked, hidden;   // probes above the horizon, and those that do not see the point
+	float blockers, depth; // depth map texels before the point, sum of their depths
 };
 
 // Asks sample i whether it sees the point, by the depth map's nearest texel.
-void probe(uint i, receiver r, vec4 depth, float size, inout answer a)
+void probe(uint i, receiver r, float size, inout answer a)
 {
 	vec2 s = lights.samples[i].xy, uv = clamp(r.base - s * r.step, 0.0, 0.9999);
-	float weight = weight_of(r, s), d = texelFetch(depth_values, ivec3(uv * size, int(i)), 0).x;
-	bool hidden = d < r.reference;
-	a.total += weight;
-	a.hidden += hidden ? weight : 0.0;
-	a.blockers += hidden ? 1.0 : 0.0;
-	a.away += hidden ? depth.y / (d - depth.x) : 0.0;
+	float d = texelFetch(depth_values, ivec3(uv * size, int(i)), 0).x;
+	float above = dot(r.m, vec3(s - r.q.xy, -r.q.z)) > 0.0 ? 1.0 : 0.0, hidden = d < r.reference ? above : 0.0;
+	a.asked += above;
+	a.hidden += hidden;
+	a.blockers += hidden;
+	a.depth += hidden * d;
 }
 
-// The same by the four texels that a look filters: where a shadow touches what casts it, all samples turn dark at the same texel, and
-// its edge is the filter's alone.
-void probe_wide(uint i, receiver r, vec4 depth, inout answer a)
+// The same by the four texels that a look filters. Samples near the corners of the lamp decide where a penumbra ends.
+void probe_wide(uint i, receiver r, inout answer a)
 {
 	vec2 s = lights.samples[i].xy;
-	float weight = weight_of(r, s);
 	vec4 d = textureGather(depth_values, vec3(r.base - s * r.step, float(i)));
-	vec4 hidden = vec4(lessThan(d, vec4(r.reference)));
-	float nearest = min(min(d.x, d.y), min(d.z, d.w));
-	bool any_hidden = nearest < r.reference;
-	a.total += weight;
-	a.hidden += weight * 0.25 * (hidden.x + hidden.y + hidden.z + hidden.w);
-	a.blockers += any_hidden ? 1.0 : 0.0;
-	a.away += any_hidden ? depth.y / (nearest - depth.x) : 0.0;
+	float above = dot(r.m, vec3(s - r.q.xy, -r.q.z)) > 0.0 ? 1.0 : 0.0;
+	vec4 hidden = vec4(lessThan(d, vec4(r.reference))) * above;
+	float count = hidden.x + hidden.y + hidden.z + hidden.w;
+	a.asked += above;
+	a.hidden += 0.25 * count;
+	a.blockers += count;
+	a.depth += dot(hidden, d);
 }
 
 // Two looks a little apart make two smaller steps of the one that the sample's shadow is.
@@ -158,29 +156,30 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	vec4 depth = lights.lamps[k].depth;
 	float size = float(textureSize(depth_values, 0).x);
 	receiver r = make_receiver(k, p, n, sink);
-	answer a = answer(1e-30, 0.0, 0.0, 0.0);
+	answer a = answer(0.0, 0.0, 0.0, 0.0);
 #ifdef ONE_LAMP
 	const uint first = 0u;
-	probe_wide(0u, r, depth, a);
-	probe_wide(1u, r, depth, a);
-	probe_wide(2u, r, depth, a);
-	probe(3u, r, depth, size, a);
-	probe(4u, r, depth, size, a);
-	probe(5u, r, depth, size, a);
-	probe(6u, r, depth, size, a);
-	probe(7u, r, depth, size, a);
+	probe_wide(0u, r, a);
+	probe_wide(1u, r, a);
+	probe_wide(2u, r, a);
+	probe_wide(3u, r, a);
+	probe(4u, r, size, a);
+	probe(5u, r, size, a);
+	probe(6u, r, size, a);
+	probe(7u, r, size, a);
 #else
 	uint first = range.x, probes = first + min(range.y, GI_LAMP_PROBES);
 	for (uint i = first; i < probes; i++)
-		probe_wide(i, r, depth, a);
+		probe_wide(i, r, a);
 #endif
 	// Probes that agree speak for all samples. Software renderers run a loop's body once where no pixel wants it, so it is short.
-	bool all_hidden = a.hidden >= 0.999 * a.total, agree = a.blockers == 0.0 || all_hidden;
+	bool agree = a.hidden == 0.0 || a.hidden == a.asked;
 	uint end = first + range.y;
-	r.reach = reach_past(agree ? 1.0 : a.away / a.blockers, k, r);
+	float blocker = depth.y / (a.depth / max(a.blockers, 1.0) - depth.x);
+	r.reach = reach_past(agree ? r.q.z : blocker, k, r);
 	for (uint i = agree ? end : first; i < end; i++)
 		look(i, r);
-	float share = agree ? (all_hidden ? 0.0 : 1.0) : r.lit / r.total;
+	float share = agree ? (a.hidden == 0.0 ? 1.0 : 0.0) : r.lit / r.total;
 	return r.q.z > 0.0 ? share : 0.0;
 }
 

@@ -96,6 +96,9 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	glTextureParameteri(maps->texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 	glTextureParameteri(maps->texture, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
 	glTextureParameteri(maps->texture, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+	glCreateSamplers(1, &maps->plain_sampler);
+	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	glCreateFramebuffers(1, &maps->framebuffer);
 	glNamedFramebufferDrawBuffer(maps->framebuffer, GL_NONE);
 	maps->size = size;
@@ -109,6 +112,8 @@ void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps)
 {
 	if (maps->texture)
 		glDeleteTextures(1, &maps->texture);
+	if (maps->plain_sampler)
+		glDeleteSamplers(1, &maps->plain_sampler);
 	if (maps->framebuffer)
 		glDeleteFramebuffers(1, &maps->framebuffer);
 	g->buffer_bytes -= maps->bytes;
@@ -132,6 +137,8 @@ void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit)
 {
 	glBindTextureUnit(unit, maps->texture);
 	glBindSampler(unit, 0);
+	glBindTextureUnit(unit + 1, maps->texture);
+	glBindSampler(unit + 1, maps->plain_sampler);
 }
 
 /* ---- state ---- */
@@ -184,6 +191,7 @@ void gpu_draw_begin(gpu_draw_state *s)
 
 void gpu_draw_end(const gpu_draw_state *s)
 {
+	glBindSampler(1, 0);
 	glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
 	glScissor(s->scissor_box[0], s->scissor_box[1], s->scissor_box[2], s->scissor_box[3]);
 	set(GL_SCISSOR_TEST, s->scissor);

@@ -33,7 +33,7 @@ void gpu_mesh_draw_ranges(const gpu_mesh *mesh, uint32_t program, const gpu_rang
 
 /* Square depth maps of one size: the layers of an array texture that compares when sampled. */
 typedef struct gpu_depth_maps {
-	uint32_t texture, framebuffer, size, layers;
+	uint32_t texture, framebuffer, plain_sampler, size, layers;
 	uint64_t bytes;
 } gpu_depth_maps;
 
@@ -43,6 +43,7 @@ void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps);
 /* Clears a layer to the farthest depth and makes it what is drawn into. Its outermost texels stay clear: beyond the map nothing
  * hides anything. */
 void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer);
+/* Compared at `unit`, as plain values at the next. */
 void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit);
 
 /* What drawing changes and a host may have set. */

@@ -26,7 +26,7 @@ typedef struct draw_vertex {
 
 struct gi_shade {
 	bool built; /* for the scene as committed */
-	uint32_t draw_program;
+	uint32_t draw_program, draw_one_program;
 	gpu_mesh mesh;
 	gi_shadow shadow;
 };
@@ -134,6 +134,8 @@ static gi_result prepare(gi_context *gi)
 	if (shade->built)
 		return GI_OK;
 	gi_result result = shade->draw_program ? GI_OK : gpu_program_draw(&gi->gpu, "draw.vert", "draw.frag", &shade->draw_program);
+	if (!result && !shade->draw_one_program)
+		result = gpu_program_draw(&gi->gpu, "draw.vert", "draw_one.frag", &shade->draw_one_program);
 	if (!result)
 		result = build_mesh(gi, shade);
 	if (!result)
@@ -161,6 +163,7 @@ void shade_free(gi_context *gi)
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
 	gpu_program_free(&gi->shade->draw_program);
+	gpu_program_free(&gi->shade->draw_one_program);
 	free(gi->shade);
 	gi->shade = NULL;
 }
@@ -192,15 +195,16 @@ static void combine(const gi_view *view, float out[16])
 static void draw_picture(gi_context *gi, const gi_view *view, const gpu_draw_state *state)
 {
 	gi_shade *shade = gi->shade;
+	const uint32_t program = shade->shadow.lamps.counts.x == 1 ? shade->draw_one_program : shade->draw_program;
 	float clip_from_world[16];
 	combine(view, clip_from_world);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 	gpu_draw_to_host(state, view->width, view->height);
-	gpu_set_matrices(shade->draw_program, 0, 1, clip_from_world);
-	gpu_set_uint(shade->draw_program, 1, (uint32_t)view->mode);
+	gpu_set_matrices(program, 0, 1, clip_from_world);
+	gpu_set_uint(program, 1, (uint32_t)view->mode);
 	gpu_bind_uniforms(GI_BIND_LAMPS, &shade->shadow.uniforms);
 	gpu_depth_maps_bind(&shade->shadow.maps, 0);
-	gpu_mesh_draw(&shade->mesh, shade->draw_program);
+	gpu_mesh_draw(&shade->mesh, program);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 }
 

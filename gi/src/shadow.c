@@ -264,6 +264,9 @@ static const float PATTERN_32[32][2] = {
 	{0.554f, 0.237f}, {0.700f, 0.699f}, {0.314f, 0.352f}, {0.677f, 0.325f}, {0.651f, 0.486f}, {0.519f, 0.640f},
 	{0.369f, 0.592f}, {0.458f, 0.416f}};
 
+/* Where samples look aside, one after the other. */
+static const float ASIDE[4][2] = {{1.0f, 0.0f}, {0.0f, 1.0f}, {0.7f, 0.7f}, {-0.7f, 0.7f}};
+
 static const float (*pattern_of(uint32_t samples))[2]
 {
 	switch (samples) {
@@ -312,6 +315,7 @@ typedef struct placed {
 	float (*samples)[2]; /* in the frame */
 	uint32_t sample_count;
 	double sample_lower[2], sample_upper[2];
+	double spacing; /* of the samples */
 	double nearest, farthest, lower[2], upper[2]; /* along z; slopes x/z, y/z */
 } placed;
 
@@ -343,6 +347,8 @@ static gi_vec3d in_frame(const placed *l, gi_vec3d p)
 
 static void place_samples(placed *l, gi_vec4 *out)
 {
+	const gi_vec3d diagonal = gi_vec3d_cross(gi_vec3d_sub(l->corner[2], l->corner[0]), gi_vec3d_sub(l->corner[3], l->corner[1]));
+	l->spacing = sqrt(0.5 * gi_vec3d_length(diagonal) / l->sample_count);
 	const float(*pattern)[2] = pattern_of(l->sample_count);
 	for (int axis = 0; axis < 2; axis++) {
 		l->sample_lower[axis] = INFINITY;
@@ -359,7 +365,7 @@ static void place_samples(placed *l, gi_vec4 *out)
 			at[0] += w[i] * c[i].x;
 			at[1] += w[i] * c[i].y;
 		}
-		out[k] = (gi_vec4){(float)at[0], (float)at[1], 0, 0};
+		out[k] = (gi_vec4){(float)at[0], (float)at[1], ASIDE[k & 3][0], ASIDE[k & 3][1]};
 		for (int axis = 0; axis < 2; axis++) {
 			l->sample_lower[axis] = fmin(l->sample_lower[axis], at[axis]);
 			l->sample_upper[axis] = fmax(l->sample_upper[axis], at[axis]);
@@ -484,7 +490,7 @@ static void fill_lamp(const lamp_polygon *p, const placed *l, bool casts, gi_lam
 	square_window(l, lower, &width);
 	const double n = l->nearest, f = l->farthest;
 	out->map = (gi_vec4){(float)(1 / width), (float)(1 / width), (float)(-lower[0] / width), (float)(-lower[1] / width)};
-	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / MAP_SIZE), 0};
+	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / MAP_SIZE), (float)(0.25 * l->spacing)};
 }
 
 /* ---- drawing ---- */
