@@ -24,7 +24,7 @@ const char *gi_pass_name(gi_pass pass)
 gi_context_def gi_context_def_default(void)
 {
 	return (gi_context_def){
-		.row_tolerance = 0.006f,
+		.row_tolerance = 0.01f,
 		.emitter_refinement = 20.0f,
 		.emitter_samples = 16,
 		.near_samples = 4,

@@ -18,7 +18,7 @@
 static const double ENTRIES_TIMES_TOLERANCE = 2.0;
 
 /* Black sky only has to close rows: its patches may be this much coarser than others. */
-static const float BLACK_SKY_COARSENESS = 9.0f;
+static const float BLACK_SKY_COARSENESS = 14.0f;
 
 gi_result rows_init(gi_context *gi)
 {

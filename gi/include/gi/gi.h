@@ -93,7 +93,7 @@ typedef struct gi_context_def {
 	void *user;                               /* handed to message */
 	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here */
 
-	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1], default 0.006.
+	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1], default 0.01.
 	 * Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
 	float row_tolerance;
 	float emitter_refinement;  /* emitters are cut at row_tolerance / this; >= 1, default 20 */
