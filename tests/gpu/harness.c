@@ -58,6 +58,7 @@ gi_context_def harness_def(void)
 	gi_context_def def = gi_context_def_default();
 	def.get_proc_address = engine_context_get_proc_address(context);
 	def.message = keep_message;
+	def.shader_directory = getenv("RELUME_SHADERS");
 	last_message[0] = 0;
 	return def;
 }

@@ -24,7 +24,9 @@ int harness_close(void **state);
 /* Skips the test that calls it when there is no OpenGL context. */
 void harness_require_context(void);
 
-/* The defaults with the harness's OpenGL and silent messages (see harness_last_message). */
+/* RELUME_SHADERS=DIRECTORY: shaders from there, to see a test fail on one broken on purpose.
+ *
+ * The defaults with the harness's OpenGL and silent messages (see harness_last_message). */
 gi_context_def harness_def(void);
 gi_context *harness_context(const gi_context_def *def);
 const char *harness_last_message(void);
