@@ -2,11 +2,10 @@
  *
  * Without a window it records: every eighth frame in the three modes of the paper's figure 4, and figures of all frames.
  */
+#include "figure.h"
 #include "player.h"
-
 #include "scene_file.h"
 #include "scenes/cornell.h"
-#include "simplify.h"
 
 #include <cglm/cglm.h>
 
@@ -16,8 +15,8 @@
 
 enum { KEY_MESH = 'm', CAGE_FACES = 900, OBJECTS = 9 };
 
-/* Display value 1 is a little more than the brightest patch of the white floor. */
-static const float EXPOSURE = 0.8f;
+/* The back wall in the middle of the tones, its bright top below white. */
+static const float EXPOSURE = 1.6f;
 
 /* The floor that the figure's middle may stand on: the box less about half the figure's width. */
 static const float REACH = 1.7f;
@@ -73,53 +72,23 @@ static void free_figure(moving_buddha *b)
 	engine_mesh_free(&b->cage);
 }
 
-/* Drawn are triangles: polygons become fans about their first corner. */
-static bool to_triangles(engine_mesh *mesh)
-{
-	const uint32_t triangles = mesh->index_count - 2 * mesh->face_count;
-	uint32_t *indices = malloc(3 * (size_t)triangles * sizeof *indices), *counts = malloc(triangles * sizeof *counts);
-	if (!indices || !counts) {
-		free(indices);
-		free(counts);
-		return false;
-	}
-	const uint32_t *corners = mesh->indices;
-	uint32_t *to = indices;
-	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++])
-		for (uint32_t k = 2; k < mesh->face_counts[f]; k++, to += 3)
-			memcpy(to, (uint32_t[3]){corners[0], corners[k - 1], corners[k]}, 3 * sizeof *to);
-	for (uint32_t k = 0; k < triangles; k++)
-		counts[k] = 3;
-	free(mesh->indices);
-	free(mesh->face_counts);
-	free(mesh->face_materials); /* one figure, one stone */
-	mesh->indices = indices;
-	mesh->face_counts = counts;
-	mesh->face_materials = NULL;
-	mesh->index_count = 3 * triangles;
-	mesh->face_count = triangles;
-	return true;
-}
-
 static bool load_figure(moving_buddha *b, char *message, size_t message_size)
 {
 	engine_scene scene;
+	engine_mesh whole;
 	if (!engine_scene_load(b->mesh_path, &scene, message, message_size))
 		return false;
-	bool loaded = engine_scene_merge(&scene, &b->figure, message, message_size);
+	const bool merged = engine_scene_merge(&scene, &whole, message, message_size);
 	engine_scene_free(&scene);
-	if (loaded && !b->figure.face_count) {
-		snprintf(message, message_size, "%s: there is no face in it", b->mesh_path);
-		loaded = false;
-	}
-	if (loaded && !to_triangles(&b->figure)) {
-		snprintf(message, message_size, "out of memory");
-		loaded = false;
-	}
-	const uint32_t faces = b->options.cage_faces ? b->options.cage_faces : CAGE_FACES;
-	if (loaded && b->figure.face_count <= faces)
-		return engine_mesh_copy(&b->figure, &b->cage);
-	return loaded && engine_simplify(&b->figure, faces, &b->cage, message, message_size);
+	if (!merged)
+		return false;
+	char why[512];
+	const bool made = figure_make(&whole, b->options.cage_faces ? b->options.cage_faces : CAGE_FACES, &b->figure, &b->cage, why,
+				      sizeof why);
+	engine_mesh_free(&whole);
+	if (!made)
+		snprintf(message, message_size, "%s: %s", b->mesh_path, why);
+	return made;
 }
 
 /* ---- scene --------------------------------------------------------------------------------------------------------- */

@@ -82,7 +82,10 @@ static void choose_frames(player *p)
 
 static bool begin(player *p)
 {
-	if (!open_context(p) || !open_picture(p) || !open_gi(p))
+	if (!open_context(p))
+		return false;
+	p->message[0] = '\0'; /* "auto" may have tried a kind in vain */
+	if (!open_picture(p) || !open_gi(p))
 		return false;
 	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !succeeded(p, gi_commit(p->gi)))
 		return false;

@@ -1,0 +1,361 @@
+#include "file_scene.h"
+
+#include "figure.h"
+
+#include <cglm/cglm.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* More faces than this and no refinement asked for: a scan, not a cage. */
+enum { SCAN_FACES = 20000 };
+
+static const float PI = 3.14159265358979f;
+
+/* ---- where things are ------------------------------------------------------------------------------------------------ */
+
+static void world_from_object(const engine_pose *pose, mat4 out)
+{
+	mat4 rotation;
+	versor q; /* aligned, as the file's is not */
+	memcpy(q, pose->rotation, sizeof q);
+	glm_translate_make(out, (float *)pose->translation);
+	glm_quat_mat4(q, rotation);
+	glm_mul(out, rotation, out);
+	glm_scale(out, (float *)pose->scale);
+}
+
+/* World corners of a face; more than four are not needed to tell where it is and where it looks. */
+static uint32_t face_corners(const engine_mesh *mesh, mat4 world, const uint32_t *indices, uint32_t count, vec3 corners[4])
+{
+	const uint32_t used = count < 4 ? count : 4;
+	for (uint32_t k = 0; k < used; k++)
+		glm_mat4_mulv3(world, mesh->positions + 3 * (size_t)indices[k], 1, corners[k]);
+	return used;
+}
+
+static void add_bounds(file_scene *f, const engine_scene_object *object)
+{
+	mat4 world;
+	world_from_object(&object->rest, world);
+	for (uint32_t v = 0; v < object->mesh.vertex_count; v++) {
+		vec3 p;
+		glm_mat4_mulv3(world, object->mesh.positions + 3 * (size_t)v, 1, p);
+		glm_vec3_minv(f->lower, p, f->lower);
+		glm_vec3_maxv(f->upper, p, f->upper);
+	}
+}
+
+static void measure(file_scene *f)
+{
+	for (int k = 0; k < 3; k++) {
+		f->lower[k] = INFINITY;
+		f->upper[k] = -INFINITY;
+	}
+	for (uint32_t k = 0; k < f->scene.object_count; k++)
+		add_bounds(f, f->scene.objects + k);
+	if (f->lower[0] <= f->upper[0])
+		return;
+	glm_vec3_broadcast(-1, f->lower); /* an empty scene: anything will do */
+	glm_vec3_broadcast(1, f->upper);
+}
+
+/* ---- a camera for files without one ---------------------------------------------------------------------------------- */
+
+/* What the faces say about where to look from. */
+typedef struct facing {
+	double inward;   /* area that looks to the middle less area that looks away, m2 */
+	double walls[4]; /* area that looks inward at the sides +z, +x, -x, -z, m2 */
+} facing;
+
+static const float sides[4][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}};
+
+static void add_face(facing *a, const file_scene *f, vec3 corners[4], uint32_t count)
+{
+	vec3 e, d, normal, middle, outward;
+	glm_vec3_sub(corners[1], corners[0], e);
+	glm_vec3_sub(corners[count - 1], corners[0], d);
+	glm_vec3_cross(e, d, normal);
+	const float area = (count > 3 ? 1 : 0.5f) * glm_vec3_norm(normal);
+	glm_vec3_normalize(normal);
+	glm_vec3_add((float *)f->lower, (float *)f->upper, middle);
+	glm_vec3_scale(middle, 0.5f, middle);
+	glm_vec3_sub(corners[0], middle, outward);
+	a->inward -= (double)(area * glm_vec3_dot(normal, outward) / fmaxf(glm_vec3_norm(outward), 1e-12f));
+	for (int k = 0; k < 4; k++)
+		if (glm_vec3_dot(normal, (float *)sides[k]) < -0.8f && glm_vec3_dot(outward, (float *)sides[k]) > 0)
+			a->walls[k] += (double)area;
+}
+
+static facing find_facing(const file_scene *f)
+{
+	facing a = {0};
+	for (uint32_t o = 0; o < f->scene.object_count; o++) {
+		const engine_mesh *mesh = &f->scene.objects[o].mesh;
+		mat4 world;
+		world_from_object(&f->scene.objects[o].rest, world);
+		const uint32_t *indices = mesh->indices;
+		for (uint32_t k = 0; k < mesh->face_count; indices += mesh->face_counts[k++]) {
+			vec3 corners[4];
+			add_face(&a, f, corners, face_corners(mesh, world, indices, mesh->face_counts[k], corners));
+		}
+	}
+	return a;
+}
+
+/* A room is looked into from its most open side (backs are not drawn: a closed one opens like a doll's house), anything else from
+ * the front, the right and above.
+ */
+static void find_direction(const file_scene *f, vec3 direction)
+{
+	const facing a = find_facing(f);
+	glm_vec3_copy((vec3){0.45f, 0.35f, 1}, direction);
+	if (a.inward > 0) {
+		int open = 0;
+		for (int k = 1; k < 4; k++)
+			if (a.walls[k] < 0.5 * a.walls[open])
+				open = k;
+		glm_vec3_copy((float *)sides[open], direction);
+	}
+	glm_vec3_normalize(direction);
+}
+
+/* Far enough for every corner of the bounds to be in a square picture. */
+static float fitting_distance(const file_scene *f, vec3 middle, vec3 direction, float fov)
+{
+	vec3 right, up;
+	glm_vec3_crossn((vec3){0, 1, 0}, direction, right);
+	glm_vec3_cross(direction, right, up);
+	float distance = 0;
+	for (int k = 0; k < 8; k++) {
+		vec3 corner = {(k & 1 ? f->upper : f->lower)[0], (k & 2 ? f->upper : f->lower)[1], (k & 4 ? f->upper : f->lower)[2]};
+		glm_vec3_sub(corner, middle, corner);
+		const float across = fmaxf(fabsf(glm_vec3_dot(corner, right)), fabsf(glm_vec3_dot(corner, up)));
+		distance = fmaxf(distance, glm_vec3_dot(corner, direction) + across / tanf(0.5f * fov));
+	}
+	return 1.05f * distance;
+}
+
+static void frame_everything(file_scene *f)
+{
+	vec3 middle, direction;
+	glm_vec3_add(f->lower, f->upper, middle);
+	glm_vec3_scale(middle, 0.5f, middle);
+	find_direction(f, direction);
+	f->framing = (camera){.up = {0, 1, 0}, .vertical_fov = 0.7f};
+	f->framing.radius = fmaxf(0.5f * glm_vec3_distance(f->lower, f->upper), 1e-6f);
+	const float distance = fitting_distance(f, middle, direction, f->framing.vertical_fov);
+	glm_vec3_copy(middle, f->framing.target);
+	glm_vec3_copy(middle, f->framing.eye);
+	glm_vec3_muladds(direction, distance, f->framing.eye);
+}
+
+/* The file's target is a metre ahead; one as far as the scene's middle is better to turn about. */
+static void set_target(const file_scene *f, camera *c)
+{
+	vec3 ahead, middle;
+	glm_vec3_sub(c->target, c->eye, ahead);
+	glm_vec3_normalize(ahead);
+	glm_vec3_sub((float *)f->framing.target, c->eye, middle);
+	const float distance = fmaxf(glm_vec3_dot(middle, ahead), 0.25f * c->radius);
+	glm_vec3_copy(c->eye, c->target);
+	glm_vec3_muladds(ahead, distance, c->target);
+}
+
+void file_scene_view(const file_scene *f, double time_s, camera *out)
+{
+	engine_scene_camera seen;
+	*out = f->framing;
+	if (!engine_scene_camera_at(&f->scene, time_s, &seen))
+		return;
+	glm_vec3_copy(seen.eye, out->eye);
+	glm_vec3_copy(seen.target, out->target);
+	glm_vec3_copy(seen.up, out->up);
+	out->vertical_fov = seen.vertical_fov;
+	set_target(f, out);
+}
+
+/* ---- load -------------------------------------------------------------------------------------------------------------- */
+
+static bool has_light(const engine_scene *scene)
+{
+	for (uint32_t k = 0; k < scene->material_count; k++)
+		if (scene->materials[k].radiance[0] + scene->materials[k].radiance[1] + scene->materials[k].radiance[2] > 0)
+			return true;
+	return false;
+}
+
+/* Whether some faces of an object have two sides and others one: the library knows the one or the other of a whole object. */
+static bool mixes_sides(const engine_scene *scene, const engine_scene_object *object)
+{
+	for (uint32_t k = 0; k < object->mesh.face_count; k++)
+		if (object->double_sided && !scene->materials[object->mesh.face_materials[k]].double_sided)
+			return true;
+	return false;
+}
+
+static void warn(const file_scene *f, const char *path)
+{
+	if (f->scene.warning[0])
+		fprintf(stderr, "%s: %s\n", f->program, f->scene.warning);
+	if (f->scene.object_count && !has_light(&f->scene))
+		fprintf(stderr, "%s: %s: nothing in it emits light, the pictures will be black\n", f->program, path);
+	for (uint32_t k = 0; k < f->scene.object_count; k++) {
+		const engine_scene_object *object = f->scene.objects + k;
+		if (object->scale_animated)
+			fprintf(stderr, "%s: %s: %s keeps its size at rest; poses are rotations and translations\n", f->program, path,
+				object->name);
+		if (mixes_sides(&f->scene, object))
+			fprintf(stderr, "%s: %s: %s has materials of one side and of two; all of it gets two\n", f->program, path,
+				object->name);
+	}
+}
+
+bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size)
+{
+	if (!engine_scene_load(path, &f->scene, message, message_size))
+		return false;
+	const size_t count = f->scene.object_count + 1; /* an empty scene is a scene */
+	f->handles = calloc(count, sizeof *f->handles);
+	f->names = calloc(count, sizeof *f->names);
+	if (!f->handles || !f->names) {
+		snprintf(message, message_size, "%s: out of memory", path);
+		file_scene_free(f);
+		return false;
+	}
+	for (uint32_t k = 0; k < f->scene.object_count; k++)
+		f->names[k] = f->scene.objects[k].name;
+	measure(f);
+	frame_everything(f);
+	warn(f, path);
+	return true;
+}
+
+void file_scene_free(file_scene *f)
+{
+	engine_scene_free(&f->scene);
+	free(f->handles);
+	free(f->names);
+	f->handles = NULL;
+	f->names = NULL;
+}
+
+/* ---- objects ------------------------------------------------------------------------------------------------------------ */
+
+/* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
+static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to)
+{
+	uint32_t count = 0, *number = malloc(sizeof *number * (scene->material_count + 1));
+	if (!number)
+		return 0;
+	for (uint32_t k = 0; k < scene->material_count; k++)
+		number[k] = UINT32_MAX;
+	for (uint32_t k = 0; k < mesh->face_count; k++) {
+		uint32_t *material = mesh->face_materials + k;
+		if (number[*material] == UINT32_MAX) {
+			const engine_scene_material *m = scene->materials + *material;
+			memcpy(to[count].rho, m->rho, sizeof m->rho);
+			for (int c = 0; c < 3; c++)
+				to[count].exitance[c] = PI * m->radiance[c]; /* a lambertian side: E = pi L */
+			number[*material] = count++;
+		}
+		*material = number[*material];
+	}
+	free(number);
+	return count;
+}
+
+static gi_pose to_pose(const engine_pose *pose)
+{
+	gi_pose out;
+	memcpy(out.position, pose->translation, sizeof out.position);
+	memcpy(out.rotation, pose->rotation, sizeof out.rotation);
+	return out;
+}
+
+static void define(const file_scene *f, const engine_scene_object *object, const engine_mesh *mesh, gi_object_def *def)
+{
+	static const gi_scheme schemes[] = {[ENGINE_SCHEME_BILINEAR] = GI_SCHEME_BILINEAR,
+					    [ENGINE_SCHEME_CATMULL_CLARK] = GI_SCHEME_CATMULL_CLARK,
+					    [ENGINE_SCHEME_LOOP] = GI_SCHEME_LOOP};
+	def->name = object->name;
+	def->positions = mesh->positions;
+	def->vertex_count = mesh->vertex_count;
+	def->face_counts = mesh->face_counts;
+	def->face_count = mesh->face_count;
+	def->indices = mesh->indices;
+	def->index_count = mesh->index_count;
+	def->face_materials = mesh->face_materials;
+	def->scheme = schemes[object->scheme];
+	def->levels = object->levels;
+	def->leaf_size = f->leaf_size;
+	def->double_sided = object->double_sided;
+	memcpy(def->scale, object->rest.scale, sizeof def->scale);
+	def->pose = to_pose(&object->rest);
+}
+
+static gi_result create_object(const file_scene *f, gi_context *gi, const engine_scene_object *object, engine_mesh *mesh,
+			       const engine_mesh *drawn, gi_object *out)
+{
+	gi_material *materials = malloc(sizeof *materials * (f->scene.material_count + 1));
+	gi_object_def def = gi_object_def_default();
+	def.materials = materials;
+	def.material_count = materials ? take_materials(&f->scene, mesh, materials) : 0;
+	if (!def.material_count) {
+		free(materials);
+		return GI_ERROR_OUT_OF_MEMORY;
+	}
+	define(f, object, mesh, &def);
+	if (drawn) {
+		def.draw_positions = drawn->positions;
+		def.draw_vertex_count = drawn->vertex_count;
+		def.draw_indices = drawn->indices;
+		def.draw_index_count = drawn->index_count;
+	}
+	const gi_result result = gi_create_object(gi, &def, out);
+	free(materials);
+	return result;
+}
+
+static bool create_one(file_scene *f, gi_context *gi, uint32_t k, char *message, size_t message_size)
+{
+	const engine_scene_object *object = f->scene.objects + k;
+	const bool scan = object->mesh.face_count > SCAN_FACES && object->scheme == ENGINE_SCHEME_BILINEAR && !object->levels;
+	engine_mesh drawn = {0}, cage = {0};
+	char why[512];
+	if (scan ? !figure_make(&object->mesh, f->cage_faces, &drawn, &cage, why, sizeof why) : !engine_mesh_copy(&object->mesh, &cage)) {
+		snprintf(message, message_size, "%s: %s", object->name, scan ? why : "out of memory");
+		return false;
+	}
+	if (scan)
+		fprintf(stderr, "%s: %s has %u faces; it is lit through a cage of %u (--cage-faces)\n", f->program, object->name,
+			object->mesh.face_count, cage.face_count);
+	const gi_result result = create_object(f, gi, object, &cage, scan ? &drawn : NULL, &f->handles[k]);
+	engine_mesh_free(&drawn);
+	engine_mesh_free(&cage);
+	if (result && !message[0])
+		snprintf(message, message_size, "%s: %s", object->name, gi_result_text(result));
+	return result == GI_OK;
+}
+
+bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t message_size)
+{
+	bool created = true;
+	for (uint32_t k = 0; created && k < f->scene.object_count; k++)
+		created = create_one(f, gi, k, message, message_size);
+	return created;
+}
+
+gi_result file_scene_animate(file_scene *f, gi_context *gi, double time_s)
+{
+	gi_result result = GI_OK;
+	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
+		engine_pose pose;
+		/* A key that is no pose (a scale through zero) leaves the object where it was. */
+		if (f->scene.objects[k].animated && engine_scene_pose(&f->scene, k, time_s, &pose))
+			result = gi_set_pose(gi, f->handles[k], to_pose(&pose));
+	}
+	return result;
+}
