@@ -332,6 +332,13 @@ static void changes_done(gi_context *gi)
 	}
 }
 
+/* What the report counts of the rows, for a frame that leaves them alone. */
+static void count_no_rows(gi_context *gi)
+{
+	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+}
+
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, bool rows)
 {
@@ -341,6 +348,8 @@ static gi_result issue(gi_context *gi, bool rows)
 		values = values || gi->scene.objects[k].material_changed;
 	if (rows || values)
 		result = rows_update(gi);
+	else
+		count_no_rows(gi);
 	if (result)
 		return result;
 	solver_update(gi);
@@ -383,6 +392,13 @@ static void note_issued(gi_context *gi, double began)
 	gi->issued[ring].dispatches = gi->gpu.dispatches;
 	gi->issued[ring].uploaded_bytes = gi->gpu.uploaded_bytes;
 	gi->issued[ring].update_ms = (float)(gpu_clock_ms() - began);
+	/* Already reported: the first frame after a commit waits for its rows. */
+	gi_report *r = &gi->report;
+	if (r->frame == gi->frame_number && r->outcome != GI_OUTCOME_AT_REST) {
+		r->dispatches = gi->issued[ring].dispatches;
+		r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
+		r->update_ms = gi->issued[ring].update_ms;
+	}
 }
 
 gi_result gi_update(gi_context *gi)
@@ -414,6 +430,8 @@ gi_result gi_update(gi_context *gi)
 		gi->rows.fitted = true;
 	}
 	note_issued(gi, began);
+	if (gi->report.outcome == GI_OUTCOME_AT_REST)
+		gi->report.update_ms = (float)(gpu_clock_ms() - began);
 	return result;
 }
 
