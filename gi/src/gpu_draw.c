@@ -99,6 +99,8 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	glCreateSamplers(1, &maps->plain_sampler);
 	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 	glCreateFramebuffers(1, &maps->framebuffer);
 	glNamedFramebufferDrawBuffer(maps->framebuffer, GL_NONE);
 	maps->size = size;

@@ -427,7 +427,8 @@ static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 		if (c->first_range == c->end_range)
 			continue;
 		const double from = closest_z(l, c->box, &z);
-		if (z <= p->bulge)
+		/* In the lamp's own plane, but for rounding. */
+		if (z <= 1.05 * p->bulge + 1e-4 * l->spacing)
 			continue;
 		closest = fmin(closest, from);
 		farthest = fmax(farthest, z);
