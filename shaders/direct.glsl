@@ -11,6 +11,9 @@ const float NORMAL_TEXELS = 1.6;
 // And towards the light by this many, for depths rounded on surfaces that face it.
 const float DEPTH_TEXELS = 0.6;
 
+// Closer to the lamp's plane than this share of the distance no map looks.
+const float NEAREST = 1e-4;
+
 // Angle between the unit vectors u and v over its sine and over 2 pi, times u x v. A rational fit of the angle in the cosine: no atan;
 // relative error 2e-4 (Heitz, Dupuy, Hill and Neubelt, Real-time polygonal-light shading, 2016).
 vec3 contour_term(vec3 u, vec3 v)
@@ -82,8 +85,9 @@ receiver make_receiver(uint k, vec3 p, vec3 n, float sink)
 	float facing = clamp(-dot(r.m, r.q) * inversesqrt(max(dot(r.q, r.q), 1e-30)), 0.0, 1.0);
 	float texel = depth.z * max(r.q.z, 0.0);
 	r.q += r.m * (texel * NORMAL_TEXELS * sqrt(1.0 - facing * facing) + sink);
-	float z = max(r.q.z, 1e-30);
-	r.reference = depth.x + depth.y / max(z - DEPTH_TEXELS * texel, 1e-30);
+	float z = max(r.q.z, NEAREST * length(r.q));
+	// Beyond the farthest blocker the maps' clear depth hides nothing.
+	r.reference = min(depth.x + depth.y / max(z - DEPTH_TEXELS * texel, 1e-30), 1.0);
 	r.step = map.xy / z;
 	r.base = r.q.xy * r.step + map.zw;
 	r.reach = vec2(0.0);
@@ -180,7 +184,8 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	for (uint i = agree ? end : first; i < end; i++)
 		look(i, r);
 	float share = agree ? (a.hidden == 0.0 ? 1.0 : 0.0) : r.lit / r.total;
-	return r.q.z > 0.0 ? share : 0.0;
+	// The contour of a curved lamp is seen a little beyond its plane, where no map looks.
+	return r.q.z > NEAREST * length(r.q) ? share : 1.0;
 }
 
 #ifdef ONE_LAMP

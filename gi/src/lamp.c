@@ -85,7 +85,9 @@ static candidate make_candidate(const scene_object *o, uint32_t node)
 	for (int k = 0; k < 4; k++)
 		memcpy(p->corner[k], &h->vertices[corners[k]], sizeof p->corner[k]);
 	memcpy(p->normal, &g->axis, sizeof p->normal);
-	p->bulge = (float)bulge_of(h, t->range, p);
+	/* Rounding is no bulge. */
+	const double bulge = bulge_of(h, t->range, p);
+	p->bulge = bulge > JOIN_TOLERANCE * g->sphere.w ? (float)bulge : 0.0f;
 	/* What a curved surface emits, its polygon emits. */
 	const double area = polygon_area(p), scale = area > 0 ? g->moment.w / area : 0;
 	const float *e = o->materials[h->leaf_material[t->range.y]].exitance;

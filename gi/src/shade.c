@@ -5,6 +5,7 @@
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
 #include "context.h"
+#include "overlay.h"
 #include "shadow.h"
 #include "vec3d.h"
 
@@ -29,6 +30,7 @@ struct gi_shade {
 	uint32_t draw_program, draw_one_program;
 	gpu_mesh mesh;
 	gi_shadow shadow;
+	gi_overlays overlays;
 };
 
 /* ---- the mesh ---- */
@@ -153,6 +155,7 @@ void shade_invalidate(gi_context *gi)
 		return;
 	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
 	shadow_invalidate(gi, &gi->shade->shadow);
+	overlay_invalidate(gi, &gi->shade->overlays);
 	gi->shade->built = false;
 }
 
@@ -162,6 +165,7 @@ void shade_free(gi_context *gi)
 		return;
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
+	overlay_free(gi, &gi->shade->overlays);
 	gpu_program_free(&gi->shade->draw_program);
 	gpu_program_free(&gi->shade->draw_one_program);
 	free(gi->shade);
@@ -192,20 +196,35 @@ static void combine(const gi_view *view, float out[16])
 		}
 }
 
-static void draw_picture(gi_context *gi, const gi_view *view, const gpu_draw_state *state)
+static bool is_heat_map(const gi_view *view)
 {
-	gi_shade *shade = gi->shade;
+	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+}
+
+static void draw_surfaces(gi_context *gi, const gi_view *view, const float clip_from_world[16])
+{
+	const gi_shade *shade = gi->shade;
 	const uint32_t program = shade->shadow.lamps.counts.x == 1 ? shade->draw_one_program : shade->draw_program;
-	float clip_from_world[16];
-	combine(view, clip_from_world);
-	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
-	gpu_draw_to_host(state, view->width, view->height);
 	gpu_set_matrices(program, 0, 1, clip_from_world);
 	gpu_set_uint(program, 1, (uint32_t)view->mode);
 	gpu_bind_uniforms(GI_BIND_LAMPS, &shade->shadow.uniforms);
 	gpu_depth_maps_bind(&shade->shadow.maps, 0);
 	gpu_mesh_draw(&shade->mesh, program);
+}
+
+static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_draw_state *state)
+{
+	gi_result result = GI_OK;
+	float clip_from_world[16];
+	combine(view, clip_from_world);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
+	gpu_draw_to_host(state, view->width, view->height);
+	if (!is_heat_map(view))
+		draw_surfaces(gi, view, clip_from_world);
+	if (view->overlay != GI_OVERLAY_NONE)
+		result = overlay_draw(gi, &gi->shade->overlays, view, clip_from_world);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
+	return result;
 }
 
 gi_result gi_draw(gi_context *gi, const gi_view *view)
@@ -225,10 +244,10 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 	gpu_draw_begin(&state);
 	scene_bind(gi);
 	solver_bind(gi);
-	if (view->mode != GI_MODE_INDIRECT)
+	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
 		result = shadow_update(gi, &gi->shade->shadow);
 	if (!result)
-		draw_picture(gi, view, &state);
+		result = draw_picture(gi, view, &state);
 	gpu_draw_end(&state);
 	return result;
 }

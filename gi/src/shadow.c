@@ -418,13 +418,20 @@ static double closest_z(const placed *l, const gi_vec3d box[8], double *farthest
 	return closest;
 }
 
+/* A curved lamp does not hide itself: its surface lies about its polygons, and a sample on one would see the next one's edge. */
+static uint32_t own_shadow(const lamp_polygon *p, const gi_shadow *shadow)
+{
+	return p->bulge > 0 && p->slot < shadow->caster_count ? p->slot : GI_NONE;
+}
+
 /* Fits the frustum to the casters before the lamp; false when there are none. */
 static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 {
 	double closest = INFINITY, farthest = 0, z;
+	const uint32_t hole = own_shadow(p, shadow);
 	for (uint32_t k = 0; k < shadow->caster_count; k++) {
 		const shadow_caster *c = &shadow->casters[k];
-		if (c->first_range == c->end_range)
+		if (c->first_range == c->end_range || k == hole)
 			continue;
 		const double from = closest_z(l, c->box, &z);
 		/* In the lamp's own plane, but for rounding. */
@@ -443,7 +450,7 @@ static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 		l->upper[axis] = -INFINITY;
 	}
 	for (uint32_t k = 0; k < shadow->caster_count; k++)
-		if (shadow->casters[k].first_range < shadow->casters[k].end_range)
+		if (shadow->casters[k].first_range < shadow->casters[k].end_range && k != hole)
 			reach_box(l, shadow->casters[k].box);
 	l->farthest *= 1.01;
 	return l->upper[0] > l->lower[0];
@@ -510,16 +517,26 @@ static void sample_matrix(const gi_lamp *l, gi_vec4 sample, float m[16])
 	}
 }
 
-static void draw_maps(const gi_shadow *shadow, const gi_lamp *lamp)
+/* Ranges of the casters before and behind `hole` of all. */
+static void draw_casters(const gi_shadow *shadow, uint32_t hole)
 {
-	const uint32_t ranges = shadow->caster_count ? shadow->casters[shadow->caster_count - 1].end_range : 0;
+	const uint32_t all = shadow->caster_count ? shadow->casters[shadow->caster_count - 1].end_range : 0;
+	const uint32_t first = hole == GI_NONE ? all : shadow->casters[hole].first_range;
+	const uint32_t rest = hole == GI_NONE ? all : shadow->casters[hole].end_range;
+	gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, shadow->ranges, first);
+	gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, shadow->ranges + rest, all - rest);
+}
+
+static void draw_maps(const gi_shadow *shadow, const lamp_polygon *polygon, const gi_lamp *lamp)
+{
+	const uint32_t hole = own_shadow(polygon, shadow);
 	for (uint32_t k = 0; k < lamp->range.y; k++) {
 		const uint32_t layer = lamp->range.x + k;
 		float matrix[16];
 		sample_matrix(lamp, shadow->lamps.samples[layer], matrix);
 		gpu_set_matrices(shadow->program, 0, 1, matrix);
 		gpu_depth_maps_begin_layer(&shadow->maps, layer);
-		gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, shadow->ranges, ranges);
+		draw_casters(shadow, hole);
 	}
 }
 
@@ -555,8 +572,12 @@ static void place_lamps(const gi_context *gi, gi_shadow *shadow)
 gi_result shadow_update(gi_context *gi, gi_shadow *shadow)
 {
 	const bool moved = poses_changed(gi, shadow);
-	if (shadow->drawn && !moved && shadow->drawn_lamps == gi->lamps.generation)
+	if (shadow->drawn && !moved && shadow->drawn_lamps == gi->lamps.generation) {
+		/* The report tells what the last gi_draw did. */
+		if (!gi->timers[GI_PASS_SHADOW].pending)
+			gi->timers[GI_PASS_SHADOW].ms = 0;
 		return GI_OK;
+	}
 	if (!find_casters(gi, shadow))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_lamps(gi, shadow);
@@ -568,7 +589,7 @@ gi_result shadow_update(gi_context *gi, gi_shadow *shadow)
 		gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);
 		gpu_draw_cull_backs(false);
 		for (uint32_t k = 0; k < shadow->lamps.counts.x; k++)
-			draw_maps(shadow, &shadow->lamps.lamps[k]);
+			draw_maps(shadow, &gi->lamps.polygon[k], &shadow->lamps.lamps[k]);
 		gpu_draw_cull_backs(true);
 		gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);
 		shadow->generation++;

@@ -1,0 +1,119 @@
+#include "overlay.h"
+
+#include "context.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lines are drawn this share of a leaf's radius nearer to the eye: a curved surface rises above its leaves. */
+static const float LIFT = 0.12f;
+
+/* Flat leaves have nothing to rise; this much wins over their own depths. */
+static const float FLAT_LIFT = 0.01f;
+
+typedef struct overlay_vertex {
+	float position[3];
+	float normal[3];
+	float lift;
+	uint32_t leaf;
+} overlay_vertex;
+
+static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	/* Flat objects are one polygon from the top: their leaves' planes are the surface. */
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
+		const uint32_t node = h->leaf_node[leaf], number = o->leaf_base + leaf, first = 4 * number;
+		const gi_node_geometry *g = &h->geometry[node];
+		const uint32_t *corners = &h->topology[node].corners.x;
+		for (uint32_t k = 0; k < 4; k++) {
+			overlay_vertex *v = &vertices[first + k];
+			memcpy(v->position, &h->vertices[corners[k]], sizeof v->position);
+			memcpy(v->normal, &g->axis, sizeof v->normal);
+			v->lift = g->sphere.w * (o->skin.vertex_count > 5 * h->leaf_count ? LIFT : FLAT_LIFT);
+			v->leaf = number;
+			edges[8 * (size_t)number + 2 * k] = first + k;
+			edges[8 * (size_t)number + 2 * k + 1] = first + (k + 1) % 4;
+		}
+		const uint32_t six[6] = {first, first + 1, first + 2, first, first + 2, first + 3};
+		memcpy(faces + 6 * (size_t)number, six, sizeof six);
+	}
+}
+
+static gi_result build(gi_context *gi, gi_overlays *overlays)
+{
+	const gi_scene *s = &gi->scene;
+	const size_t leaves = s->leaf_count;
+	overlay_vertex *vertices = calloc(4 * leaves + 1, sizeof *vertices);
+	uint32_t *faces = calloc(6 * leaves + 1, sizeof *faces), *edges = calloc(8 * leaves + 1, sizeof *edges);
+	gi_result result = GI_OK;
+	if (!vertices || !faces || !edges)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			add_leaves(&s->objects[s->slots[slot]], vertices, faces, edges);
+	static const gpu_attribute attributes[] = {
+		{3, false, 0}, {4, false, offsetof(overlay_vertex, normal)}, {1, true, offsetof(overlay_vertex, leaf)}, {0}};
+	if (!result)
+		result = gpu_mesh_create(&gi->gpu, &overlays->faces, attributes, sizeof *vertices, 4 * leaves, vertices, 6 * leaves,
+					 faces);
+	if (!result)
+		result = gpu_mesh_create(&gi->gpu, &overlays->edges, attributes, sizeof *vertices, 4 * leaves, vertices, 8 * leaves,
+					 edges);
+	free(vertices);
+	free(faces);
+	free(edges);
+	if (!result && !overlays->program)
+		result = gpu_program_draw(&gi->gpu, "overlay.vert", "overlay.frag", &overlays->program);
+	return result;
+}
+
+/* Where the camera is, for a view that turns, moves and scales evenly; for a parallel projection the way to it, w 0. */
+static void eye_of(const gi_view *view, float eye[4])
+{
+	const float *m = view->view_from_world;
+	const bool parallel = view->clip_from_view[15] != 0.0f;
+	const float scale = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+	for (int k = 0; k < 3; k++) {
+		const float *column = m + 4 * k;
+		eye[k] = parallel ? column[2] : -(column[0] * m[12] + column[1] * m[13] + column[2] * m[14]) / scale;
+	}
+	eye[3] = parallel ? 0.0f : 1.0f;
+}
+
+gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
+{
+	if (!overlays->edges.array) {
+		gi_result result = build(gi, overlays);
+		if (result)
+			return result;
+	}
+	float eye[4];
+	eye_of(view, eye);
+	rows_bind(gi);
+	gpu_set_matrices(overlays->program, 0, 1, clip_from_world);
+	gpu_set_uint(overlays->program, 1, (uint32_t)view->overlay);
+	gpu_set_floats(overlays->program, 2, 4, 1, eye);
+	gpu_set_uint(overlays->program, 3, gi->issued_frame != gi->frame_number);
+	if (view->overlay != GI_OVERLAY_WIREFRAME) {
+		gpu_mesh_draw(&overlays->faces, overlays->program);
+		return GI_OK;
+	}
+	gpu_draw_multiplied(true);
+	gpu_mesh_draw_lines(&overlays->edges, overlays->program);
+	gpu_draw_multiplied(false);
+	return GI_OK;
+}
+
+void overlay_invalidate(gi_context *gi, gi_overlays *overlays)
+{
+	gpu_mesh_free(&gi->gpu, &overlays->faces);
+	gpu_mesh_free(&gi->gpu, &overlays->edges);
+}
+
+void overlay_free(gi_context *gi, gi_overlays *overlays)
+{
+	overlay_invalidate(gi, overlays);
+	gpu_program_free(&overlays->program);
+}

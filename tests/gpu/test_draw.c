@@ -1,0 +1,376 @@
+/* The picture: direct light against closed forms, shadows, modes that add up, nothing drawn twice. */
+#include "harness.h"
+
+#include "scenes/shapes.h"
+
+#include <glad/gl.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979;
+
+enum { SIZE = 64 };
+
+/* A float target, so that what is read is what was computed. */
+typedef struct target {
+	GLuint framebuffer, colour, depth;
+	float *pixels; /* SIZE * SIZE * 4, bottom row first */
+} target;
+
+static target make_target(void)
+{
+	target t;
+	glCreateTextures(GL_TEXTURE_2D, 1, &t.colour);
+	glTextureStorage2D(t.colour, 1, GL_RGBA32F, SIZE, SIZE);
+	glCreateRenderbuffers(1, &t.depth);
+	glNamedRenderbufferStorage(t.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
+	glCreateFramebuffers(1, &t.framebuffer);
+	glNamedFramebufferTexture(t.framebuffer, GL_COLOR_ATTACHMENT0, t.colour, 0);
+	glNamedFramebufferRenderbuffer(t.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, t.depth);
+	t.pixels = calloc(SIZE * SIZE, 4 * sizeof(float));
+	assert_non_null(t.pixels);
+	return t;
+}
+
+static void free_target(target *t)
+{
+	glDeleteFramebuffers(1, &t->framebuffer);
+	glDeleteTextures(1, &t->colour);
+	glDeleteRenderbuffers(1, &t->depth);
+	free(t->pixels);
+}
+
+/* Looks straight down, parallel, at [-half, half] x [-half, half] of the plane y = 0: pixel (i, j) sees x to the right and -z up. */
+static gi_view look_down(float half, float height)
+{
+	gi_view view = gi_view_default();
+	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1};
+	const float depth = 2 * height;
+	const float clip[16] = {1 / half, 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, -1 / depth, 0, 0, 0, 0, 1};
+	memcpy(view.view_from_world, world, sizeof world);
+	memcpy(view.clip_from_view, clip, sizeof clip);
+	view.width = view.height = SIZE;
+	return view;
+}
+
+static void draw(gi_context *gi, target *t, const gi_view *view)
+{
+	const float black[4] = {0, 0, 0, 0}, far = 1;
+	glBindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
+	glViewport(0, 0, SIZE, SIZE);
+	glDepthMask(GL_TRUE);
+	glClearBufferfv(GL_COLOR, 0, black);
+	glClearBufferfv(GL_DEPTH, 0, &far);
+	assert_gi(gi_draw(gi, view));
+	GLint bound = 0;
+	glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+	assert_int_equal(bound, t->framebuffer);
+	assert_int_equal(glGetError(), GL_NO_ERROR);
+	glGetTextureImage(t->colour, 0, GL_RGBA, GL_FLOAT, SIZE * SIZE * 4 * sizeof(float), t->pixels);
+}
+
+static const float *pixel(const target *t, int x, int y)
+{
+	return t->pixels + 4 * (y * SIZE + x);
+}
+
+/* A floor of 4 x 4 facing up, and above it a lamp of 1 x 0.6 facing down whose middle is (0.2, 2, 0.1). */
+static const float LAMP_LOWER[2] = {-0.3f, -0.2f}, LAMP_UPPER[2] = {0.7f, 0.4f}, LAMP_HEIGHT = 2;
+
+static void add_floor(gi_context *gi, float rho, uint32_t faces)
+{
+	engine_mesh mesh;
+	assert_true(shape_quad((const float[]){-2, 0, -2}, (const float[]){0, 0, 4}, (const float[]){4, 0, 0}, faces, faces, &mesh));
+	harness_add(gi, &(harness_object){.name = "floor", .rho = {rho, rho, rho}}, &mesh);
+}
+
+static void add_lamp(gi_context *gi, float exitance, uint32_t faces)
+{
+	engine_mesh mesh;
+	const float corner[3] = {LAMP_LOWER[0], LAMP_HEIGHT, LAMP_LOWER[1]}, u[3] = {LAMP_UPPER[0] - LAMP_LOWER[0], 0, 0};
+	const float v[3] = {0, 0, LAMP_UPPER[1] - LAMP_LOWER[1]};
+	assert_true(shape_quad(corner, u, v, faces, faces, &mesh));
+	harness_add(gi, &(harness_object){.name = "lamp", .exitance = {exitance, exitance / 2, 0}}, &mesh);
+}
+
+static gi_object add_box(gi_context *gi, float x, float y, float z, float half)
+{
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){-half, -half, -half}, (const float[]){half, half, half}, 2, false, &mesh));
+	return harness_add(gi, &(harness_object){.name = "box", .rho = {0.5f, 0.5f, 0.5f}, .position = {x, y, z}}, &mesh);
+}
+
+static void commit(gi_context *gi)
+{
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+}
+
+/* From an element to a parallel rectangle with one corner straight above it (Howell, configuration B-4). */
+static double corner_factor(double a, double b, double c)
+{
+	const double x = a / c, y = b / c, p = sqrt(1 + x * x), q = sqrt(1 + y * y);
+	return (x / p * atan(y / p) + y / q * atan(x / q)) / (2 * PI);
+}
+
+/* From (x, 0, z) to a rectangle at that height. */
+static double rectangle_factor(double x, double z, const float lower[2], const float upper[2], double height)
+{
+	const double x0 = lower[0] - x, x1 = upper[0] - x, z0 = lower[1] - z, z1 = upper[1] - z;
+	return corner_factor(x1, z1, height) - corner_factor(x0, z1, height) - corner_factor(x1, z0, height) +
+	       corner_factor(x0, z0, height);
+}
+
+static double pixel_x(int x)
+{
+	return 4.0 * (x + 0.5) / SIZE - 2;
+}
+
+static double pixel_z(int y)
+{
+	return 2 - 4.0 * (y + 0.5) / SIZE;
+}
+
+/* The view hangs above the lamp, whose back is culled. */
+static void check_open_floor(uint32_t faces)
+{
+	const float exitance = 10, rho = 0.8f;
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, rho, 4);
+	add_lamp(gi, exitance, faces);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	view.mode = GI_MODE_DIRECT;
+	draw(gi, &t, &view);
+	for (int y = 0; y < SIZE; y += 7)
+		for (int x = 0; x < SIZE; x += 7) {
+			const double expected = rho * exitance *
+						rectangle_factor(pixel_x(x), pixel_z(y), LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
+			const float *got = pixel(&t, x, y);
+			/* The contour's angles are a fit of relative error 2e-4. */
+			if (fabs(got[0] - expected) > 0.005 * expected || fabs(got[1] - expected / 2) > 0.005 * expected)
+				fail_msg("pixel %d %d: %g %g, expected %g", x, y, (double)got[0], (double)got[1], expected);
+			assert_float_equal(got[2], 0, 0);
+			assert_float_equal(got[3], 1, 0);
+		}
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+static void test_open_floor(void **state)
+{
+	(void)state;
+	harness_require_context();
+	check_open_floor(1);
+}
+
+/* Its faces are joined: the same picture. */
+static void test_lamp_of_many_faces(void **state)
+{
+	(void)state;
+	harness_require_context();
+	check_open_floor(8);
+}
+
+static void test_shadow_is_black(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
+	gi_object box = add_box(gi, 0.2f, 1.0f, 0.1f, 0.8f);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	view.mode = GI_MODE_DIRECT;
+	draw(gi, &t, &view);
+	/* Seen from above the box's lit top hides its shadow; far from it the floor is lit as if it were not there. */
+	const float *top = pixel(&t, SIZE / 2, SIZE / 2);
+	assert_true(top[0] > 0.1f);
+	/* Away with the box from the camera's way, but not from the lamp's: look from below the box. */
+	view.clip_from_view[10] = -1 / 0.15f;
+	draw(gi, &t, &view);
+	const float *below = pixel(&t, (int)((0.2 + 2) / 4 * SIZE), (int)((2 - 0.1) / 4 * SIZE));
+	assert_float_equal(below[0], 0, 0);
+	assert_float_equal(below[3], 1, 0);
+	/* The box goes away, and the light is back. */
+	gi_pose pose = gi_pose_identity();
+	pose.position[0] = 30;
+	assert_gi(gi_set_pose(gi, box, pose));
+	harness_update(gi);
+	draw(gi, &t, &view);
+	assert_true(pixel(&t, (int)((0.2 + 2) / 4 * SIZE), (int)((2 - 0.1) / 4 * SIZE))[0] > 0.1f);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+static void add_scene(gi_context *gi)
+{
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
+	add_box(gi, -0.6f, 0.5f, 0.4f, 0.5f);
+}
+
+static void test_modes_add_up(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_scene(gi);
+	commit(gi);
+	target global = make_target(), direct = make_target(), indirect = make_target();
+	gi_view view = look_down(2, 5);
+	draw(gi, &global, &view);
+	view.mode = GI_MODE_DIRECT;
+	draw(gi, &direct, &view);
+	view.mode = GI_MODE_INDIRECT;
+	draw(gi, &indirect, &view);
+	float brightest = 0;
+	for (int k = 0; k < SIZE * SIZE * 4; k++) {
+		if (k % 4 == 3)
+			continue;
+		assert_float_equal(direct.pixels[k] + indirect.pixels[k], global.pixels[k], 1e-4);
+		brightest = fmaxf(brightest, indirect.pixels[k]);
+	}
+	assert_true(brightest > 1e-3f);
+	free_target(&global);
+	free_target(&direct);
+	free_target(&indirect);
+	gi_context_destroy(gi);
+}
+
+static void test_empty_scene(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	gi_view view = look_down(2, 5);
+	assert_int_equal(gi_draw(gi, &view), GI_ERROR_NOT_COMMITTED);
+	commit(gi);
+	target t = make_target();
+	draw(gi, &t, &view);
+	for (int k = 0; k < SIZE * SIZE * 4; k++)
+		assert_float_equal(t.pixels[k], 0, 0);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+static void test_rest_draws_no_shadows(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_scene(gi);
+	commit(gi);
+	target first = make_target(), second = make_target();
+	gi_view view = look_down(2, 5);
+	gi_report report;
+	draw(gi, &first, &view);
+	assert_gi(gi_finish(gi));
+	assert_gi(gi_get_report(gi, &report));
+	assert_true(report.pass_ms[GI_PASS_SHADOW] > 0);
+	draw(gi, &second, &view);
+	assert_gi(gi_finish(gi));
+	assert_gi(gi_get_report(gi, &report));
+	assert_float_equal(report.pass_ms[GI_PASS_SHADOW], 0, 0);
+	assert_true(report.pass_ms[GI_PASS_DRAW] > 0);
+	assert_memory_equal(first.pixels, second.pixels, sizeof(float) * SIZE * SIZE * 4);
+	free_target(&first);
+	free_target(&second);
+	gi_context_destroy(gi);
+}
+
+/* More lamps than are drawn per pixel: what is left out reaches the floor through the leaves, so that the picture stays as bright. */
+static void test_lamps_beyond_the_cap(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 32);
+	enum { SIDE = 7 };
+	for (int k = 0; k < SIDE * SIDE; k++) {
+		engine_mesh mesh;
+		const float corner[3] = {-1.8f + 0.5f * (float)(k % SIDE), 1.5f, -1.8f + 0.5f * (float)(k / SIDE)};
+		assert_true(shape_quad(corner, (const float[]){0.3f, 0, 0}, (const float[]){0, 0, 0.3f}, 1, 1, &mesh));
+		harness_add(gi, &(harness_object){.name = "lamp", .exitance = {1, 1, 1}}, &mesh);
+	}
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	draw(gi, &t, &view);
+	/* The floor's leaves are an eighth of a metre wide and their rows as coarse as the defaults: a few per cent. */
+	for (int y = 8; y < SIZE - 4; y += 8)
+		for (int x = 8; x < SIZE - 4; x += 8) {
+			double sum = 0;
+			for (int k = 0; k < SIDE * SIDE; k++) {
+				const float lower[2] = {-1.8f + 0.5f * (float)(k % SIDE), -1.8f + 0.5f * (float)(k / SIDE)};
+				const float upper[2] = {lower[0] + 0.3f, lower[1] + 0.3f};
+				sum += rectangle_factor(pixel_x(x), pixel_z(y), lower, upper, 1.5);
+			}
+			const double expected = 0.8 * sum / PI, got = pixel(&t, x, y)[0];
+			if (fabs(got - expected) > 0.03 * expected)
+				fail_msg("pixel %d %d: %g, expected %g", x, y, got, expected);
+		}
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+static void test_overlays(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_scene(gi);
+	commit(gi);
+	target plain = make_target(), over = make_target();
+	gi_view view = look_down(2, 5);
+	draw(gi, &plain, &view);
+	view.overlay = GI_OVERLAY_WIREFRAME;
+	draw(gi, &over, &view);
+	/* Lines darken some pixels and change nothing else. */
+	int darker = 0;
+	for (int k = 0; k < SIZE * SIZE; k++) {
+		assert_true(over.pixels[4 * k] <= plain.pixels[4 * k]);
+		darker += over.pixels[4 * k] < plain.pixels[4 * k];
+	}
+	assert_in_range(darker, SIZE, SIZE * SIZE / 2);
+	/* Everything is new after the first update; the heat map is bright all over, and within a display's range. */
+	view.overlay = GI_OVERLAY_DIRTY;
+	draw(gi, &over, &view);
+	for (int k = 0; k < SIZE * SIZE * 4; k++)
+		assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
+	assert_true(pixel(&over, 2, 2)[0] > 0.3f);
+	view.overlay = GI_OVERLAY_RESIDUAL;
+	draw(gi, &over, &view);
+	for (int k = 0; k < SIZE * SIZE * 4; k++)
+		assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
+	free_target(&plain);
+	free_target(&over);
+	gi_context_destroy(gi);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_open_floor),
+		cmocka_unit_test(test_lamp_of_many_faces),
+		cmocka_unit_test(test_shadow_is_black),
+		cmocka_unit_test(test_modes_add_up),
+		cmocka_unit_test(test_empty_scene),
+		cmocka_unit_test(test_rest_draws_no_shadows),
+		cmocka_unit_test(test_lamps_beyond_the_cap),
+		cmocka_unit_test(test_overlays),
+	};
+	return cmocka_run_group_tests(tests, harness_open, harness_close);
+}
