@@ -50,6 +50,13 @@ gi_pose gi_pose_identity(void)
 	return (gi_pose){.rotation = {0, 0, 0, 1}};
 }
 
+/* A pointer that has to be there is not. Without a context there is no callback: stderr gets the line. */
+static gi_result missing(const gi_context *gi, const char *what)
+{
+	static const gi_log no_log;
+	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL", gi ? what : "the context");
+}
+
 /* ---- context ---- */
 
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
@@ -70,6 +77,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]", (double)def->solve_tolerance);
 	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
+	if ((unsigned)def->sky > GI_SKY_ON)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
 		if (!(def->sky_exitance[c] >= 0.0f && isfinite(def->sky_exitance[c])))
 			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance must be finite and not negative");
@@ -94,10 +103,12 @@ static gi_result start_context(gi_context *gi)
 
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 {
+	const bool known = def && def->internal == CONTEXT_COOKIE;
+	const gi_log log = {known ? def->message : NULL, known ? def->user : NULL};
+	if (out)
+		*out = NULL;
 	if (!def || !out)
-		return GI_ERROR_INVALID_ARGUMENT;
-	*out = NULL;
-	const gi_log log = {def->internal == CONTEXT_COOKIE ? def->message : NULL, def->user};
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_context_create: def and out must not be NULL");
 	gi_result result = check_context_def(&log, def);
 	if (result)
 		return result;
@@ -135,9 +146,10 @@ void gi_context_destroy(gi_context *gi)
 
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
+	if (out)
+		*out = (gi_object){0};
 	if (!gi || !def || !out)
-		return GI_ERROR_INVALID_ARGUMENT;
-	*out = (gi_object){0};
+		return missing(gi, "gi_create_object: def and out");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
 	return scene_create_object(gi, def, out);
@@ -151,12 +163,14 @@ static gi_result stale(const gi_context *gi, const char *function)
 gi_result gi_destroy_object(gi_context *gi, gi_object object)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_destroy_object");
-	/* Its place is reused only after the commit that takes it out of the uploaded scene. */
+	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
 	o->generation++;
+	if (!o->committed)
+		scene_free_object(o);
 	gi->scene.uncommitted = true;
 	return GI_OK;
 }
@@ -169,7 +183,7 @@ bool gi_object_is_valid(const gi_context *gi, gi_object object)
 gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
@@ -185,7 +199,7 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 {
 	if (!gi || !out)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "gi_get_pose: out");
 	const scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_pose");
@@ -206,7 +220,7 @@ static bool reflects(const gi_material *m)
 gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_material");
@@ -237,7 +251,7 @@ static void forget_dead_objects(gi_context *gi)
 gi_result gi_commit(gi_context *gi)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	shade_invalidate(gi);
 	gi_result result = scene_upload(gi);
 	if (!result)
@@ -404,7 +418,7 @@ static void note_issued(gi_context *gi, double began)
 gi_result gi_update(gi_context *gi)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	if (gi->scene.uncommitted || !gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() after creating or destroying objects");
 	const double began = gpu_clock_ms();
@@ -421,7 +435,7 @@ gi_result gi_update(gi_context *gi)
 	const bool settled = gi->report.frame >= gi->issued_frame && !gi->solver.unconverged;
 	if (!result && (changed || (!settled && gi->report.frame >= gi->issued_frame)))
 		result = issue(gi, rows);
-	else if (!result && settled && gi->scene.leaf_count && !gi->gpu.dispatches)
+	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);
 	if (!result && first) {
 		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for. */
@@ -450,7 +464,7 @@ void gi_reset_radiosity(gi_context *gi)
 gi_result gi_finish(gi_context *gi)
 {
 	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "");
 	gpu_finish();
 	collect_reports(gi, true);
 	return grow_until_it_fits(gi);
@@ -459,7 +473,7 @@ gi_result gi_finish(gi_context *gi)
 gi_result gi_get_report(gi_context *gi, gi_report *out)
 {
 	if (!gi || !out)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "gi_get_report: out");
 	collect_reports(gi, false);
 	*out = gi->report;
 	out->objects = gi->scene.slot_count - (gi->scene.sky_slot != GI_NONE && gi->scene.slot_count ? 1 : 0);
@@ -474,7 +488,7 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)
 {
 	if (!gi || !out)
-		return GI_ERROR_INVALID_ARGUMENT;
+		return missing(gi, "gi_get_buffers: out");
 	*out = (gi_buffers){gi->solver.leaf_radiosity.name, gi->solver.leaf_indirect.name, gi->solver.light.name};
 	return GI_OK;
 }

@@ -98,6 +98,11 @@ void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32
 				  GL_UNSIGNED_INT, &word);
 }
 
+void gpu_buffer_fill(gpu_buffer *buffer, const uint32_t words[4])
+{
+	glClearNamedBufferData(buffer->name, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words);
+}
+
 void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size)
 {
 	glCopyNamedBufferSubData(from->name, to->name, (GLintptr)from_offset, (GLintptr)to_offset, (GLsizeiptr)size);

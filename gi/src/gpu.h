@@ -54,6 +54,8 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const v
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
 void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
+/* All of it, a multiple of 16 bytes, to copies of four words. */
+void gpu_buffer_fill(gpu_buffer *buffer, const uint32_t words[4]);
 void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size);
 /* Waits for the GPU. */
 void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);

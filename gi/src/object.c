@@ -208,7 +208,7 @@ static const char *broken_geometry(const gi_object_def *def)
 		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
 			return "scale must be finite and above zero";
 	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
-		if (def->face_materials[k] >= def->material_count)
+		if (def->face_materials[k] >= (def->material_count ? def->material_count : 1))
 			return "a face's material number is not below material_count";
 	if (def->draw_index_count % 3 != 0 || (def->draw_index_count && (!def->draw_positions || !def->draw_indices)))
 		return "a draw mesh needs positions and three indices a triangle";
@@ -228,6 +228,9 @@ static gi_result check_def(const gi_context *gi, const gi_object_def *def, const
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
 			       name, MAX_LEVELS, MAX_DRAW_LEVELS);
+	if (def->material_count && !def->materials)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "object '%s': material_count is %u and materials is NULL", name,
+			       def->material_count);
 	const char *broken = broken_geometry(def);
 	if (broken)
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);

@@ -14,8 +14,8 @@ static void *read_buffer(const gpu_buffer *buffer, uint64_t bytes)
 
 static gi_result begin_read(gi_context *gi, const void *count)
 {
-	if (!gi || !count)
-		return GI_ERROR_INVALID_ARGUMENT;
+	if (gi && !count)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "the place for the result must not be NULL");
 	return gi_finish(gi);
 }
 

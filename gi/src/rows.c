@@ -78,6 +78,14 @@ static gi_result allocate_pools(gi_context *gi)
 	return result;
 }
 
+/* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
+static void clear_rows(gi_rows *r)
+{
+	static const uint32_t no_row[4] = {0, GI_BLOCK_NO_CLASS << 24, 0, 0};
+	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
+	gpu_buffer_fill(&r->headers, no_row);
+}
+
 gi_result rows_allocate(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
@@ -92,6 +100,7 @@ gi_result rows_allocate(gi_context *gi)
 		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
 	if (result)
 		return result;
+	clear_rows(r);
 	const double per_leaf = ENTRIES_TIMES_TOLERANCE / gi->def.row_tolerance + 64;
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
 	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
@@ -304,9 +313,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
 	reset_pool(gi, &r->entry_pool, r->entry_limit);
 	reset_pool(gi, &r->link_pool, r->link_limit);
-	/* No block: class 255, and any offset. */
-	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
-	gpu_buffer_clear(&r->headers, 0, r->headers.size, GI_BLOCK_NO_CLASS << 24);
+	clear_rows(r);
 }
 
 static void prepare(gi_context *gi, uint32_t stage)

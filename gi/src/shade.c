@@ -229,8 +229,10 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 
 gi_result gi_draw(gi_context *gi, const gi_view *view)
 {
-	if (!gi || !view)
+	if (!gi)
 		return GI_ERROR_INVALID_ARGUMENT;
+	if (!view)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: view must not be NULL");
 	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL || !view->width || !view->height)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode, overlay or an empty viewport is out of range");
 	if (!gi->scene.ever_committed)
