@@ -96,8 +96,7 @@ static bool begin(player *p)
 
 static void end(player *p)
 {
-	char ignored[PLAYER_MESSAGE];
-	report_close(&p->report, ignored, sizeof ignored);
+	report_abandon(&p->report);
 	report_free(&p->report);
 	gi_context_destroy(p->gi);
 	engine_hud_destroy(p->hud);

@@ -1,9 +1,12 @@
+#define _POSIX_C_SOURCE 200809L
 #include "report.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* After so many frames the table is about those; the file goes on. */
 enum { MAX_REMEMBERED = 100000 };
@@ -85,6 +88,18 @@ bool report_close(report *r, char *message, size_t message_size)
 	const bool written = !r->file || (fclose(r->file) == 0);
 	r->file = NULL;
 	return written || cannot_write(r, message, message_size);
+}
+
+void report_abandon(report *r)
+{
+	struct stat status;
+	if (!r->file)
+		return;
+	const bool plain = fstat(fileno(r->file), &status) == 0 && S_ISREG(status.st_mode);
+	fclose(r->file);
+	r->file = NULL;
+	if (plain && !r->count)
+		unlink(r->path);
 }
 
 /* ---- the table ----------------------------------------------------------------------------------------------------- */

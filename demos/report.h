@@ -50,6 +50,9 @@ bool report_add(report *r, const report_frame *frame, char *message, size_t mess
 /* Closes the file; false with one line in message when what was written did not reach it. */
 bool report_close(report *r, char *message, size_t message_size);
 
+/* Closes the file of a run that failed; one without any frame goes away. */
+void report_abandon(report *r);
+
 /* Prints the table of the run: the first frame apart, median, least and most of the others. */
 void report_print(const report *r, FILE *to);
 

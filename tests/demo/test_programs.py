@@ -1,0 +1,261 @@
+#!/usr/bin/env python3
+"""Runs the programs as a user does: what they write, and what they say about bad input.
+
+    test_programs.py FOLDER_OF_PROGRAMS SOURCE_FOLDER
+
+Pictures are small and scenes coarse: this is about files and messages, the library's own tests are about light. Ends with the lines that
+cmocka writes, for scripts/test to count.
+"""
+import csv
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAMS, SOURCE = sys.argv[1], sys.argv[2]
+DOOR = os.path.join(SOURCE, "demos", "scenes", "door.gltf")
+CONTEXT = ["--context", os.environ.get("RELUME_CONTEXT", "osmesa")]
+TINY = CONTEXT + ["--size", "64x48"]
+FIELD_TYPES = {"float": ("f", 4), "int": ("i", 4), "uchar": ("B", 1)}
+
+
+def run(program, *arguments, folder=None, environment=None):
+    return subprocess.run([os.path.join(PROGRAMS, program), *arguments], capture_output=True, text=True, cwd=folder, timeout=300,
+                          env=dict(os.environ, **environment) if environment else None)
+
+
+def read_csv(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def png_size(path):
+    with open(path, "rb") as file:
+        head = file.read(24)
+    return struct.unpack(">II", head[16:24]) if head[:8] == b"\x89PNG\r\n\x1a\n" else None
+
+
+def read_ply(path):
+    """A field file: vertices, and faces as dictionaries with their corners."""
+    with open(path, "rb") as file:
+        data = file.read()
+    head, body = data.split(b"end_header\n", 1)
+    lines = head.decode().splitlines()
+    assert lines[0] == "ply" and lines[1] == "format binary_little_endian 1.0", lines[:2]
+    counts = {line.split()[1]: int(line.split()[2]) for line in lines if line.startswith("element")}
+    properties = [line.split() for line in lines[lines.index("element face %d" % counts["face"]):] if line.startswith("property")]
+    assert properties[0][1:] == ["list", "uchar", "int", "vertex_indices"]
+    vertices = [struct.unpack_from("<3f", body, 12 * k) for k in range(counts["vertex"])]
+    at, faces = 12 * counts["vertex"], []
+    for _ in range(counts["face"]):
+        corners = body[at]
+        face = {"corners": struct.unpack_from("<%di" % corners, body, at + 1)}
+        at += 1 + 4 * corners
+        for _, kind, name in properties[1:]:
+            code, size = FIELD_TYPES[kind]
+            face[name] = struct.unpack_from("<" + code, body, at)[0]
+            at += size
+        faces.append(face)
+    assert at == len(body), (at, len(body))
+    return vertices, faces
+
+
+# A room of 1 m, seen from inside: each wall an object of one face.
+ROOM = """mtllib room.mtl
+v 0 0 0
+v 1 0 0
+v 1 0 1
+v 0 0 1
+v 0 1 0
+v 1 1 0
+v 1 1 1
+v 0 1 1
+o floor
+usemtl lamp
+f 4 3 2 1
+o ceiling
+usemtl grey
+f 5 6 7 8
+o back
+f 1 2 6 5
+o front
+f 3 4 8 7
+o left
+f 4 1 5 8
+o right
+f 2 3 7 6
+"""
+ROOM_MATERIALS = "newmtl lamp\nKd 0.5 0.5 0.5\nKe %.9f %.9f %.9f\nnewmtl grey\nKd 0.5 0.5 0.5\n" % ((1 / math.pi,) * 3)
+
+# Radiosity of that room with E = 1 on its floor, and the form factor across it (Howell's C-11).
+ROOM_TRUTH = {"floor": 1.0909090981, "ceiling": 0.1817458261, "left": 0.1818362689}
+ACROSS = 0.199824895698
+
+
+class Programs(unittest.TestCase):
+    def setUp(self):
+        self.began = time.monotonic()
+        self.holder = tempfile.TemporaryDirectory()
+        self.folder = self.holder.name
+
+    def tearDown(self):
+        print("%.1f s " % (time.monotonic() - self.began), end="")
+        self.holder.cleanup()
+
+    def path(self, name, text=None):
+        path = os.path.join(self.folder, name)
+        if text is not None:
+            with open(path, "w") as file:
+                file.write(text)
+        return path
+
+    def good(self, program, *arguments, **more):
+        done = run(program, *arguments, **more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def bad(self, program, *arguments, says="", **more):
+        """One line that names the trouble, a code, nothing on stdout and nothing written."""
+        before = sorted(os.listdir(self.folder))
+        done = run(program, *arguments, **more)
+        self.assertGreater(done.returncode, 0, (arguments, done.stderr))
+        self.assertEqual(done.stderr.count("\n"), 1, (arguments, done.stderr))
+        self.assertIn(says, done.stderr)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def test_buddha_records(self):
+        out = self.path("out/deep")
+        done = self.good("moving_buddha", "--frames", "2", "--size", "128x128", "--out", out, *CONTEXT)
+        names = sorted(os.listdir(out))
+        self.assertEqual(names, ["frame_0000_direct.png", "frame_0000_global.png", "frame_0000_indirect.png", "frames.csv"])
+        for name in names[:3]:
+            self.assertEqual(png_size(os.path.join(out, name)), (128, 128))
+        rows = read_csv(os.path.join(out, "frames.csv"))
+        self.assertEqual([row["outcome"] for row in rows], ["converged", "converged"])
+        self.assertLess(int(rows[1]["dirty_entries"]), int(rows[1]["entries"]))
+        self.assertLess(int(rows[1]["sweeps"]), int(rows[0]["sweeps"]))
+        for words in (out, "frames.csv", "dirty entries", "certified bound", "per leaf", "sweeps"):
+            self.assertIn(words, done.stdout)
+
+    def test_buddha_of_a_file(self):
+        figure = self.path("figure.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 3 0\nf 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n")
+        self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"), "--report", self.path("r.csv"),
+                  "--leaf-size", "1", *TINY)
+        self.assertEqual(png_size(self.path("p0.png")), (64, 48))
+        self.assertEqual(len(read_csv(self.path("r.csv"))), 1)
+
+    def test_door_files(self):
+        self.good("gi_play", DOOR, "--frames", "3", "--fps", "2", "--images", self.path("p%02d.png"), "--report", self.path("r.csv"),
+                  "--field", self.path("f%d.ply"), "--form-factors", self.path("F.csv"), *TINY)
+        rows = read_csv(self.path("r.csv"))
+        self.assertEqual([float(row["time_s"]) for row in rows], [0, 0.5, 1])
+        for k, row in enumerate(rows):
+            self.assertEqual(png_size(self.path("p%02d.png" % k)), (64, 48))
+            vertices, faces = read_ply(self.path("f%d.ply" % k))
+            self.assertEqual(len(faces), int(row["leaves"]))
+            self.assertEqual(sorted(i for face in faces for i in face["corners"]), list(range(len(vertices))))
+            self.assertEqual({face["object"] for face in faces}, set(range(7)))
+            self.assertTrue(all(face["b_" + c] >= face["e_" + c] >= 0 for face in faces for c in "rgb"))
+        factors = {(row["from"], row["to"]): float(row["F"]) for row in read_csv(self.path("F.csv"))}
+        names = {pair[0] for pair in factors}
+        self.assertEqual(len(factors), len(names) * (len(names) + 1))
+        self.assertIn("lit room", names)
+        for name in names:
+            self.assertLessEqual(factors[name, "*"], 1 + 1e-6)
+            self.assertAlmostEqual(sum(factors[name, to] for to in names), factors[name, "*"], delta=2e-2)
+
+    def test_door_lets_light_through(self):
+        self.good("gi_play", DOOR, "--frames", "2", "--fps", "0.5", "--field", self.path("f%d.ply"), *CONTEXT)
+        def brightest(frame):
+            return max(f["b_g"] for f in read_ply(self.path("f%d.ply" % frame))[1] if f["object"] == 4) # the table in the dark room
+        self.assertGreater(brightest(1), 10 * brightest(0))
+
+    def test_rebuild_gives_the_same_light(self):
+        for name, more in (("u", []), ("r", ["--rebuild"])):
+            self.good("gi_play", DOOR, "--frames", "3", "--fps", "4", "--field", self.path(name + "%d.ply"),
+                      "--report", self.path(name + ".csv"), *more, *CONTEXT)
+        row = read_csv(self.path("r.csv"))[2]
+        self.assertEqual(row["new_entries"], row["entries"])
+        bound = float(row["solve_bound_w_per_m2"]) + float(read_csv(self.path("u.csv"))[2]["solve_bound_w_per_m2"])
+        for a, b in zip(read_ply(self.path("u2.ply"))[1], read_ply(self.path("r2.ply"))[1]):
+            for c in ("b_r", "b_g", "b_b"):
+                self.assertAlmostEqual(a[c], b[c], delta=bound + 1e-5 * max(a[c], 1))
+
+    def test_obj_room_is_true(self):
+        self.path("room.mtl", ROOM_MATERIALS)
+        self.good("gi_play", self.path("room.obj", ROOM), "--field", self.path("f%d.ply"), "--form-factors", self.path("F.csv"),
+                  "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005", *CONTEXT)
+        faces = read_ply(self.path("f0.ply"))[1]
+        names = [row["from"] for row in read_csv(self.path("F.csv")) if row["to"] == "*"]
+        self.assertEqual(names, ["floor", "ceiling", "back", "front", "left", "right"])
+        self.assertEqual([face["object"] for face in faces], list(range(6)))
+        for name, truth in ROOM_TRUTH.items():
+            self.assertAlmostEqual(faces[names.index(name)]["b_g"], truth, delta=0.005 * truth)
+        across = [float(row["F"]) for row in read_csv(self.path("F.csv")) if (row["from"], row["to"]) == ("left", "right")]
+        self.assertAlmostEqual(across[0], ACROSS, delta=0.005 * ACROSS)
+
+    def test_empty_scene_is_black(self):
+        empty = self.path("empty.gltf", json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}]}))
+        self.good("gi_play", empty, "--images", self.path("p%d.png"), "--field", self.path("f%d.ply"),
+                  "--form-factors", self.path("F.csv"), *TINY)
+        self.assertEqual(read_ply(self.path("f0.ply")), ([], []))
+        self.assertEqual(read_csv(self.path("F.csv")), [])
+
+    def test_bad_options(self):
+        for arguments in (["--nonsense"], ["--frames"], ["--frames", "0"], ["--frames", "1e99"], ["--fps", "-1"], ["--fps", "nan"],
+                          ["--size", "0x5"], ["--size", "5"], ["--size", "5x5x"], ["--mode", "all"], ["--context", "x"],
+                          ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"], ["--leaf-size", "0"], ["--solve-tolerance", "x"],
+                          ["--images", "frame.png"], ["--images", "%s.png"], ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"]):
+            self.bad("moving_buddha", *arguments, says=arguments[0])
+            self.bad("gi_play", DOOR, *arguments, says=arguments[0])
+        self.bad("moving_buddha", "scene.gltf", says="scene.gltf")
+        self.bad("gi_play", says="scene")
+        self.bad("gi_play", DOOR, DOOR, says=DOOR)
+
+    def test_bad_scenes(self):
+        scenes = {"missing.gltf": None, "broken.gltf": "{", "cut.glb": "glTF", "scene.txt": "x", "empty.obj": "",
+                  "nan.obj": "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "white.obj": "mtllib white.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl w\nf 1 2 3\n"}
+        self.path("white.mtl", "newmtl w\nKd 1 1 1\n")
+        for name, text in scenes.items():
+            path = self.path(name, text)
+            self.bad("gi_play", path, "--report", self.path("r.csv"), *TINY, says=name)
+            self.bad("moving_buddha", "--frames", "1", "--mesh", path, *TINY, says=name)
+
+    def test_nowhere_to_write(self):
+        for option, name in (("--images", "p%d.png"), ("--field", "f%d.ply"), ("--report", "r.csv"), ("--form-factors", "F.csv")):
+            place = os.path.join(self.folder, "absent", name)
+            self.bad("gi_play", DOOR, "--frames", "1", option, place, *TINY, says=place)
+        self.path("file", "")
+        self.bad("moving_buddha", "--frames", "1", "--out", self.path("file/out"), *TINY, says="file")
+        if os.path.exists("/dev/full"):
+            self.bad("gi_play", DOOR, "--frames", "1", "--form-factors", "/dev/full", *TINY, says="/dev/full")
+            self.bad("gi_play", DOOR, "--frames", "1", "--report", "/dev/full", *TINY, says="/dev/full")
+
+    def test_no_opengl_45(self):
+        old = {"MESA_GL_VERSION_OVERRIDE": "3.3", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+        self.bad("moving_buddha", "--frames", "1", "--context", "osmesa", environment=old, says="4.5")
+        self.bad("gi_play", DOOR, "--frames", "1", "--context", "glfw", environment=old, says="display")
+
+    def test_too_fine(self):
+        self.bad("moving_buddha", "--frames", "1", "--leaf-size", "1e-5", "--report", self.path("r.csv"), *TINY, says="leaves")
+
+
+def main():
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(Programs)
+    result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
+    failed, skipped = len(result.failures) + len(result.errors), len(result.skipped)
+    print("[  PASSED  ] %d test(s)." % (result.testsRun - failed - skipped))
+    if skipped:
+        print("[  SKIPPED ] %d test(s), listed above." % skipped)
+    if failed:
+        print("[  FAILED  ] %d test(s), listed above." % failed)
+    return 1 if failed else 0
+
+
+sys.exit(main())
