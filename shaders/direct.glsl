@@ -1,4 +1,7 @@
 // Direct light of a point from the lamps: Lambert's polygon formula, times the share of the lamp's samples that see the point.
+//
+// LAMPS, where it is defined, says how many lamps there are, one or two of GI_LAMP_FEW_SAMPLES samples each. With numbers known to the
+// compiler software renderers read uniforms once for all pixels instead of once a pixel: half the time of the whole picture.
 #include "shade_shared.h"
 
 layout(std140, binding = GI_BIND_LAMPS) uniform lamp_block { gi_lamp_block lights; };
@@ -161,16 +164,16 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	float size = float(textureSize(depth_values, 0).x);
 	receiver r = make_receiver(k, p, n, sink);
 	answer a = answer(0.0, 0.0, 0.0, 0.0);
-#ifdef ONE_LAMP
-	const uint first = 0u;
-	probe_wide(0u, r, a);
-	probe_wide(1u, r, a);
-	probe_wide(2u, r, a);
-	probe_wide(3u, r, a);
-	probe(4u, r, size, a);
-	probe(5u, r, size, a);
-	probe(6u, r, size, a);
-	probe(7u, r, size, a);
+#ifdef LAMPS
+	uint first = k * GI_LAMP_FEW_SAMPLES;
+	probe_wide(first, r, a);
+	probe_wide(first + 1u, r, a);
+	probe_wide(first + 2u, r, a);
+	probe_wide(first + 3u, r, a);
+	probe(first + 4u, r, size, a);
+	probe(first + 5u, r, size, a);
+	probe(first + 6u, r, size, a);
+	probe(first + 7u, r, size, a);
 #else
 	uint first = range.x, probes = first + min(range.y, GI_LAMP_PROBES);
 	for (uint i = first; i < probes; i++)
@@ -188,14 +191,20 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	return r.q.z > NEAREST * length(r.q) ? share : 1.0;
 }
 
-#ifdef ONE_LAMP
-// The common scene has one lamp. With numbers known to the compiler, software renderers read uniforms once for all pixels
-// instead of once a pixel: half the time of the whole picture.
+#ifdef LAMPS
+vec3 light_of(uint k, vec3 p, vec3 n, float sink)
+{
+	float factor = lamp_factor(k, p, n);
+	factor *= lights.lamps[k].range.y != 0u ? lamp_visibility(k, p, n, sink) : 1.0;
+	return lights.lamps[k].exitance.xyz * factor;
+}
+
 vec3 direct_irradiance(vec3 p, vec3 n, float sink)
 {
-	float factor = lamp_factor(0u, p, n);
-	factor *= lights.lamps[0].range.y != 0u ? lamp_visibility(0u, p, n, sink) : 1.0;
-	return lights.lamps[0].exitance.xyz * factor;
+	vec3 sum = light_of(0u, p, n, sink);
+	if (LAMPS == 2)
+		sum += light_of(1u, p, n, sink);
+	return sum;
 }
 #else
 vec3 direct_irradiance(vec3 p, vec3 n, float sink)

@@ -1,4 +1,4 @@
 #version 450 core
-// The drawn surface under one lamp of 16 samples.
-#define ONE_LAMP
+// The drawn surface under one lamp.
+#define LAMPS 1
 #include "draw.glsl"

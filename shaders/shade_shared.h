@@ -14,6 +14,7 @@
 
 #define GI_LAMP_MAX 32u        /* lamps drawn per pixel; what emits beyond them goes through the leaves */
 #define GI_LAMP_SAMPLE_MAX 32u /* depth maps of all lamps together */
+#define GI_LAMP_FEW_SAMPLES 16u /* of one lamp, and of each of two */
 #define GI_LAMP_PROBES 8u      /* samples that have to disagree before the others are asked */
 
 #define GI_BIND_LAMPS 0 /* uniform block */

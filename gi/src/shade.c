@@ -25,9 +25,13 @@ typedef struct draw_vertex {
 	float weight[4];
 } draw_vertex;
 
+/* Fragment shaders by how many lamps there are. */
+enum { DRAW_PROGRAMS = 4 };
+static const char *const DRAW_SHADERS[DRAW_PROGRAMS] = {"draw_none.frag", "draw_one.frag", "draw_two.frag", "draw_many.frag"};
+
 struct gi_shade {
 	bool built; /* for the scene as committed */
-	uint32_t draw_program, draw_one_program;
+	uint32_t programs[DRAW_PROGRAMS]; /* made when wanted */
 	gpu_mesh mesh;
 	gi_shadow shadow;
 	gi_overlays overlays;
@@ -135,11 +139,7 @@ static gi_result prepare(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (shade->built)
 		return GI_OK;
-	gi_result result = shade->draw_program ? GI_OK : gpu_program_draw(&gi->gpu, "draw.vert", "draw.frag", &shade->draw_program);
-	if (!result && !shade->draw_one_program)
-		result = gpu_program_draw(&gi->gpu, "draw.vert", "draw_one.frag", &shade->draw_one_program);
-	if (!result)
-		result = build_mesh(gi, shade);
+	gi_result result = build_mesh(gi, shade);
 	if (!result)
 		result = shadow_create(gi, &shade->shadow);
 	if (result)
@@ -166,8 +166,8 @@ void shade_free(gi_context *gi)
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
 	overlay_free(gi, &gi->shade->overlays);
-	gpu_program_free(&gi->shade->draw_program);
-	gpu_program_free(&gi->shade->draw_one_program);
+	for (int k = 0; k < DRAW_PROGRAMS; k++)
+		gpu_program_free(&gi->shade->programs[k]);
 	free(gi->shade);
 	gi->shade = NULL;
 }
@@ -201,15 +201,21 @@ static bool is_heat_map(const gi_view *view)
 	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
 }
 
-static void draw_surfaces(gi_context *gi, const gi_view *view, const float clip_from_world[16])
+static gi_result draw_surfaces(gi_context *gi, const gi_view *view, const float clip_from_world[16])
 {
-	const gi_shade *shade = gi->shade;
-	const uint32_t program = shade->shadow.lamps.counts.x == 1 ? shade->draw_one_program : shade->draw_program;
-	gpu_set_matrices(program, 0, 1, clip_from_world);
-	gpu_set_uint(program, 1, (uint32_t)view->mode);
+	gi_shade *shade = gi->shade;
+	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamps.counts.x;
+	const uint32_t kind = lamps < DRAW_PROGRAMS ? lamps : DRAW_PROGRAMS - 1;
+	uint32_t *program = &shade->programs[kind];
+	gi_result result = *program ? GI_OK : gpu_program_draw(&gi->gpu, "draw.vert", DRAW_SHADERS[kind], program);
+	if (result)
+		return result;
+	gpu_set_matrices(*program, 0, 1, clip_from_world);
+	gpu_set_uint(*program, 1, (uint32_t)view->mode);
 	gpu_bind_uniforms(GI_BIND_LAMPS, &shade->shadow.uniforms);
 	gpu_depth_maps_bind(&shade->shadow.maps, 0);
-	gpu_mesh_draw(&shade->mesh, program);
+	gpu_mesh_draw(&shade->mesh, *program);
+	return GI_OK;
 }
 
 static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_draw_state *state)
@@ -220,8 +226,8 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 	gpu_draw_to_host(state, view->width, view->height);
 	if (!is_heat_map(view))
-		draw_surfaces(gi, view, clip_from_world);
-	if (view->overlay != GI_OVERLAY_NONE)
+		result = draw_surfaces(gi, view, clip_from_world);
+	if (!result && view->overlay != GI_OVERLAY_NONE)
 		result = overlay_draw(gi, &gi->shade->overlays, view, clip_from_world);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 	return result;

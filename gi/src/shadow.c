@@ -285,19 +285,19 @@ static const float (*pattern_of(uint32_t samples))[2]
 	}
 }
 
-/* Samples of each lamp, powers of two by its share of the power: 16 for one lamp, 32 for several together. */
+/* Samples of each lamp: as many as the shaders of one or two lamps know, else powers of two by its share of the power. */
 static void share_samples(const gi_lamps *lamps, uint32_t samples[GI_LAMP_MAX])
 {
-	const uint32_t budget = lamps->count > 1 ? GI_LAMP_SAMPLE_MAX : 16;
+	const bool few = lamps->count <= 2;
 	uint32_t total = lamps->count;
 	for (uint32_t k = 0; k < lamps->count; k++)
-		samples[k] = 1;
-	for (;;) {
+		samples[k] = few ? GI_LAMP_FEW_SAMPLES : 1;
+	while (!few) {
 		uint32_t best = GI_NONE;
 		double most = 0;
 		for (uint32_t k = 0; k < lamps->count; k++) {
 			const double share = lamps->polygon[k].power / samples[k];
-			if (share > most && total + samples[k] <= budget) {
+			if (share > most && total + samples[k] <= GI_LAMP_SAMPLE_MAX) {
 				most = share;
 				best = k;
 			}

@@ -1,0 +1,10 @@
+#version 450 core
+// The drawn surface without direct light.
+layout(location = 2) in vec3 own;
+
+layout(location = 0) out vec4 radiance;
+
+void main()
+{
+	radiance = vec4(own, 1.0);
+}
