@@ -72,41 +72,62 @@ static void add_figures(lines *l, const overlay *o)
 	add(l, "%.60s", o->renderer);
 }
 
-static void add_help(lines *l, const overlay *o)
+/* The font is proportional: keys and what they do are two columns. */
+static void add_help(lines *keys, lines *actions, bool can_move)
 {
-	add(l, "left drag    turn the view");
-	add(l, "scroll       nearer, farther");
-	if (o->can_move)
-		add(l, "arrows, right drag  move the figure");
-	add(l, "1 2 3, M     direct, indirect, global; next");
-	add(l, "space        pause");
-	add(l, "W            wireframe of the leaves");
-	add(l, "D            heat map of dirty entries");
-	add(l, "R            heat map of the residual");
-	add(l, "O            no overlay");
-	add(l, "B            build every frame from scratch");
-	add(l, "- =          darker, brighter");
-	add(l, "H            this list");
-	add(l, "Esc          end");
+	static const char *const help[][2] = {
+		{"arrows, right drag", "move the figure"},
+		{"left drag", "turn the view"},
+		{"scroll", "nearer, farther"},
+		{"1  2  3  M", "direct, indirect, global, next"},
+		{"space", "pause"},
+		{"W", "wireframe of the leaves"},
+		{"D", "heat map of dirty entries"},
+		{"R", "heat map of the residual"},
+		{"O", "no overlay"},
+		{"B", "build every frame from scratch"},
+		{"-  =", "darker, brighter"},
+		{"H", "this list"},
+		{"Esc", "end"},
+	};
+	for (size_t k = can_move ? 0 : 1; k < sizeof help / sizeof *help; k++) {
+		add(keys, "%s", help[k][0]);
+		add(actions, "%s", help[k][1]);
+	}
 }
 
-/* Glyphs of the font are at most 7 wide and lines 12 high, times scale. */
-static void show(engine_hud *hud, const lines *l, float top, float scale)
+static const float MARGIN = 6, LINE = 12, KEY_COLUMN = 112;
+static const float INK[4] = {1, 1, 1, 1};
+
+/* A dark box behind so many lines; glyphs are about 5.4 wide. */
+static void show_box(engine_hud *hud, float top, float scale, float characters, int line_count)
 {
-	static const float shade[4] = {0, 0, 0, 0.55f}, ink[4] = {1, 1, 1, 1};
-	const float margin = 6 * scale;
-	engine_hud_box(hud, (float[4]){0, top, 2 * margin + 6.2f * scale * (float)l->widest, 2 * margin + 12 * scale * (float)l->count}, shade);
-	engine_hud_text(hud, margin, top + margin, scale, ink, "%s", l->text);
+	static const float shade[4] = {0, 0, 0, 0.5f};
+	const float box[4] = {0, top, scale * (2 * MARGIN + 5.4f * characters), scale * (2 * MARGIN + LINE * (float)line_count)};
+	engine_hud_box(hud, box, shade);
+}
+
+static void show_figures(engine_hud *hud, const lines *l, float scale)
+{
+	show_box(hud, 0, scale, (float)l->widest, l->count);
+	engine_hud_text(hud, scale * MARGIN, scale * MARGIN, scale, INK, "%s", l->text);
+}
+
+static void show_help(engine_hud *hud, bool can_move, float top, float scale)
+{
+	lines keys = {0}, actions = {0};
+	add_help(&keys, &actions, can_move);
+	show_box(hud, top, scale, KEY_COLUMN / 5.4f + (float)actions.widest, keys.count);
+	engine_hud_text(hud, scale * MARGIN, top + scale * MARGIN, scale, INK, "%s", keys.text);
+	engine_hud_text(hud, scale * (MARGIN + KEY_COLUMN), top + scale * MARGIN, scale, INK, "%s", actions.text);
 }
 
 void overlay_text(engine_hud *hud, const overlay *o, int height)
 {
-	const float scale = height >= 1000 ? 2 : height >= 640 ? 1.5f : 1;
-	lines figures = {0}, help = {0};
+	const float scale = height >= 1000 ? 2 : height >= 800 ? 1.5f : 1;
+	lines figures = {0};
 	add_figures(&figures, o);
-	show(hud, &figures, 0, scale);
-	if (!o->help)
-		return;
-	add_help(&help, o);
-	show(hud, &help, (12 * (float)figures.count + 20) * scale, scale);
+	show_figures(hud, &figures, scale);
+	if (o->help)
+		show_help(hud, o->can_move, scale * (LINE * (float)figures.count + 3 * MARGIN), scale);
 }

@@ -181,7 +181,7 @@ static void show(player *p, const gi_report *report)
 				 .report = *report,
 				 .mode = p->mode,
 				 .layer = p->layer,
-				 .fps = p->fps,
+				 .fps = p->interval_ms > 0 ? 1e3 / p->interval_ms : 0,
 				 .update_ms = p->update_ms,
 				 .frame_ms = p->frame_ms,
 				 .paused = p->paused,

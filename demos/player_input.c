@@ -103,12 +103,21 @@ static void push(player *p, const engine_input *in, double seconds)
 		p->scene->move(p->scene->user, r * right[0] + a * away[0], r * right[2] + a * away[2]);
 }
 
+/* Smoothed over half a second. The first two frames build everything and are no measure of the others. */
+static void note_interval(player *p, double ms)
+{
+	if (p->frame < 2)
+		return;
+	const double share = p->interval_ms > 0 ? fmin(1, ms / 500) : 1;
+	p->interval_ms += share * (ms - p->interval_ms);
+}
+
 void player_input(player *p)
 {
 	const engine_input *in = engine_context_poll(p->context);
-	const double now = player_clock_ms(), seconds = fmin(0.25, 1e-3 * (now - p->last_clock_ms));
+	const double before = p->last_clock_ms, now = player_clock_ms(), seconds = fmin(0.25, 1e-3 * (now - before));
 	p->last_clock_ms = now;
-	p->fps = p->fps > 0 ? 0.9 * p->fps + 0.1 / fmax(seconds, 1e-6) : 1 / fmax(seconds, 1e-6);
+	note_interval(p, now - before);
 	if (!engine_context_has_window(p->context))
 		return;
 	for (int k = 0; k < in->pressed_count; k++)

@@ -31,7 +31,8 @@ typedef struct player {
 	bool paused, rebuild, help;
 	float exposure;
 
-	double update_ms, frame_ms, fps;
+	double update_ms, frame_ms;
+	double interval_ms; /* from frame to frame, smoothed; 0: not known yet */
 	double last_clock_ms;
 	report report;
 	char report_path[PLAYER_PATH];
