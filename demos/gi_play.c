@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { CAGE_FACES = 4000 };
 
@@ -92,9 +93,10 @@ int main(int argc, char **argv)
 		fprintf(stderr, "%s: %s\n", o->program, message);
 		return EXIT_FAILURE;
 	}
+	const char *slash = strrchr(play.path, '/');
 	const bool asked = o->images || o->report || o->field || o->form_factors;
 	const player_scene scene = {.user = &play,
-				    .title = "gi_play",
+				    .title = slash ? slash + 1 : play.path,
 				    .create = create,
 				    .animate = animate,
 				    .view = view,

@@ -99,11 +99,11 @@ static void add_help(lines *keys, lines *actions, bool can_move)
 static const float MARGIN = 6, LINE = 12, KEY_COLUMN = 112;
 static const float INK[4] = {1, 1, 1, 1};
 
-/* A dark box behind so many lines; glyphs are about 5.4 wide. */
+/* A dark box behind so many lines; glyphs are at most 5.8 wide on average. */
 static void show_box(engine_hud *hud, float top, float scale, float characters, int line_count)
 {
 	static const float shade[4] = {0, 0, 0, 0.5f};
-	const float box[4] = {0, top, scale * (2 * MARGIN + 5.4f * characters), scale * (2 * MARGIN + LINE * (float)line_count)};
+	const float box[4] = {0, top, scale * (2 * MARGIN + 5.8f * characters), scale * (2 * MARGIN + LINE * (float)line_count)};
 	engine_hud_box(hud, box, shade);
 }
 
@@ -117,7 +117,7 @@ static void show_help(engine_hud *hud, bool can_move, float top, float scale)
 {
 	lines keys = {0}, actions = {0};
 	add_help(&keys, &actions, can_move);
-	show_box(hud, top, scale, KEY_COLUMN / 5.4f + (float)actions.widest, keys.count);
+	show_box(hud, top, scale, KEY_COLUMN / 5.8f + (float)actions.widest, keys.count);
 	engine_hud_text(hud, scale * MARGIN, top + scale * MARGIN, scale, INK, "%s", keys.text);
 	engine_hud_text(hud, scale * (MARGIN + KEY_COLUMN), top + scale * MARGIN, scale, INK, "%s", actions.text);
 }
