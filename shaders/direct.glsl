@@ -179,14 +179,15 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	for (uint i = first; i < probes; i++)
 		probe_wide(i, r, a);
 #endif
-	// Probes that agree speak for all samples. Software renderers run a loop's body once where no pixel wants it, so it is short.
-	bool agree = a.hidden == 0.0 || a.hidden == a.asked;
+	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for dark leaves steps
+	// along the edges of dark shadows. Software renderers run a loop's body once where no pixel wants it, so it is short.
+	bool clear = a.hidden == 0.0;
 	uint end = first + range.y;
 	float blocker = depth.y / (a.depth / max(a.blockers, 1.0) - depth.x);
-	r.reach = reach_past(agree ? r.q.z : blocker, k, r);
-	for (uint i = agree ? end : first; i < end; i++)
+	r.reach = reach_past(clear ? r.q.z : blocker, k, r);
+	for (uint i = clear ? end : first; i < end; i++)
 		look(i, r);
-	float share = agree ? (a.hidden == 0.0 ? 1.0 : 0.0) : r.lit / r.total;
+	float share = clear ? 1.0 : r.lit / r.total;
 	// The contour of a curved lamp is seen a little beyond its plane, where no map looks.
 	return r.q.z > NEAREST * length(r.q) ? share : 1.0;
 }
