@@ -87,7 +87,8 @@ void main()
 		shown = back_side ? -sides.y : sides.x;
 	}
 
-	float sum = 0.0, weight_sum = 0.0;
+	// A source's plane may part the receiver: points behind it see no front, and take nothing from those before it.
+	float front = 0.0, behind = 0.0, weight_sum = 0.0;
 	int points = side == 1 && folded ? 2 : side * side;
 	for (int k = 0; k < points; k++) {
 		int i = k % side, j = k / side;
@@ -116,15 +117,11 @@ void main()
 					   corner_of(source.corners.z, same) - origin, corner_of(source.corners.w, same) - origin);
 			f = polygon_factor(v, n);
 		}
-		sum += weight * f;
+		front += weight * max(f, 0.0);
+		behind += weight * max(-f, 0.0);
 		weight_sum += weight;
 	}
-	float f = sum / weight_sum;
-	uint back = 0u;
-	if (f < 0.0) {
-		f = (flags.w & GI_NODE_BACK) != 0u ? -f : 0.0;
-		back = GI_ENTRY_BACK;
-	}
-	entries[slot].y = floatBitsToUint(f);
-	entries[slot].w = leaf | back;
+	bool back = (flags.w & GI_NODE_BACK) != 0u && behind > front;
+	entries[slot].y = floatBitsToUint((back ? behind : front) / weight_sum);
+	entries[slot].w = leaf | (back ? GI_ENTRY_BACK : 0u);
 }
