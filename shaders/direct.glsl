@@ -1,15 +1,17 @@
-// Direct light of a point from the lamps: Lambert's polygon formula, times the share of the lamp's samples that see the point.
+// Direct light of a point from the lamps: Lambert's polygon formula, times the share of the lamp's samples that see the
+// point.
 //
-// LAMPS, where it is defined, says how many lamps there are, one or two of GI_LAMP_FEW_SAMPLES samples each. With numbers known to the
-// compiler software renderers read uniforms once for all pixels instead of once a pixel: half the time of the whole picture.
+// LAMPS, where it is defined, says how many lamps there are, one or two of GI_LAMP_FEW_SAMPLES samples each. With
+// numbers known to the compiler software renderers read uniforms once for all pixels instead of once a pixel: half the
+// time of the whole picture.
 #include "shade_shared.h"
 
 layout(std140, binding = GI_BIND_LAMPS) uniform lamp_block { gi_lamp_block lights; };
 layout(binding = 0) uniform sampler2DArrayShadow depth_maps; // compared
 layout(binding = 1) uniform sampler2DArray depth_values;     // as they are
 
-// Receivers are moved along their normal by this many texels times the sine to the light: what one texel of the map spans in
-// depth on a slope, over the two texels that the filter reads.
+// Receivers are moved along their normal by this many texels times the sine to the light: what one texel of the map
+// spans in depth on a slope, over the two texels that the filter reads.
 const float NORMAL_TEXELS = 1.6;
 // And towards the light by this many, for depths rounded on surfaces that face it.
 const float DEPTH_TEXELS = 0.6;
@@ -17,8 +19,8 @@ const float DEPTH_TEXELS = 0.6;
 // Closer to the lamp's plane than this share of the distance no map looks.
 const float NEAREST = 1e-4;
 
-// Angle between the unit vectors u and v over its sine and over 2 pi, times u x v. A rational fit of the angle in the cosine: no atan;
-// relative error 2e-4 (Heitz, Dupuy, Hill and Neubelt, Real-time polygonal-light shading, 2016).
+// Angle between the unit vectors u and v over its sine and over 2 pi, times u x v. A rational fit of the angle in the
+// cosine: no atan; relative error 2e-4 (Heitz, Dupuy, Hill and Neubelt, Real-time polygonal-light shading, 2016).
 vec3 contour_term(vec3 u, vec3 v)
 {
 	float x = dot(u, v), y = abs(x);
@@ -27,7 +29,8 @@ vec3 contour_term(vec3 u, vec3 v)
 	return cross(u, v) * ratio;
 }
 
-// One edge, clipped to the heights above zero. Where it goes down through the horizon or comes up, that crossing is kept.
+// One edge, clipped to the heights above zero. Where it goes down through the horizon or comes up, that crossing is
+// kept.
 float clipped_edge(vec3 a, vec3 b, vec3 n, float ha, float hb, inout vec3 leave, inout vec3 enter)
 {
 	vec3 crossing = a + (b - a) * (ha / (abs(ha - hb) < 1e-30 ? 1e-30 : ha - hb));
@@ -179,8 +182,9 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	for (uint i = first; i < probes; i++)
 		probe_wide(i, r, a);
 #endif
-	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for dark leaves steps
-	// along the edges of dark shadows. Software renderers run a loop's body once where no pixel wants it, so it is short.
+	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for dark
+	// leaves steps along the edges of dark shadows. Software renderers run a loop's body once where no pixel wants it, so
+	// it is short.
 	bool clear = a.hidden == 0.0;
 	uint end = first + range.y;
 	float blocker = depth.y / (a.depth / max(a.blockers, 1.0) - depth.x);

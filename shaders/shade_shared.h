@@ -1,8 +1,8 @@
 /* What the shaders of the picture share with gi/src/lamp.c and shadow.c; read by both compilers.
  *
- * A lamp is a polygon that gives direct light per pixel. Its shadows come from a few samples on it, each with a depth map: one layer of
- * an array texture. All samples of a lamp share one frame and one frustum, only its tip differs, so that a pixel's coordinates in
- * the maps differ by a shift alone:
+ * A lamp is a polygon that gives direct light per pixel. Its shadows come from a few samples on it, each with a depth
+ * map: one layer of an array texture. All samples of a lamp share one frame and one frustum, only its tip differs, so
+ * that a pixel's coordinates in the maps differ by a shift alone:
  *
  *     q = frame * (p - origin)         q.z along the lamp's normal, the same for every sample s of the lamp's plane
  *     uv = (q.xy - s.xy) * scale / q.z + shift        depth = depth.x + depth.y / q.z

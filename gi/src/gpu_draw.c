@@ -22,8 +22,8 @@ static void describe_vertices(const gpu_mesh *mesh, const gpu_attribute *attribu
 	}
 }
 
-gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes, uint64_t vertex_count,
-			  const void *vertices, uint64_t index_count, const uint32_t *indices)
+gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes,
+			  uint64_t vertex_count, const void *vertices, uint64_t index_count, const uint32_t *indices)
 {
 	gpu_mesh_free(g, mesh);
 	gi_result result = gpu_buffer_allocate(g, &mesh->vertices, vertex_bytes * vertex_count, vertices);
@@ -54,7 +54,8 @@ static void draw(const gpu_mesh *mesh, uint32_t program, GLenum primitive, gpu_r
 		return;
 	glUseProgram(program);
 	glBindVertexArray(mesh->array);
-	glDrawElements(primitive, (GLsizei)range.count, GL_UNSIGNED_INT, (const void *)(sizeof(uint32_t) * (uintptr_t)range.first));
+	const uintptr_t offset = sizeof(uint32_t) * (uintptr_t)range.first;
+	glDrawElements(primitive, (GLsizei)range.count, GL_UNSIGNED_INT, (const void *)offset);
 }
 
 void gpu_mesh_draw(const gpu_mesh *mesh, uint32_t program)
@@ -103,6 +104,7 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	glSamplerParameteri(maps->plain_sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 	glCreateFramebuffers(1, &maps->framebuffer);
 	glNamedFramebufferDrawBuffer(maps->framebuffer, GL_NONE);
+	glNamedFramebufferReadBuffer(maps->framebuffer, GL_NONE);
 	maps->size = size;
 	maps->layers = layers;
 	maps->bytes = sizeof(float) * (uint64_t)size * size * layers;

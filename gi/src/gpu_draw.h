@@ -1,4 +1,5 @@
-/* The OpenGL of drawing: meshes, depth maps, framebuffers, state. The other half of gpu.c; nothing else in gi/ calls OpenGL. */
+/* The OpenGL of drawing: meshes, depth maps, framebuffers, state. The other half of gpu.c; nothing else in gi/ calls
+ * OpenGL. */
 #ifndef GI_GPU_DRAW_H
 #define GI_GPU_DRAW_H
 
@@ -18,8 +19,8 @@ typedef struct gpu_attribute {
 	uint32_t offset; /* bytes into the vertex */
 } gpu_attribute;
 
-gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes, uint64_t vertex_count,
-			  const void *vertices, uint64_t index_count, const uint32_t *indices);
+gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes,
+			  uint64_t vertex_count, const void *vertices, uint64_t index_count, const uint32_t *indices);
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
 void gpu_mesh_draw(const gpu_mesh *mesh, uint32_t program);
 void gpu_mesh_draw_lines(const gpu_mesh *mesh, uint32_t program);
@@ -40,8 +41,8 @@ typedef struct gpu_depth_maps {
 /* Keeps what is there when it is the same. */
 gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uint32_t layers);
 void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps);
-/* Clears a layer to the farthest depth and makes it what is drawn into. Its outermost texels stay clear: beyond the map nothing
- * hides anything. */
+/* Clears a layer to the farthest depth and makes it what is drawn into. Its outermost texels stay clear: beyond the map
+ * nothing hides anything. */
 void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer);
 /* Compared at `unit`, as plain values at the next. */
 void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit);

@@ -167,7 +167,8 @@ static bool may_join(const candidate *a, const candidate *b)
 {
 	const gi_vec3d n = {a->polygon.normal[0], a->polygon.normal[1], a->polygon.normal[2]};
 	const gi_vec3d m = {b->polygon.normal[0], b->polygon.normal[1], b->polygon.normal[2]};
-	return !a->curved && !b->curved && gi_vec3d_dot(n, m) > 1 - JOIN_TOLERANCE && is_quad(&a->polygon) && is_quad(&b->polygon);
+	return !a->curved && !b->curved && gi_vec3d_dot(n, m) > 1 - JOIN_TOLERANCE && is_quad(&a->polygon) &&
+	       is_quad(&b->polygon);
 }
 
 static void join_neighbours(candidates *c)

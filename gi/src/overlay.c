@@ -22,7 +22,6 @@ typedef struct overlay_vertex {
 static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	/* Flat objects are one polygon from the top: their leaves' planes are the surface. */
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
 		const uint32_t node = h->leaf_node[leaf], number = o->leaf_base + leaf, first = 4 * number;
 		const gi_node_geometry *g = &h->geometry[node];
@@ -31,6 +30,7 @@ static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t
 			overlay_vertex *v = &vertices[first + k];
 			memcpy(v->position, &h->vertices[corners[k]], sizeof v->position);
 			memcpy(v->normal, &g->axis, sizeof v->normal);
+			/* Leaves drawn flat have four corners and a centre. */
 			v->lift = g->sphere.w * (o->skin.vertex_count > 5 * h->leaf_count ? LIFT : FLAT_LIFT);
 			v->leaf = number;
 			edges[8 * (size_t)number + 2 * k] = first + k;
@@ -82,7 +82,8 @@ static void eye_of(const gi_view *view, float eye[4])
 	eye[3] = parallel ? 0.0f : 1.0f;
 }
 
-gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
+gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view,
+		       const float clip_from_world[16])
 {
 	if (!overlays->edges.array) {
 		gi_result result = build(gi, overlays);

@@ -12,7 +12,8 @@ typedef struct gi_overlays {
 } gi_overlays;
 
 /* Draws the view's overlay: lines over the picture, or a heat map in place of it. The host's framebuffer is bound. */
-gi_result overlay_draw(struct gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16]);
+gi_result overlay_draw(struct gi_context *gi, gi_overlays *overlays, const gi_view *view,
+		       const float clip_from_world[16]);
 
 void overlay_invalidate(struct gi_context *gi, gi_overlays *overlays);
 void overlay_free(struct gi_context *gi, gi_overlays *overlays);

@@ -1,4 +1,5 @@
-/* The picture: everything drawn at once, direct light per pixel (lamp.c, shadow.c), indirect light from the leaves (skin.h).
+/* The picture: everything drawn at once, direct light per pixel (lamp.c, shadow.c), indirect light from the leaves
+ * (skin.h).
  *
  * One mesh holds the skins of all objects, small objects first: what they hide of the walls behind them is not shaded.
  *
@@ -27,7 +28,8 @@ typedef struct draw_vertex {
 
 /* Fragment shaders by how many lamps there are. */
 enum { DRAW_PROGRAMS = 4 };
-static const char *const DRAW_SHADERS[DRAW_PROGRAMS] = {"draw_none.frag", "draw_one.frag", "draw_two.frag", "draw_many.frag"};
+static const char *const DRAW_SHADERS[DRAW_PROGRAMS] = {"draw_none.frag", "draw_one.frag", "draw_two.frag",
+							 "draw_many.frag"};
 
 struct gi_shade {
 	bool built; /* for the scene as committed */
@@ -239,8 +241,10 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (!view)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: view must not be NULL");
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL || !view->width || !view->height)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode, overlay or an empty viewport is out of range");
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
+	if (!view->width || !view->height)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: the viewport is empty");
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
 	if (!gi->scene.leaf_count)

@@ -13,7 +13,8 @@ enum { MAP_SIZE = 512 };
 /* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
 enum { WALL_POLYGONS = 64 };
 
-/* Maps reach this far to each side of a lamp's normal (75 degrees); what comes in flatter than that is 7 % of the light. */
+/* Maps reach this far to each side of a lamp's normal (75 degrees); what comes in flatter than that is 7 % of the
+ * light. */
 static const double WIDEST = 3.73;
 
 /* A frustum's borders are multiples of its width over this, so that maps keep their texels while something moves. */
@@ -21,6 +22,9 @@ static const double BORDER_STEPS = 16;
 
 /* Texels between a border and the nearest shadow, for filters. */
 static const double BORDER_TEXELS = 4;
+
+/* A sample looks this share of the way to its neighbours aside, to both sides: shadows of neighbours then meet. */
+static const double LOOK_ASIDE = 0.25;
 
 /* Vertices this share of the scene's size behind a wall still lie on it. */
 static const double WALL_SLACK = 1e-4;
@@ -46,7 +50,7 @@ typedef struct caster_vertex {
 
 /* ---- the mesh ---- */
 
-/* Calls for the coarsest flat polygons that tile the object. */
+/* The next of the coarsest flat polygons that tile the object, GI_NONE after the last; *node is where the walk is. */
 static uint32_t next_flat(const gi_hierarchy *h, uint32_t *node)
 {
 	while (*node < h->node_count) {
@@ -89,8 +93,8 @@ static bool add_walls(const gi_hierarchy *h, shadow_caster *c, uint32_t polygons
 	return true;
 }
 
-static bool add_caster(const scene_object *o, uint32_t slot, shadow_caster *c, caster_vertex *vertices, uint32_t *indices,
-		       uint32_t *index_count)
+static bool add_caster(const scene_object *o, uint32_t slot, shadow_caster *c, caster_vertex *vertices,
+		       uint32_t *indices, uint32_t *index_count)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	for (uint32_t v = 0; v < h->vertex_count; v++) {
@@ -118,9 +122,12 @@ gi_result shadow_create(gi_context *gi, gi_shadow *shadow)
 		if (s->slots[slot] != GI_NONE)
 			ok = add_caster(&s->objects[s->slots[slot]], slot, &shadow->casters[slot], vertices, indices, &index_count);
 	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
-	gi_result result = ok ? gpu_mesh_create(&gi->gpu, &shadow->mesh, attributes, sizeof *vertices, s->vertex_count, vertices,
-						index_count, indices)
-			      : gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	gi_result result = GI_OK;
+	if (ok)
+		result = gpu_mesh_create(&gi->gpu, &shadow->mesh, attributes, sizeof *vertices, s->vertex_count, vertices,
+					 index_count, indices);
+	else
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	free(vertices);
 	free(indices);
 	if (!result && !shadow->program)
@@ -244,9 +251,9 @@ static bool find_casters(const gi_context *gi, gi_shadow *shadow)
 
 /* ---- lamps ---- */
 
-/* Samples of the unit square whose shadows of a straight edge, summed, come nearest to the true ramp over all directions of
- * the edge (annealed; a grid leaves steps of a quarter where the edge runs along it). The first four lie near the corners,
- * the others follow from the outside in. */
+/* Samples of the unit square whose shadows of a straight edge, summed, come nearest to the true ramp over all
+ * directions of the edge (annealed; a grid leaves steps of a quarter where the edge runs along it). The first four lie
+ * near the corners, the others follow from the outside in. */
 static const float PATTERN_1[1][2] = {{0.5f, 0.5f}};
 static const float PATTERN_2[2][2] = {{0.702f, 0.270f}, {0.298f, 0.730f}};
 static const float PATTERN_4[4][2] = {{0.140f, 0.369f}, {0.860f, 0.631f}, {0.630f, 0.139f}, {0.370f, 0.862f}};
@@ -285,7 +292,8 @@ static const float (*pattern_of(uint32_t samples))[2]
 	}
 }
 
-/* Samples of each lamp: as many as the shaders of one or two lamps know, else powers of two by its share of the power. */
+/* Samples of each lamp: as many as the shaders of one or two lamps know, else powers of two by its share of the
+ * power. */
 static void share_samples(const gi_lamps *lamps, uint32_t samples[GI_LAMP_MAX])
 {
 	const bool few = lamps->count <= 2;
@@ -347,8 +355,8 @@ static gi_vec3d in_frame(const placed *l, gi_vec3d p)
 
 static void place_samples(placed *l, gi_vec4 *out)
 {
-	const gi_vec3d diagonal = gi_vec3d_cross(gi_vec3d_sub(l->corner[2], l->corner[0]), gi_vec3d_sub(l->corner[3], l->corner[1]));
-	l->spacing = sqrt(0.5 * gi_vec3d_length(diagonal) / l->sample_count);
+	const gi_vec3d p = gi_vec3d_sub(l->corner[2], l->corner[0]), q = gi_vec3d_sub(l->corner[3], l->corner[1]);
+	l->spacing = sqrt(0.5 * gi_vec3d_length(gi_vec3d_cross(p, q)) / l->sample_count);
 	const float(*pattern)[2] = pattern_of(l->sample_count);
 	for (int axis = 0; axis < 2; axis++) {
 		l->sample_lower[axis] = INFINITY;
@@ -418,7 +426,8 @@ static double closest_z(const placed *l, const gi_vec3d box[8], double *farthest
 	return closest;
 }
 
-/* A curved lamp does not hide itself: its surface lies about its polygons, and a sample on one would see the next one's edge. */
+/* A curved lamp does not hide itself: its surface lies about its polygons, and a sample on one would see the next one's
+ * edge. */
 static uint32_t own_shadow(const lamp_polygon *p, const gi_shadow *shadow)
 {
 	return p->bulge > 0 && p->slot < shadow->caster_count ? p->slot : GI_NONE;
@@ -442,7 +451,7 @@ static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 	}
 	if (!(farthest > 0))
 		return false;
-	/* A thousandth of the depth is as near as 24 bits of precision let a perspective begin. */
+	/* From a thousandth of the depth on, floats tell depths in the far half apart to about 1e-4 of it. */
 	l->nearest = fmax(fmax(0.99 * closest, 1.05 * p->bulge), 1e-3 * farthest);
 	l->farthest = l->nearest;
 	for (int axis = 0; axis < 2; axis++) {
@@ -498,7 +507,8 @@ static void fill_lamp(const lamp_polygon *p, const placed *l, bool casts, gi_lam
 	square_window(l, lower, &width);
 	const double n = l->nearest, f = l->farthest;
 	out->map = (gi_vec4){(float)(1 / width), (float)(1 / width), (float)(-lower[0] / width), (float)(-lower[1] / width)};
-	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / MAP_SIZE), (float)(0.25 * l->spacing)};
+	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / MAP_SIZE),
+			       (float)(LOOK_ASIDE * l->spacing)};
 }
 
 /* ---- drawing ---- */

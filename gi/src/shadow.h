@@ -26,7 +26,8 @@ typedef struct gi_shadow {
 /* Builds the casters of the committed scene. */
 gi_result shadow_create(struct gi_context *gi, gi_shadow *shadow);
 
-/* Brings lamps and maps up to the poses of the last update; nothing when they are. Leaves another framebuffer bound when it drew. */
+/* Brings lamps and maps up to the poses of the last update; nothing when they are. Leaves another framebuffer bound
+ * when it drew. */
 gi_result shadow_update(struct gi_context *gi, gi_shadow *shadow);
 
 /* Drops what depends on the committed scene; the program stays. */

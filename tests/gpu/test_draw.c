@@ -42,7 +42,8 @@ static void free_target(target *t)
 	free(t->pixels);
 }
 
-/* Looks straight down, parallel, at [-half, half] x [-half, half] of the plane y = 0: pixel (i, j) sees x to the right and -z up. */
+/* Looks straight down, parallel, at [-half, half] x [-half, half] of the plane y = 0: pixel (i, j) sees x to the right
+ * and -z up. */
 static gi_view look_down(float half, float height)
 {
 	gi_view view = gi_view_default();
@@ -82,7 +83,8 @@ static const float LAMP_LOWER[2] = {-0.3f, -0.2f}, LAMP_UPPER[2] = {0.7f, 0.4f},
 static void add_floor(gi_context *gi, float rho, uint32_t faces)
 {
 	engine_mesh mesh;
-	assert_true(shape_quad((const float[]){-2, 0, -2}, (const float[]){0, 0, 4}, (const float[]){4, 0, 0}, faces, faces, &mesh));
+	const float corner[3] = {-2, 0, -2}, u[3] = {0, 0, 4}, v[3] = {4, 0, 0};
+	assert_true(shape_quad(corner, u, v, faces, faces, &mesh));
 	harness_add(gi, &(harness_object){.name = "floor", .rho = {rho, rho, rho}}, &mesh);
 }
 
@@ -289,7 +291,8 @@ static void test_rest_draws_no_shadows(void **state)
 	gi_context_destroy(gi);
 }
 
-/* More lamps than are drawn per pixel: what is left out reaches the floor through the leaves, so that the picture stays as bright. */
+/* More lamps than are drawn per pixel: what is left out reaches the floor through the leaves, so that the picture stays
+ * as bright. */
 static void test_lamps_beyond_the_cap(void **state)
 {
 	(void)state;

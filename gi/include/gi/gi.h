@@ -285,8 +285,9 @@ typedef enum gi_mode {
 typedef enum gi_overlay {
 	GI_OVERLAY_NONE,
 	GI_OVERLAY_WIREFRAME, /* the leaves' edges over the picture */
-	GI_OVERLAY_DIRTY,     /* heat map: share of each row's entries touched by the last update */
-	GI_OVERLAY_RESIDUAL,  /* heat map: last |B_k+1 - B_k| of each leaf, logarithmic */
+	/* Heat maps take the picture's place: display colours in [0,1], linear; show them with an exposure of 1. */
+	GI_OVERLAY_DIRTY,     /* share of each row's entries touched by the last update */
+	GI_OVERLAY_RESIDUAL,  /* last |B_k+1 - B_k| of each leaf over the largest B, logarithmic: 1e-8 to 0.1 */
 } gi_overlay;
 
 typedef struct gi_view {
@@ -299,15 +300,19 @@ typedef struct gi_view {
 
 gi_view gi_view_default(void);
 
-/* Draws the committed objects into the bound framebuffer: linear radiance (W/m2/sr) in RGB, alpha 1; needs a depth attachment. Does
- * not clear: the host clears colour and depth and draws its own things before or after. Direct light per pixel with soft shadows
- * of area emitters, indirect light interpolated from the leaves. */
+/* Draws the committed objects into the bound framebuffer: linear radiance (W/m2/sr) in RGB, alpha 1; needs a depth
+ * attachment. Does not clear: the host clears colour and depth and draws its own things before or after. Direct light per
+ * pixel with soft shadows of area emitters, indirect light interpolated from the leaves. Back faces are not drawn: one looks
+ * into a room through its walls from behind.
+ *
+ * At most 32 polygons emit per pixel (an emitting object is cut into as few as tile it); objects beyond that, the weakest, light
+ * through the leaves. One or two of them cost least. Shadow maps are drawn again only after something moved. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
 typedef struct gi_buffers {
 	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2 */
-	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but the emitters' own exitance, W/m2 */
+	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
 	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
 } gi_buffers;
 
