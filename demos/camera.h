@@ -8,7 +8,8 @@ typedef struct camera {
 	float radius;                   /* of the scene, metres: sets the near and far planes */
 } camera;
 
-/* Turns the eye about the target: angles in radians, to the right and upwards; stops short of the poles. Afterwards up is +y. */
+/* Turns the eye about the target: angles in radians, to the right and upwards; stops short of the poles. Afterwards up
+ * is +y. */
 void camera_orbit(camera *c, float right, float up);
 
 /* Moves the eye towards the target, a notch is an eighth of the way. */

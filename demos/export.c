@@ -32,7 +32,8 @@ static bool close_whole(FILE *file, bool written, const char *path, char *messag
 	return written || drop(path, message, message_size);
 }
 
-/* ---- field --------------------------------------------------------------------------------------------------------- */
+/* ---- field ---------------------------------------------------------------------------------------------------------
+ */
 
 /* A triangle repeats its third corner. */
 static uint32_t corner_count(const gi_leaf *leaf)
@@ -76,7 +77,9 @@ static void put_comment(FILE *file, uint32_t number, const char *name)
 static void put_header(FILE *file, const export_objects *objects, uint32_t vertices, uint32_t faces)
 {
 	static const char *const properties[] = {"rho_r", "rho_g", "rho_b", "e_r", "e_g", "e_b", "b_r", "b_g", "b_b"};
-	fputs("ply\nformat binary_little_endian 1.0\ncomment one face a leaf; rho reflectance, e exitance and b radiosity in W/m2\n", file);
+	fputs("ply\nformat binary_little_endian 1.0\ncomment one face a leaf; rho reflectance, e exitance and b "
+	      "radiosity in W/m2\n",
+	      file);
 	for (uint32_t k = 0; k < objects->count; k++)
 		put_comment(file, k, objects->names[k]);
 	fprintf(file, "element vertex %u\nproperty float x\nproperty float y\nproperty float z\n", vertices);
@@ -138,13 +141,15 @@ bool export_field(gi_context *gi, const export_objects *objects, const char *pat
 	}
 	errno = 0;
 	FILE *file = fopen(path, "wb");
-	const bool written = file ? close_whole(file, write_field(file, objects, leaves, count), path, message, message_size)
-				  : cannot_write(path, message, message_size);
+	const bool written =
+	    file ? close_whole(file, write_field(file, objects, leaves, count), path, message, message_size)
+		 : cannot_write(path, message, message_size);
 	free(leaves);
 	return written;
 }
 
-/* ---- form factors -------------------------------------------------------------------------------------------------- */
+/* ---- form factors --------------------------------------------------------------------------------------------------
+ */
 
 /* Quoted where CSV needs it. */
 static void put_name(FILE *file, const char *name)
@@ -189,7 +194,8 @@ static gi_result write_row(FILE *file, gi_context *gi, const export_objects *obj
 	return result;
 }
 
-bool export_form_factors(gi_context *gi, const export_objects *objects, const char *path, char *message, size_t message_size)
+bool export_form_factors(gi_context *gi, const export_objects *objects, const char *path, char *message,
+			 size_t message_size)
 {
 	errno = 0;
 	FILE *file = fopen(path, "w");

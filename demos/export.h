@@ -18,15 +18,16 @@ typedef struct export_objects {
 	uint32_t count;
 } export_objects;
 
-/* Binary little-endian PLY: one face a leaf with its corners in world space, unshared; rho, E and B as floats, linear RGB, E and B in
- * W/m2; `object` counts from 0 in the order of `objects`, whose names stand in the comments. Waits for the GPU.
- * False with one line in message.
+/* Binary little-endian PLY: one face a leaf with its corners in world space, unshared; rho, E and B as floats, linear
+ * RGB, E and B in W/m2; `object` counts from 0 in the order of `objects`, whose names stand in the comments. Waits for
+ * the GPU. False with one line in message.
  */
 bool export_field(gi_context *gi, const export_objects *objects, const char *path, char *message, size_t message_size);
 
-/* CSV `from,to,F`: the fraction of what leaves the whole of `from` that arrives directly at `to`, for all ordered pairs, an object and
- * itself too; and `from,*,rowsum`: at anything. Waits for the GPU. False with one line in message.
+/* CSV `from,to,F`: the fraction of what leaves the whole of `from` that arrives directly at `to`, for all ordered
+ * pairs, an object and itself too; and `from,*,rowsum`: at anything. Waits for the GPU. False with one line in message.
  */
-bool export_form_factors(gi_context *gi, const export_objects *objects, const char *path, char *message, size_t message_size);
+bool export_form_factors(gi_context *gi, const export_objects *objects, const char *path, char *message,
+			 size_t message_size);
 
 #endif

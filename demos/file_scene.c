@@ -14,7 +14,8 @@ enum { SCAN_FACES = 20000 };
 
 static const float PI = 3.14159265358979f;
 
-/* ---- where things are ------------------------------------------------------------------------------------------------ */
+/* ---- where things are
+ * ------------------------------------------------------------------------------------------------ */
 
 static void world_from_object(const engine_pose *pose, mat4 out)
 {
@@ -28,7 +29,8 @@ static void world_from_object(const engine_pose *pose, mat4 out)
 }
 
 /* World corners of a face; more than four are not needed to tell where it is and where it looks. */
-static uint32_t face_corners(const engine_mesh *mesh, mat4 world, const uint32_t *indices, uint32_t count, vec3 corners[4])
+static uint32_t face_corners(const engine_mesh *mesh, mat4 world, const uint32_t *indices, uint32_t count,
+			     vec3 corners[4])
 {
 	const uint32_t used = count < 4 ? count : 4;
 	for (uint32_t k = 0; k < used; k++)
@@ -62,7 +64,8 @@ static void measure(file_scene *f)
 	glm_vec3_broadcast(1, f->upper);
 }
 
-/* ---- a camera for files without one ---------------------------------------------------------------------------------- */
+/* ---- a camera for files without one
+ * ---------------------------------------------------------------------------------- */
 
 /* What the faces say about where to look from. */
 typedef struct facing {
@@ -105,8 +108,8 @@ static facing find_facing(const file_scene *f)
 	return a;
 }
 
-/* A room is looked into from its most open side (backs are not drawn: a closed one opens like a doll's house), anything else from
- * the front, the right and above.
+/* A room is looked into from its most open side (backs are not drawn: a closed one opens like a doll's house), anything
+ * else from the front, the right and above.
  */
 static void find_direction(const file_scene *f, vec3 direction)
 {
@@ -130,7 +133,8 @@ static float fitting_distance(const file_scene *f, vec3 middle, vec3 direction, 
 	glm_vec3_cross(direction, right, up);
 	float distance = 0;
 	for (int k = 0; k < 8; k++) {
-		vec3 corner = {(k & 1 ? f->upper : f->lower)[0], (k & 2 ? f->upper : f->lower)[1], (k & 4 ? f->upper : f->lower)[2]};
+		vec3 corner = {(k & 1 ? f->upper : f->lower)[0], (k & 2 ? f->upper : f->lower)[1],
+			       (k & 4 ? f->upper : f->lower)[2]};
 		glm_vec3_sub(corner, middle, corner);
 		const float across = fmaxf(fabsf(glm_vec3_dot(corner, right)), fabsf(glm_vec3_dot(corner, up)));
 		distance = fmaxf(distance, glm_vec3_dot(corner, direction) + across / tanf(0.5f * fov));
@@ -177,17 +181,21 @@ void file_scene_view(const file_scene *f, double time_s, camera *out)
 	set_target(f, out);
 }
 
-/* ---- load -------------------------------------------------------------------------------------------------------------- */
+/* ---- load
+ * -------------------------------------------------------------------------------------------------------------- */
 
 static bool has_light(const engine_scene *scene)
 {
 	for (uint32_t k = 0; k < scene->material_count; k++)
-		if (scene->materials[k].radiance[0] + scene->materials[k].radiance[1] + scene->materials[k].radiance[2] > 0)
+		if (scene->materials[k].radiance[0] + scene->materials[k].radiance[1] +
+			scene->materials[k].radiance[2] >
+		    0)
 			return true;
 	return false;
 }
 
-/* Whether some faces of an object have two sides and others one: the library knows the one or the other of a whole object. */
+/* Whether some faces of an object have two sides and others one: the library knows the one or the other of a whole
+ * object. */
 static bool mixes_sides(const engine_scene *scene, const engine_scene_object *object)
 {
 	for (uint32_t k = 0; k < object->mesh.face_count; k++)
@@ -200,16 +208,16 @@ static void warn(const file_scene *f, const char *path)
 {
 	if (f->scene.warning[0])
 		fprintf(stderr, "%s: %s\n", f->program, f->scene.warning);
-	if (f->scene.object_count && !has_light(&f->scene))
-		fprintf(stderr, "%s: %s: nothing in it emits light, the pictures will be black\n", f->program, path);
+	if (f->scene.object_count && !f->lit && !has_light(&f->scene))
+		fprintf(stderr, "%s: %s: nothing in it emits light; --sky 3 gives it some\n", f->program, path);
 	for (uint32_t k = 0; k < f->scene.object_count; k++) {
 		const engine_scene_object *object = f->scene.objects + k;
 		if (object->scale_animated)
-			fprintf(stderr, "%s: %s: %s keeps its size at rest; poses are rotations and translations\n", f->program, path,
-				object->name);
+			fprintf(stderr, "%s: %s: %s keeps its size at rest; poses are rotations and translations\n",
+				f->program, path, object->name);
 		if (mixes_sides(&f->scene, object))
-			fprintf(stderr, "%s: %s: %s has materials of one side and of two; all of it gets two\n", f->program, path,
-				object->name);
+			fprintf(stderr, "%s: %s: %s has materials of one side and of two; all of it gets two\n",
+				f->program, path, object->name);
 	}
 }
 
@@ -242,7 +250,8 @@ void file_scene_free(file_scene *f)
 	f->names = NULL;
 }
 
-/* ---- objects ------------------------------------------------------------------------------------------------------------ */
+/* ---- objects
+ * ------------------------------------------------------------------------------------------------------------ */
 
 /* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
 static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to)
@@ -296,8 +305,8 @@ static void define(const file_scene *f, const engine_scene_object *object, const
 	def->pose = to_pose(&object->rest);
 }
 
-static gi_result create_object(const file_scene *f, gi_context *gi, const engine_scene_object *object, engine_mesh *mesh,
-			       const engine_mesh *drawn, gi_object *out)
+static gi_result create_object(const file_scene *f, gi_context *gi, const engine_scene_object *object,
+			       engine_mesh *mesh, const engine_mesh *drawn, gi_object *out)
 {
 	gi_material *materials = malloc(sizeof *materials * (f->scene.material_count + 1));
 	gi_object_def def = gi_object_def_default();
@@ -322,16 +331,18 @@ static gi_result create_object(const file_scene *f, gi_context *gi, const engine
 static bool create_one(file_scene *f, gi_context *gi, uint32_t k, char *message, size_t message_size)
 {
 	const engine_scene_object *object = f->scene.objects + k;
-	const bool scan = object->mesh.face_count > SCAN_FACES && object->scheme == ENGINE_SCHEME_BILINEAR && !object->levels;
+	const bool scan =
+	    object->mesh.face_count > SCAN_FACES && object->scheme == ENGINE_SCHEME_BILINEAR && !object->levels;
 	engine_mesh drawn = {0}, cage = {0};
 	char why[512];
-	if (scan ? !figure_make(&object->mesh, f->cage_faces, &drawn, &cage, why, sizeof why) : !engine_mesh_copy(&object->mesh, &cage)) {
+	if (scan ? !figure_make(&object->mesh, f->cage_faces, &drawn, &cage, why, sizeof why)
+		 : !engine_mesh_copy(&object->mesh, &cage)) {
 		snprintf(message, message_size, "%s: %s", object->name, scan ? why : "out of memory");
 		return false;
 	}
 	if (scan)
-		fprintf(stderr, "%s: %s has %u faces; it is lit through a cage of %u (--cage-faces)\n", f->program, object->name,
-			object->mesh.face_count, cage.face_count);
+		fprintf(stderr, "%s: %s has %u faces; it is lit through a cage of %u (--cage-faces)\n", f->program,
+			object->name, object->mesh.face_count, cage.face_count);
 	const gi_result result = create_object(f, gi, object, &cage, scan ? &drawn : NULL, &f->handles[k]);
 	engine_mesh_free(&drawn);
 	engine_mesh_free(&cage);

@@ -13,6 +13,7 @@
 typedef struct file_scene {
 	engine_scene scene;
 	const char *program; /* for warnings */
+	bool lit;            /* by a sky, whatever the file holds */
 	float leaf_size;     /* 0: the levels that the file gives */
 	uint32_t cage_faces; /* of the cages of detailed meshes */
 	gi_object *handles;  /* scene.object_count */
@@ -25,8 +26,8 @@ typedef struct file_scene {
 bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size);
 void file_scene_free(file_scene *f);
 
-/* Creates the objects in the order of the file. A mesh of more faces than any cage needs is drawn in full and lit through a
- * simplified one. False with one line in message.
+/* Creates the objects in the order of the file. A mesh of more faces than any cage needs is drawn in full and lit
+ * through a simplified one. False with one line in message.
  */
 bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t message_size);
 

@@ -40,12 +40,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static const struct argp_child children[] = {{&options_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
-	.parser = parse,
-	.args_doc = "SCENE",
-	.children = children,
-	.doc = "Plays a glTF 2.0, OBJ or PLY file with its global illumination."
-	       "\vPATTERNs hold one %d, e.g. frame_%04d.png. Without a window and without anything to write, pictures go to "
-	       "out/gi_play unless --out says otherwise. Frames default to the length of the animation.",
+    .parser = parse,
+    .args_doc = "SCENE",
+    .children = children,
+    .doc =
+	"Plays a glTF 2.0, OBJ or PLY file with its global illumination."
+	"\vPATTERNs hold one %d, e.g. frame_%04d.png. Without a window and without anything to write, pictures go to "
+	"out/gi_play unless --out says otherwise. Frames default to the length of the animation.",
 };
 
 static bool create(void *user, gi_context *gi, char *message, size_t message_size)
@@ -86,6 +87,7 @@ int main(int argc, char **argv)
 	o->out = "out/gi_play";
 	options_parse(&parser, argc, argv, &play);
 	play.file = (file_scene){.program = o->program,
+				 .lit = o->sky > 0,
 				 .leaf_size = o->leaf_size,
 				 .cage_faces = o->cage_faces ? o->cage_faces : CAGE_FACES};
 	char message[1024];

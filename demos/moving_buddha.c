@@ -1,6 +1,7 @@
 /* The demo: a Buddha moves through the Cornell box and the light follows.
  *
- * Without a window it records: every eighth frame in the three modes of the paper's figure 4, and figures of all frames.
+ * Without a window it records: every eighth frame in the three modes of the paper's figure 4, and figures of all
+ * frames.
  */
 #include "figure.h"
 #include "player.h"
@@ -32,11 +33,12 @@ typedef struct moving_buddha {
 	float pushed[2]; /* x and z, by the user */
 } moving_buddha;
 
-/* ---- options ------------------------------------------------------------------------------------------------------- */
+/* ---- options -------------------------------------------------------------------------------------------------------
+ */
 
 static const struct argp_option table[] = {
-	{"mesh", KEY_MESH, "FILE", 0, "a figure in the Buddha's place: OBJ, PLY or glTF, y up, facing +z", 0},
-	{0},
+    {"mesh", KEY_MESH, "FILE", 0, "a figure in the Buddha's place: OBJ, PLY or glTF, y up, facing +z", 0},
+    {0},
 };
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -57,14 +59,15 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static const struct argp_child children[] = {{&options_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
-	.options = table,
-	.parser = parse,
-	.children = children,
-	.doc = "A Buddha moves through the Cornell box, its light computed anew every frame."
-	       "\vWithout a window pictures and report go to out/moving_buddha unless --out says otherwise.",
+    .options = table,
+    .parser = parse,
+    .children = children,
+    .doc = "A Buddha moves through the Cornell box, its light computed anew every frame."
+	   "\vWithout a window pictures and report go to out/moving_buddha unless --out says otherwise.",
 };
 
-/* ---- figure -------------------------------------------------------------------------------------------------------- */
+/* ---- figure --------------------------------------------------------------------------------------------------------
+ */
 
 static void free_figure(moving_buddha *b)
 {
@@ -83,15 +86,16 @@ static bool load_figure(moving_buddha *b, char *message, size_t message_size)
 	if (!merged)
 		return false;
 	char why[512];
-	const bool made = figure_make(&whole, b->options.cage_faces ? b->options.cage_faces : CAGE_FACES, &b->figure, &b->cage, why,
-				      sizeof why);
+	const bool made = figure_make(&whole, b->options.cage_faces ? b->options.cage_faces : CAGE_FACES, &b->figure,
+				      &b->cage, why, sizeof why);
 	engine_mesh_free(&whole);
 	if (!made)
 		snprintf(message, message_size, "%s: %s", b->mesh_path, why);
 	return made;
 }
 
-/* ---- scene --------------------------------------------------------------------------------------------------------- */
+/* ---- scene ---------------------------------------------------------------------------------------------------------
+ */
 
 static void name_object(moving_buddha *b, const char *name, gi_object handle)
 {

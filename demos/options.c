@@ -23,6 +23,7 @@ enum {
 	KEY_SOLVE_TOLERANCE,
 	KEY_CAGE_FACES,
 	KEY_EXPOSURE,
+	KEY_SKY,
 	KEY_IMAGES,
 	KEY_REPORT,
 	KEY_FIELD,
@@ -31,25 +32,27 @@ enum {
 };
 
 static const struct argp_option table[] = {
-	{"frames", KEY_FRAMES, "N", 0, "how many frames; without it a window plays on", 0},
-	{"fps", KEY_FPS, "R", 0, "frames a second of the animation (24)", 0},
-	{"size", KEY_SIZE, "WxH", 0, "pixels of the picture (512x512)", 0},
-	{"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
-	{"context", KEY_CONTEXT, "KIND", 0, "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
-	{"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
-	{0, 0, 0, 0, "How fine:", 1},
-	{"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6..1 (0.006)", 1},
-	{"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
-	{"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
-	{"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
-	{"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
-	{0, 0, 0, 0, "What to write:", 2},
-	{"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
-	{"report", KEY_REPORT, "FILE", 0, "a CSV line each frame", 2},
-	{"field", KEY_FIELD, "PATTERN", 0, "a PLY of all leaves each frame, e.g. field_%04d.ply", 2},
-	{"form-factors", KEY_FORM_FACTORS, "FILE", 0, "a CSV of form factors between the objects, after the last frame", 2},
-	{"out", KEY_OUT, "FOLDER", 0, "where pictures and reports go that have no name of their own", 2},
-	{0},
+    {"frames", KEY_FRAMES, "N", 0, "how many frames; without it a window plays on", 0},
+    {"fps", KEY_FPS, "R", 0, "frames a second of the animation (24)", 0},
+    {"size", KEY_SIZE, "WxH", 0, "pixels of the picture (512x512)", 0},
+    {"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
+    {"context", KEY_CONTEXT, "KIND", 0,
+     "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
+    {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
+    {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
+    {0, 0, 0, 0, "How fine:", 1},
+    {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6..1 (0.006)", 1},
+    {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
+    {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
+    {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
+    {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
+    {0, 0, 0, 0, "What to write:", 2},
+    {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
+    {"report", KEY_REPORT, "FILE", 0, "a CSV line each frame", 2},
+    {"field", KEY_FIELD, "PATTERN", 0, "a PLY of all leaves each frame, e.g. field_%04d.ply", 2},
+    {"form-factors", KEY_FORM_FACTORS, "FILE", 0, "a CSV of form factors between the objects, after the last frame", 2},
+    {"out", KEY_OUT, "FOLDER", 0, "where pictures and reports go that have no name of their own", 2},
+    {0},
 };
 
 void options_fail(const char *program, const char *format, ...)
@@ -98,7 +101,7 @@ static void parse_size(options *o, const char *text)
 }
 
 static const char *const mode_names[] = {
-	[GI_MODE_GLOBAL] = "global", [GI_MODE_DIRECT] = "direct", [GI_MODE_INDIRECT] = "indirect"};
+    [GI_MODE_GLOBAL] = "global", [GI_MODE_DIRECT] = "direct", [GI_MODE_INDIRECT] = "indirect"};
 
 const char *options_mode_name(gi_mode mode)
 {
@@ -201,6 +204,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_EXPOSURE:
 		o->exposure = positive(o, "--exposure", text, 1e9);
+		return 0;
+	case KEY_SKY:
+		o->sky = positive(o, "--sky", text, 1e9);
 		return 0;
 	case KEY_REBUILD:
 		o->rebuild = true;

@@ -19,14 +19,15 @@ typedef struct options {
 	int width, height;
 	gi_mode mode;
 	engine_context_kind context;
-	bool rebuild;          /* every frame from scratch */
-	float row_tolerance;   /* 0: the library's default, as the next two */
+	bool rebuild;        /* every frame from scratch */
+	float row_tolerance; /* 0: the library's default, as the next two */
 	float solve_tolerance;
-	float leaf_size;       /* 0: the levels that scene or program give */
-	uint32_t cage_faces;   /* of the cage that lights a detailed mesh; 0: the program's default */
-	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
+	float leaf_size;     /* 0: the levels that scene or program give */
+	uint32_t cage_faces; /* of the cage that lights a detailed mesh; 0: the program's default */
+	float sky;           /* exitance of a white sky, W/m2; 0: black */
+	float exposure;      /* display value 1 per W/(m2 sr); 0: the program's choice */
 	const char *images, *report, *field, *form_factors; /* files to write; NULL: none */
-	const char *out;       /* folder for what has no name of its own */
+	const char *out;                                    /* folder for what has no name of its own */
 } options;
 
 /* To be a child of a program's own parser; its input is an options made by options_default. */

@@ -18,7 +18,8 @@ typedef struct lines {
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-static void add(lines *l, const char *format, ...)
+static void
+add(lines *l, const char *format, ...)
 {
 	va_list arguments;
 	va_start(arguments, format);
@@ -48,7 +49,8 @@ static void add_passes(lines *l, const gi_report *r)
 	size_t length = 2;
 	for (int k = 0; k < GI_PASS_COUNT && length < sizeof text; k++) {
 		/* Four passes a line: a line of all would be wider than the picture. */
-		length += (size_t)snprintf(text + length, sizeof text - length, "  %s %.1f", gi_pass_name((gi_pass)k), (double)r->pass_ms[k]);
+		length += (size_t)snprintf(text + length, sizeof text - length, "  %s %.1f", gi_pass_name((gi_pass)k),
+					   (double)r->pass_ms[k]);
 		if (k % 4 == 3 || k == GI_PASS_COUNT - 1) {
 			add(l, "%s", text);
 			length = 2;
@@ -59,8 +61,8 @@ static void add_passes(lines *l, const gi_report *r)
 static void add_figures(lines *l, const overlay *o)
 {
 	const gi_report *r = &o->report;
-	add(l, "%s  %s%s%s%s", o->title, options_mode_name(o->mode), layer_name(o->layer), o->rebuild ? "  rebuilding" : "",
-	    o->paused ? "  paused" : "");
+	add(l, "%s  %s%s%s%s", o->title, options_mode_name(o->mode), layer_name(o->layer),
+	    o->rebuild ? "  rebuilding" : "", o->paused ? "  paused" : "");
 	add(l, "%.1f fps  frame %.1f ms  update %.1f ms", o->fps, o->frame_ms, o->update_ms);
 	add_passes(l, r);
 	add(l, "leaves %u  entries %llu (%.0f a leaf)", r->leaves, (unsigned long long)r->entries,
@@ -76,19 +78,19 @@ static void add_figures(lines *l, const overlay *o)
 static void add_help(lines *keys, lines *actions, bool can_move)
 {
 	static const char *const help[][2] = {
-		{"arrows, right drag", "move the figure"},
-		{"left drag", "turn the view"},
-		{"scroll", "nearer, farther"},
-		{"1  2  3  M", "direct, indirect, global, next"},
-		{"space", "pause"},
-		{"W", "wireframe of the leaves"},
-		{"D", "heat map of dirty entries"},
-		{"R", "heat map of the residual"},
-		{"O", "no overlay"},
-		{"B", "build every frame from scratch"},
-		{"-  =", "darker, brighter"},
-		{"H", "this list"},
-		{"Esc", "end"},
+	    {"arrows, right drag", "move the figure"},
+	    {"left drag", "turn the view"},
+	    {"scroll", "nearer, farther"},
+	    {"1  2  3  M", "direct, indirect, global, next"},
+	    {"space", "pause"},
+	    {"W", "wireframe of the leaves"},
+	    {"D", "heat map of dirty entries"},
+	    {"R", "heat map of the residual"},
+	    {"O", "no overlay"},
+	    {"B", "build every frame from scratch"},
+	    {"-  =", "darker, brighter"},
+	    {"H", "this list"},
+	    {"Esc", "end"},
 	};
 	for (size_t k = can_move ? 0 : 1; k < sizeof help / sizeof *help; k++) {
 		add(keys, "%s", help[k][0]);
@@ -103,7 +105,8 @@ static const float INK[4] = {1, 1, 1, 1};
 static void show_box(engine_hud *hud, float top, float scale, float characters, int line_count)
 {
 	static const float shade[4] = {0, 0, 0, 0.5f};
-	const float box[4] = {0, top, scale * (2 * MARGIN + 5.8f * characters), scale * (2 * MARGIN + LINE * (float)line_count)};
+	const float box[4] = {0, top, scale * (2 * MARGIN + 5.8f * characters),
+			      scale * (2 * MARGIN + LINE * (float)line_count)};
 	engine_hud_box(hud, box, shade);
 }
 

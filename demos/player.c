@@ -17,7 +17,8 @@ double player_clock_ms(void)
 	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-/* ---- messages ------------------------------------------------------------------------------------------------------ */
+/* ---- messages ------------------------------------------------------------------------------------------------------
+ */
 
 /* The library's line says more than its result: the first error is kept, warnings are shown at once. */
 static void on_message(gi_result result, const char *message, void *user)
@@ -36,7 +37,8 @@ static bool succeeded(player *p, gi_result result)
 	return result == GI_OK;
 }
 
-/* ---- begin --------------------------------------------------------------------------------------------------------- */
+/* ---- begin ---------------------------------------------------------------------------------------------------------
+ */
 
 static bool open_context(player *p)
 {
@@ -59,6 +61,10 @@ static bool open_gi(player *p)
 		def.row_tolerance = p->o->row_tolerance;
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
+	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
+		def.sky = GI_SKY_ON;
+		def.sky_exitance[c] = p->o->sky;
+	}
 	return succeeded(p, gi_context_create(&def, &p->gi));
 }
 
@@ -105,7 +111,8 @@ static void end(player *p)
 	free(p->pixels);
 }
 
-/* ---- exposure ------------------------------------------------------------------------------------------------------ */
+/* ---- exposure ------------------------------------------------------------------------------------------------------
+ */
 
 /* Area-weighted mean of the radiance that leaves what does not shine itself, W/(m2 sr); 0 in the dark. */
 static double mean_radiance(const gi_leaf *leaves, uint32_t count)
@@ -113,7 +120,8 @@ static double mean_radiance(const gi_leaf *leaves, uint32_t count)
 	double sum = 0, area = 0;
 	for (uint32_t k = 0; k < count; k++) {
 		const gi_leaf *l = leaves + k;
-		const double b = 0.2126 * (double)l->radiosity[0] + 0.7152 * (double)l->radiosity[1] + 0.0722 * (double)l->radiosity[2];
+		const double b = 0.2126 * (double)l->radiosity[0] + 0.7152 * (double)l->radiosity[1] +
+				 0.0722 * (double)l->radiosity[2];
 		if (l->exitance[0] + l->exitance[1] + l->exitance[2] > 0 || !isfinite(b))
 			continue;
 		sum += (double)l->area * b;
@@ -127,8 +135,8 @@ static float measured_exposure(player *p)
 {
 	uint32_t count = 0;
 	gi_leaf *leaves = NULL;
-	if (gi_read_leaves(p->gi, NULL, 0, &count) == GI_OK && count && (leaves = malloc(count * sizeof *leaves)) != NULL &&
-	    gi_read_leaves(p->gi, leaves, count, &count) != GI_OK)
+	if (gi_read_leaves(p->gi, NULL, 0, &count) == GI_OK && count &&
+	    (leaves = malloc(count * sizeof *leaves)) != NULL && gi_read_leaves(p->gi, leaves, count, &count) != GI_OK)
 		count = 0;
 	const double mean = leaves ? mean_radiance(leaves, count) : 0;
 	free(leaves);
@@ -137,10 +145,13 @@ static float measured_exposure(player *p)
 
 static void choose_exposure(player *p)
 {
-	p->exposure = p->o->exposure > 0 ? p->o->exposure : p->scene->exposure > 0 ? p->scene->exposure : measured_exposure(p);
+	p->exposure = p->o->exposure > 0       ? p->o->exposure
+		      : p->scene->exposure > 0 ? p->scene->exposure
+					       : measured_exposure(p);
 }
 
-/* ---- frame --------------------------------------------------------------------------------------------------------- */
+/* ---- frame ---------------------------------------------------------------------------------------------------------
+ */
 
 /* Files need the light of this frame, a window is content with the newest. */
 static bool waits(const player *p)
@@ -231,8 +242,9 @@ static void show_progress(const player *p, const gi_report *r)
 {
 	if (!p->frames || !isatty(STDERR_FILENO))
 		return;
-	fprintf(stderr, "\rframe %u of %u  %.0f ms, %.1f %% of %llu entries dirty, %u sweeps \033[K", p->frame + 1, p->frames, p->frame_ms,
-		r->entries ? 100 * (double)r->dirty_entries / (double)r->entries : 0, (unsigned long long)r->entries, r->sweeps);
+	fprintf(stderr, "\rframe %u of %u  %.0f ms, %.1f %% of %llu entries dirty, %u sweeps \033[K", p->frame + 1,
+		p->frames, p->frame_ms, r->entries ? 100 * (double)r->dirty_entries / (double)r->entries : 0,
+		(unsigned long long)r->entries, r->sweeps);
 	if (p->frame + 1 == p->frames)
 		fputs("\r\033[K", stderr);
 	fflush(stderr);

@@ -1,7 +1,8 @@
 /* Plays a scene: opens a context, creates the objects, and then frame by frame poses, light, picture, files.
  *
- * Recorded (--frames given, or no window): time goes on by 1/fps a frame, every frame waits for its GPU, so that each line of the report
- * is about its own frame. Played in a window without --frames: time is the clock's and nothing waits.
+ * Recorded (--frames given, or no window): time goes on by 1/fps a frame, every frame waits for its GPU, so that each
+ * line of the report is about its own frame. Played in a window without --frames: time is the clock's and nothing
+ * waits.
  */
 #ifndef DEMOS_PLAYER_H
 #define DEMOS_PLAYER_H
@@ -29,11 +30,11 @@ typedef struct player_scene {
 	/* For the exports. */
 	export_objects (*objects)(void *user);
 
-	double loop_s;       /* > 0: a window begins anew after so long */
-	uint32_t frames;     /* recorded frames when nobody says how many; > 0 */
-	float exposure;      /* > 0: used unless --exposure says otherwise; 0: from the light of the first frame */
-	bool gallery;        /* without --images: every eighth frame in all three modes goes to the folder --out */
-	const char *report;  /* without --report: a file in the folder --out; NULL: none */
+	double loop_s;      /* > 0: a window begins anew after so long */
+	uint32_t frames;    /* recorded frames when nobody says how many; > 0 */
+	float exposure;     /* > 0: used unless --exposure says otherwise; 0: from the light of the first frame */
+	bool gallery;       /* without --images: every eighth frame in all three modes goes to the folder --out */
+	const char *report; /* without --report: a file in the folder --out; NULL: none */
 } player_scene;
 
 /* Returns the exit code; whatever failed has been told on stderr in one line. */

@@ -10,7 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- places -------------------------------------------------------------------------------------------------------- */
+/* ---- places --------------------------------------------------------------------------------------------------------
+ */
 
 static bool make_folders(player *p, const char *path)
 {
@@ -55,7 +56,8 @@ static bool can_write_beside(player *p, const char *name)
 
 static bool uses_out(const player *p)
 {
-	return (p->scene->gallery && !p->o->images && p->recording) || (p->scene->report && !p->o->report && p->recording);
+	return (p->scene->gallery && !p->o->images && p->recording) ||
+	       (p->scene->report && !p->o->report && p->recording);
 }
 
 /* The report's own name, or one in the folder of the run, or none. */
@@ -70,15 +72,16 @@ static const char *report_name(player *p)
 bool player_open_files(player *p)
 {
 	const options *o = p->o;
-	if (!can_write_beside(p, o->images) || !can_write_beside(p, o->field) || !can_write_beside(p, o->form_factors) ||
-	    !can_write_beside(p, o->report))
+	if (!can_write_beside(p, o->images) || !can_write_beside(p, o->field) ||
+	    !can_write_beside(p, o->form_factors) || !can_write_beside(p, o->report))
 		return false;
 	if (uses_out(p) && !make_folders(p, o->out))
 		return false;
 	return report_open(&p->report, report_name(p), p->message, sizeof p->message);
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------- */
+/* ---- frames --------------------------------------------------------------------------------------------------------
+ */
 
 static bool is_gallery_frame(const player *p)
 {
@@ -101,8 +104,8 @@ static bool name_frame(player *p, const char *pattern, char name[PLAYER_PATH])
 static bool write_picture(player *p, const char *name)
 {
 	engine_target_read(p->target, p->pixels);
-	if (!engine_image_write_png(name, engine_target_width(p->target), engine_target_height(p->target), p->pixels, p->message,
-				    sizeof p->message))
+	if (!engine_image_write_png(name, engine_target_width(p->target), engine_target_height(p->target), p->pixels,
+				    p->message, sizeof p->message))
 		return false;
 	p->pictures++;
 	return true;
@@ -116,7 +119,7 @@ static bool write_gallery(player *p)
 		const gi_mode mode = (gi_mode)(((int)p->mode + k) % 3);
 		char name[PLAYER_PATH];
 		const int length =
-			snprintf(name, sizeof name, "%s/frame_%04u_%s.png", p->o->out, p->frame, options_mode_name(mode));
+		    snprintf(name, sizeof name, "%s/frame_%04u_%s.png", p->o->out, p->frame, options_mode_name(mode));
 		if (length >= (int)sizeof name) {
 			snprintf(p->message, sizeof p->message, "the name of the folder %.200s is too long", p->o->out);
 			return false;
@@ -146,7 +149,8 @@ bool player_write_frame(player *p)
 	return written;
 }
 
-/* ---- end ----------------------------------------------------------------------------------------------------------- */
+/* ---- end -----------------------------------------------------------------------------------------------------------
+ */
 
 bool player_close_files(player *p)
 {

@@ -97,7 +97,8 @@ static void push(player *p, const engine_input *in, double seconds)
 	const float step = PUSH_SPEED * (float)seconds;
 	const float metres = camera_metres_per_pixel(&p->camera, engine_context_height(p->context));
 	const float *drag = in->drag[ENGINE_MOUSE_RIGHT];
-	const float r = step * (float)(in->key_down[ENGINE_KEY_RIGHT] - in->key_down[ENGINE_KEY_LEFT]) + metres * drag[0];
+	const float r =
+	    step * (float)(in->key_down[ENGINE_KEY_RIGHT] - in->key_down[ENGINE_KEY_LEFT]) + metres * drag[0];
 	const float a = step * (float)(in->key_down[ENGINE_KEY_UP] - in->key_down[ENGINE_KEY_DOWN]) - metres * drag[1];
 	if (r != 0 || a != 0)
 		p->scene->move(p->scene->user, r * right[0] + a * away[0], r * right[2] + a * away[2]);

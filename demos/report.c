@@ -30,12 +30,15 @@ const char *report_outcome_name(gi_outcome outcome)
 	return "unknown";
 }
 
-/* ---- the file ------------------------------------------------------------------------------------------------------ */
+/* ---- the file ------------------------------------------------------------------------------------------------------
+ */
 
 static void write_header(FILE *file)
 {
-	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_rows,rays,"
-	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,dispatches,"
+	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_"
+	      "rows,rays,"
+	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,"
+	      "dispatches,"
 	      "uploaded_bytes,gpu_bytes",
 	      file);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
@@ -46,13 +49,15 @@ static void write_header(FILE *file)
 static void write_frame(FILE *file, const report_frame *f)
 {
 	const gi_report *g = &f->gi;
-	fprintf(file, "%u,%.6f,%s,%u,%u,%u,%llu,%llu", f->number, f->time_s, report_outcome_name(g->outcome), g->objects, g->leaves,
-		g->nodes, (unsigned long long)g->entries, (unsigned long long)g->links);
-	fprintf(file, ",%llu,%llu,%llu,%llu,%llu", (unsigned long long)g->new_entries, (unsigned long long)g->flagged_entries,
-		(unsigned long long)g->dirty_entries, (unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
-	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction, (double)g->solve_bound,
-		(double)g->solve_relative, (double)g->radiosity_max);
-	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes, (unsigned long long)g->gpu_bytes);
+	fprintf(file, "%u,%.6f,%s,%u,%u,%u,%llu,%llu", f->number, f->time_s, report_outcome_name(g->outcome),
+		g->objects, g->leaves, g->nodes, (unsigned long long)g->entries, (unsigned long long)g->links);
+	fprintf(file, ",%llu,%llu,%llu,%llu,%llu", (unsigned long long)g->new_entries,
+		(unsigned long long)g->flagged_entries, (unsigned long long)g->dirty_entries,
+		(unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
+	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction,
+		(double)g->solve_bound, (double)g->solve_relative, (double)g->radiosity_max);
+	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes,
+		(unsigned long long)g->gpu_bytes);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		fprintf(file, ",%.3f", (double)g->pass_ms[k]);
 	fprintf(file, ",%.3f,%.3f,%.3f\n", (double)g->update_ms, f->update_ms, f->frame_ms);
@@ -102,7 +107,8 @@ void report_abandon(report *r)
 		unlink(r->path);
 }
 
-/* ---- the table ----------------------------------------------------------------------------------------------------- */
+/* ---- the table -----------------------------------------------------------------------------------------------------
+ */
 
 static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 {
@@ -191,7 +197,8 @@ static void print_outcomes(const report *r, FILE *to)
 	const char *separator = "  outcomes               ";
 	for (int k = 0; k < 8; k++)
 		if (r->outcomes[k]) {
-			fprintf(to, "%s%s %u", separator, report_outcome_name((gi_outcome)(k + GI_OUTCOME_NOT_FINITE)), r->outcomes[k]);
+			fprintf(to, "%s%s %u", separator, report_outcome_name((gi_outcome)(k + GI_OUTCOME_NOT_FINITE)),
+				r->outcomes[k]);
 			separator = ", ";
 		}
 	fputc('\n', to);
@@ -200,8 +207,8 @@ static void print_outcomes(const report *r, FILE *to)
 static void print_sizes(const report *r, FILE *to)
 {
 	const gi_report *g = &r->last;
-	fprintf(to, "  %-22s %u leaves of %u objects, %llu entries, %.0f per leaf, %.1f MiB on the GPU\n", "scene", g->leaves,
-		g->objects, (unsigned long long)g->entries, g->leaves ? (double)g->entries / g->leaves : 0,
+	fprintf(to, "  %-22s %u leaves of %u objects, %llu entries, %.0f per leaf, %.1f MiB on the GPU\n", "scene",
+		g->leaves, g->objects, (unsigned long long)g->entries, g->leaves ? (double)g->entries / g->leaves : 0,
 		(double)g->gpu_bytes / (1 << 20));
 	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps\n", "first frame", r->first_ms, r->first.sweeps);
 }
@@ -212,7 +219,8 @@ void report_print(const report *r, FILE *to)
 		return;
 	print_sizes(r, to);
 	print_outcomes(r, to);
-	fprintf(to, "  %-22s %12s %12s %12s\n", r->count > 1 ? "frames after the first" : "this frame", "median", "least", "most");
+	fprintf(to, "  %-22s %12s %12s %12s\n", r->count > 1 ? "frames after the first" : "this frame", "median",
+		"least", "most");
 	print_row(r, to, "update, ms", REPORT_UPDATE_MS, 1);
 	print_row(r, to, "update and picture, ms", REPORT_FRAME_MS, 1);
 	print_passes(r, to);

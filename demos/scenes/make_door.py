@@ -3,8 +3,8 @@
 
     demos/scenes/make_door.py > demos/scenes/door.gltf
 
-Metres; x leads from the lit room (x < 0) to the dark one, y is up. glTF has triangles only, so each quad is the two triangles a b c
-and a c d, which the loader puts together again.
+Metres; x leads from the lit room (x < 0) to the dark one, y is up. glTF has triangles only, so each quad is the two
+triangles a b c and a c d, which the loader puts together again.
 """
 import base64
 import json
@@ -76,7 +76,8 @@ class Writer:
         self.data = b""
         self.gltf = {"asset": {"version": "2.0", "generator": "make_door.py"}, "scene": 0,
                      "extensionsUsed": ["KHR_materials_emissive_strength"],
-                     "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "accessors": [], "bufferViews": []}
+                     "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "accessors": [],
+                     "bufferViews": []}
 
     def accessor(self, values, component, kind, code, **more):
         while len(self.data) % 4:
@@ -117,7 +118,8 @@ class Writer:
 
     def thing(self, name, primitives, levels, scheme="bilinear", **more):
         self.gltf["meshes"].append({"name": name, "primitives": primitives})
-        return self.node(name=name, mesh=len(self.gltf["meshes"]) - 1, extras={"gi": {"scheme": scheme, "levels": levels}}, **more)
+        extras = {"gi": {"scheme": scheme, "levels": levels}}
+        return self.node(name=name, mesh=len(self.gltf["meshes"]) - 1, extras=extras, **more)
 
     def turn(self, node, keys):
         """Keys (seconds, degrees about y)."""
@@ -126,7 +128,8 @@ class Writer:
         for _, degrees in keys:
             half = math.radians(degrees) / 2
             turns += [0, math.sin(half), 0, math.cos(half)]
-        self.gltf["animations"] = [{"name": "door", "samplers": [{"input": times, "output": self.accessor(turns, 5126, "VEC4", "f")}],
+        sampler = {"input": times, "output": self.accessor(turns, 5126, "VEC4", "f")}
+        self.gltf["animations"] = [{"name": "door", "samplers": [sampler],
                                     "channels": [{"sampler": 0, "target": {"node": node, "path": "rotation"}}]}]
 
     def write(self):
@@ -161,7 +164,8 @@ def main():
     w.thing("lamp", [w.primitive([rectangle([0, -0.4, -0.4], [0, 0.8, 0], [0, 0, 0.8])], lamp)], 2,
             translation=[-WALL - LENGTH + 0.01, 1.75, 0.5])
     w.thing("table", [w.primitive(box([-0.35, 0, -0.35], [0.35, 0.5, 0.35]), teal)], 2, translation=[1.9, 0.001, -1.1])
-    w.thing("pouf", [w.primitive(box([-0.5, 0, -0.5], [0.5, 0.7, 0.5]), plum)], 3, "catmull-clark", translation=[0.95, 0.001, 1.3])
+    w.thing("pouf", [w.primitive(box([-0.5, 0, -0.5], [0.5, 0.7, 0.5]), plum)], 3, "catmull-clark",
+            translation=[0.95, 0.001, 1.3])
     # Inside the doorway, flush with the dark room, 4 mm of air around; the hinge is the corner on that side.
     door = w.thing("door", [w.primitive(box([-0.04, 0, 0], [0, DOOR_TOP - 0.008, 2 * DOOR_HALF - 0.008]), teal)], 3,
                    translation=[WALL - 0.002, 0.004, -DOOR_HALF + 0.004])

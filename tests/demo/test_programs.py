@@ -3,8 +3,8 @@
 
     test_programs.py FOLDER_OF_PROGRAMS SOURCE_FOLDER
 
-Pictures are small and scenes coarse: this is about files and messages, the library's own tests are about light. Ends with the lines that
-cmocka writes, for scripts/test to count.
+Pictures are small and scenes coarse: this is about files and messages, the library's own tests are about light. Ends
+with the lines that cmocka writes, for scripts/test to count.
 """
 import csv
 import json
@@ -25,8 +25,8 @@ FIELD_TYPES = {"float": ("f", 4), "int": ("i", 4), "uchar": ("B", 1)}
 
 
 def run(program, *arguments, folder=None, environment=None):
-    return subprocess.run([os.path.join(PROGRAMS, program), *arguments], capture_output=True, text=True, cwd=folder, timeout=300,
-                          env=dict(os.environ, **environment) if environment else None)
+    return subprocess.run([os.path.join(PROGRAMS, program), *arguments], capture_output=True, text=True, cwd=folder,
+                          timeout=300, env=dict(os.environ, **environment) if environment else None)
 
 
 def read_csv(path):
@@ -48,7 +48,8 @@ def read_ply(path):
     lines = head.decode().splitlines()
     assert lines[0] == "ply" and lines[1] == "format binary_little_endian 1.0", lines[:2]
     counts = {line.split()[1]: int(line.split()[2]) for line in lines if line.startswith("element")}
-    properties = [line.split() for line in lines[lines.index("element face %d" % counts["face"]):] if line.startswith("property")]
+    of_faces = lines[lines.index("element face %d" % counts["face"]):]
+    properties = [line.split() for line in of_faces if line.startswith("property")]
     assert properties[0][1:] == ["list", "uchar", "int", "vertex_indices"]
     vertices = [struct.unpack_from("<3f", body, 12 * k) for k in range(counts["vertex"])]
     at, faces = 12 * counts["vertex"], []
@@ -64,6 +65,18 @@ def read_ply(path):
     assert at == len(body), (at, len(body))
     return vertices, faces
 
+
+PYRAMID = """v -1 0 -1
+v 1 0 -1
+v 1 0 1
+v -1 0 1
+v 0 3 0
+f 1 2 3 4
+f 2 1 5
+f 3 2 5
+f 4 3 5
+f 1 4 5
+"""
 
 # A room of 1 m, seen from inside: each wall an object of one face.
 ROOM = """mtllib room.mtl
@@ -133,7 +146,8 @@ class Programs(unittest.TestCase):
         out = self.path("out/deep")
         done = self.good("moving_buddha", "--frames", "2", "--size", "128x128", "--out", out, *CONTEXT)
         names = sorted(os.listdir(out))
-        self.assertEqual(names, ["frame_0000_direct.png", "frame_0000_global.png", "frame_0000_indirect.png", "frames.csv"])
+        modes = ("direct", "global", "indirect")
+        self.assertEqual(names, ["frame_0000_%s.png" % mode for mode in modes] + ["frames.csv"])
         for name in names[:3]:
             self.assertEqual(png_size(os.path.join(out, name)), (128, 128))
         rows = read_csv(os.path.join(out, "frames.csv"))
@@ -144,15 +158,16 @@ class Programs(unittest.TestCase):
             self.assertIn(words, done.stdout)
 
     def test_buddha_of_a_file(self):
-        figure = self.path("figure.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 3 0\nf 1 2 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n")
-        self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"), "--report", self.path("r.csv"),
-                  "--leaf-size", "1", *TINY)
+        figure = self.path("figure.obj", PYRAMID)
+        self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"),
+                  "--report", self.path("r.csv"), "--leaf-size", "1", *TINY)
         self.assertEqual(png_size(self.path("p0.png")), (64, 48))
         self.assertEqual(len(read_csv(self.path("r.csv"))), 1)
 
     def test_door_files(self):
-        self.good("gi_play", DOOR, "--frames", "3", "--fps", "2", "--images", self.path("p%02d.png"), "--report", self.path("r.csv"),
-                  "--field", self.path("f%d.ply"), "--form-factors", self.path("F.csv"), *TINY)
+        self.good("gi_play", DOOR, "--frames", "3", "--fps", "2", "--images", self.path("p%02d.png"),
+                  "--report", self.path("r.csv"), "--field", self.path("f%d.ply"),
+                  "--form-factors", self.path("F.csv"), *TINY)
         rows = read_csv(self.path("r.csv"))
         self.assertEqual([float(row["time_s"]) for row in rows], [0, 0.5, 1])
         for k, row in enumerate(rows):
@@ -172,9 +187,12 @@ class Programs(unittest.TestCase):
 
     def test_door_lets_light_through(self):
         self.good("gi_play", DOOR, "--frames", "2", "--fps", "0.5", "--field", self.path("f%d.ply"), *CONTEXT)
-        def brightest(frame):
-            return max(f["b_g"] for f in read_ply(self.path("f%d.ply" % frame))[1] if f["object"] == 4) # the table in the dark room
-        self.assertGreater(brightest(1), 10 * brightest(0))
+        table = 4 # in the dark room
+        brightest = []
+        for frame in range(2):
+            faces = read_ply(self.path("f%d.ply" % frame))[1]
+            brightest.append(max(face["b_g"] for face in faces if face["object"] == table))
+        self.assertGreater(brightest[1], 10 * brightest[0])
 
     def test_rebuild_gives_the_same_light(self):
         for name, more in (("u", []), ("r", ["--rebuild"])):
@@ -189,29 +207,39 @@ class Programs(unittest.TestCase):
 
     def test_obj_room_is_true(self):
         self.path("room.mtl", ROOM_MATERIALS)
-        self.good("gi_play", self.path("room.obj", ROOM), "--field", self.path("f%d.ply"), "--form-factors", self.path("F.csv"),
-                  "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005", *CONTEXT)
+        self.good("gi_play", self.path("room.obj", ROOM), "--field", self.path("f%d.ply"),
+                  "--form-factors", self.path("F.csv"), "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005", *CONTEXT)
         faces = read_ply(self.path("f0.ply"))[1]
         names = [row["from"] for row in read_csv(self.path("F.csv")) if row["to"] == "*"]
         self.assertEqual(names, ["floor", "ceiling", "back", "front", "left", "right"])
         self.assertEqual([face["object"] for face in faces], list(range(6)))
         for name, truth in ROOM_TRUTH.items():
             self.assertAlmostEqual(faces[names.index(name)]["b_g"], truth, delta=0.005 * truth)
-        across = [float(row["F"]) for row in read_csv(self.path("F.csv")) if (row["from"], row["to"]) == ("left", "right")]
+        rows = read_csv(self.path("F.csv"))
+        across = [float(row["F"]) for row in rows if (row["from"], row["to"]) == ("left", "right")]
         self.assertAlmostEqual(across[0], ACROSS, delta=0.005 * ACROSS)
 
+    def test_sky_lights_what_is_convex(self):
+        self.good("gi_play", self.path("pyramid.obj", PYRAMID), "--sky", "2", "--field", self.path("f%d.ply"), *CONTEXT)
+        faces = read_ply(self.path("f0.ply"))[1]
+        self.assertEqual(sorted(len(face["corners"]) for face in faces), [3, 3, 3, 3, 4])
+        for face in faces: # each sees sky alone: B = rho * 2
+            self.assertAlmostEqual(face["b_r"], face["rho_r"] * 2, delta=1e-3)
+
     def test_empty_scene_is_black(self):
-        empty = self.path("empty.gltf", json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}]}))
+        scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}]}
+        empty = self.path("empty.gltf", json.dumps(scene))
         self.good("gi_play", empty, "--images", self.path("p%d.png"), "--field", self.path("f%d.ply"),
                   "--form-factors", self.path("F.csv"), *TINY)
         self.assertEqual(read_ply(self.path("f0.ply")), ([], []))
         self.assertEqual(read_csv(self.path("F.csv")), [])
 
     def test_bad_options(self):
-        for arguments in (["--nonsense"], ["--frames"], ["--frames", "0"], ["--frames", "1e99"], ["--fps", "-1"], ["--fps", "nan"],
-                          ["--size", "0x5"], ["--size", "5"], ["--size", "5x5x"], ["--mode", "all"], ["--context", "x"],
-                          ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"], ["--leaf-size", "0"], ["--solve-tolerance", "x"],
-                          ["--images", "frame.png"], ["--images", "%s.png"], ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"]):
+        for arguments in (["--nonsense"], ["--frames"], ["--frames", "0"], ["--frames", "1e99"], ["--fps", "-1"],
+                          ["--fps", "nan"], ["--size", "0x5"], ["--size", "5"], ["--size", "5x5x"], ["--mode", "all"],
+                          ["--context", "x"], ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"], ["--leaf-size", "0"],
+                          ["--solve-tolerance", "x"], ["--images", "frame.png"], ["--images", "%s.png"], ["--sky", "-1"],
+                          ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"]):
             self.bad("moving_buddha", *arguments, says=arguments[0])
             self.bad("gi_play", DOOR, *arguments, says=arguments[0])
         self.bad("moving_buddha", "scene.gltf", says="scene.gltf")
@@ -220,7 +248,8 @@ class Programs(unittest.TestCase):
 
     def test_bad_scenes(self):
         scenes = {"missing.gltf": None, "broken.gltf": "{", "cut.glb": "glTF", "scene.txt": "x", "empty.obj": "",
-                  "nan.obj": "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "white.obj": "mtllib white.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl w\nf 1 2 3\n"}
+                  "nan.obj": "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n",
+                  "white.obj": "mtllib white.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl w\nf 1 2 3\n"}
         self.path("white.mtl", "newmtl w\nKd 1 1 1\n")
         for name, text in scenes.items():
             path = self.path(name, text)
@@ -228,7 +257,8 @@ class Programs(unittest.TestCase):
             self.bad("moving_buddha", "--frames", "1", "--mesh", path, *TINY, says=name)
 
     def test_nowhere_to_write(self):
-        for option, name in (("--images", "p%d.png"), ("--field", "f%d.ply"), ("--report", "r.csv"), ("--form-factors", "F.csv")):
+        outputs = (("--images", "p%d.png"), ("--field", "f%d.ply"), ("--report", "r.csv"), ("--form-factors", "F.csv"))
+        for option, name in outputs:
             place = os.path.join(self.folder, "absent", name)
             self.bad("gi_play", DOOR, "--frames", "1", option, place, *TINY, says=place)
         self.path("file", "")
@@ -243,7 +273,8 @@ class Programs(unittest.TestCase):
         self.bad("gi_play", DOOR, "--frames", "1", "--context", "glfw", environment=old, says="display")
 
     def test_too_fine(self):
-        self.bad("moving_buddha", "--frames", "1", "--leaf-size", "1e-5", "--report", self.path("r.csv"), *TINY, says="leaves")
+        self.bad("moving_buddha", "--frames", "1", "--leaf-size", "1e-5", "--report", self.path("r.csv"), *TINY,
+                 says="leaves")
 
 
 def main():
