@@ -105,6 +105,7 @@ struct gi_context {
 		uint32_t dispatches;
 		uint64_t uploaded_bytes;
 		float update_ms;
+		bool solve_only; /* the rows, the materials and the start were those of the frame before */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 

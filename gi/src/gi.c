@@ -317,8 +317,12 @@ static void collect_reports(gi_context *gi, bool wait)
 	uint32_t state[GI_STATE_WORDS];
 	uint64_t frame;
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
+		const float before = gi->report.residual;
 		fill_report(gi, state, frame);
-		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED;
+		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing. */
+		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS && gi->issued[frame % GPU_READBACK_RING].solve_only &&
+				   gi->report.residual >= before;
+		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && !stuck;
 		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
 			gi->truncated = true;
 	}
@@ -364,6 +368,7 @@ static gi_result issue(gi_context *gi, bool rows)
 		result = rows_update(gi);
 	else
 		count_no_rows(gi);
+	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !values && !gi->solver.cold;
 	if (result)
 		return result;
 	solver_update(gi);

@@ -6,6 +6,7 @@
 #include "snapshot.h"
 
 #include "scenes/cornell.h"
+#include "scenes/shapes.h"
 #include "tests/reference/solver.h"
 
 #include <math.h>
@@ -259,6 +260,42 @@ static void budget_of_one_sweep(void **state)
 	gi_context_destroy(gi);
 }
 
+/* A tolerance that single precision cannot meet: rounding keeps the steps from shrinking. The solve ends all the same, says what bound
+ * it has, and wakes up when something moves.
+ */
+static void rounding_floor(void **state)
+{
+	(void)state;
+	gi_context_def def = coarse_def();
+	def.solve_tolerance = 1e-7f;
+	def.max_sweeps = 1000;
+	gi_context *gi = harness_context(&def);
+	engine_mesh mesh;
+	const harness_object like = {.name = "furnace", .levels = 2, .rho = {.99f, .985f, .98f}, .exitance = {1, 2, 3}};
+	assert_true(shape_box((float[]){0, 0, 0}, (float[]){2, 1, 3}, 1, true, &mesh));
+	harness_add(gi, &like, &mesh);
+	assert_true(shape_sphere(.2f, 2, &mesh));
+	const gi_object ball = harness_add(gi, &like, &mesh);
+	uint32_t stuck = 0;
+	for (int k = 0; k < 8; k++) {
+		assert_gi(gi_set_pose(gi, ball, (gi_pose){{1, .5f, 1 + .1f * (float)k}, {0, 0, 0, 1}}));
+		if (k == 0)
+			assert_gi(gi_commit(gi));
+		gi_report r = harness_update(gi);
+		assert_true(r.outcome == GI_OUTCOME_SWEEPS || r.outcome == GI_OUTCOME_CONVERGED);
+		uint32_t frames = 1;
+		for (; frames < 20 && r.outcome != GI_OUTCOME_AT_REST; frames++)
+			r = harness_update(gi);
+		expect_no_work(&r);
+		/* One unit in the last place of B or two, times q / (1 - q). */
+		assert_true(r.solve_relative < 5e-5f);
+		stuck += r.solve_relative > def.solve_tolerance;
+	}
+	printf("  tolerance 1e-7 at q 0.99: %u of 8 solves ended at rounding\n", stuck);
+	assert_true(stuck > 0);
+	gi_context_destroy(gi);
+}
+
 /* gi_finish makes the report be about the last gi_update, however many came before. */
 static void finish_reports_the_last_frame(void **state)
 {
@@ -287,6 +324,7 @@ int main(void)
 		cmocka_unit_test(moving_buddha),
 		cmocka_unit_test(rest_costs_nothing),
 		cmocka_unit_test(budget_of_one_sweep),
+		cmocka_unit_test(rounding_floor),
 		cmocka_unit_test(finish_reports_the_last_frame),
 	};
 	return cmocka_run_group_tests_name("convergence", tests, harness_open, harness_close);

@@ -119,7 +119,7 @@ static void expect_furnace(gi_context *gi, float rho, const char *what)
 static void furnace_at(float rho)
 {
 	gi_context_def def = harness_def();
-	def.solve_tolerance = 1e-5f; /* a tenth of what is tested */
+	def.solve_tolerance = 5e-5f; /* half of what is tested; at rho = 0.99 single precision stops at about 2e-5 */
 	def.max_sweeps = 1000;
 	def.row_tolerance = 0.02f;
 	gi_context *gi = harness_context(&def);

@@ -101,7 +101,8 @@ typedef struct gi_context_def {
 
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
 
-	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4. */
+	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4. Single precision
+	 * ends at about 1e-7 / (1 - q): below that the solve rests where steps no longer shrink, and the report has the bound. */
 	float solve_tolerance;
 	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
 
