@@ -30,7 +30,7 @@ const float CLOSE_SHARE = 0.2;
 const float BELOW_ONE = 1.0 - 2.5e-7;
 
 // Relative standard error of form factors: contours are exact but for their receiver's points, discs are not.
-const float FACTOR_ERROR_POLYGON = 0.01;
+const float FACTOR_ERROR_POLYGON = 0.001;
 const float FACTOR_ERROR_DISC = 0.1;
 
 // Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what a Beta(0.1, 0.1)
