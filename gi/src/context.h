@@ -1,6 +1,7 @@
 /* What a gi_context is made of. Each part belongs to one module; gi.c holds the public functions that join them.
  *
- *   gi.c -> scene.c, sky.c     objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
+ *   gi.c, frame.c
+ *     -> scene.c, scene_upload.c, sky.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> solver.c           sweeps, light
  *        -> shade.c            the picture
@@ -109,25 +110,38 @@ struct gi_context {
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 
-/* scene.c */
+/* gi.c: "... must not be NULL", or "the context must not be NULL". */
+gi_result gi_fail_null(const gi_context *gi, const char *what);
+
+/* object.c */
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 void scene_free_object(scene_object *object);
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
-gi_result scene_upload(gi_context *gi);
-gi_result scene_upload_changes(gi_context *gi);
-void scene_bind(const gi_context *gi);
-void scene_free(gi_context *gi);
 bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
 bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
+
+/* scene.c */
+bool scene_is_alive(const scene_object *object);
+void scene_place_object(scene_object *object, gi_object_data *data);
+void scene_place_sky(gi_object_data *data);
+gi_material_data scene_material_data(const gi_material *material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
-bool scene_encloses(const gi_context *gi);
+gi_result scene_upload_changes(gi_context *gi);
+void scene_bind(const gi_context *gi);
+void scene_free_arrays(gi_scene *scene);
+void scene_free(gi_context *gi);
+
+/* scene_upload.c */
+gi_result scene_upload(gi_context *gi);
 
 /* sky.c: the patches at infinity as a hierarchy of directions. */
 bool sky_build(gi_hierarchy *out);
 
 /* rows.c */
 gi_result rows_init(gi_context *gi);
+/* Are the tables of that many leaves and objects within what the renderer binds? */
+bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
 gi_result rows_update(gi_context *gi);

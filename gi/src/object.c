@@ -7,9 +7,6 @@
 
 enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4 };
 
-/* Refinement multiplies faces by four each level; the hierarchy addresses leaves with 24 bits. */
-static const uint64_t MAX_LEAVES = 1u << 24;
-
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
 
@@ -319,7 +316,9 @@ static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_
 	const gi_log *log = &gi->gpu.log;
 	char message[256] = "out of memory";
 	const uint32_t levels = levels_of(def);
-	if (((uint64_t)cage->index_count << (2 * levels)) > 4 * MAX_LEAVES)
+	/* A face of n corners becomes n quads, then four each. */
+	const uint64_t leaves = levels ? (uint64_t)cage->index_count << (2 * (levels - 1)) : cage->face_count;
+	if (!rows_can_hold(gi, leaves, 1))
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves", name,
 			       cage->face_count, levels);
 	gi_refined refined;

@@ -1,4 +1,5 @@
 /* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
+#include "bits.h"
 #include "context.h"
 
 #include <stdlib.h>
@@ -24,13 +25,6 @@ static gi_result no_memory(const gi_context *gi)
 	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
-static float float_of(uint32_t bits)
-{
-	float value;
-	memcpy(&value, &bits, sizeof value);
-	return value;
-}
-
 /* ---- leaves ---- */
 
 typedef struct leaf_arrays {
@@ -45,7 +39,7 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const uint32_t *corners = &h->topology[node].corners.x;
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
-			 .row_sum = float_of(a->headers[leaf].w),
+			 .row_sum = gi_float_from_bits(a->headers[leaf].w),
 			 .object = scene_handle(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
@@ -65,7 +59,7 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 		double h[3] = {0};
 		for (uint32_t k = 0; k < n; k++) {
 			const gi_vec4 node = b[links[2 * (first + k)]];
-			const double weight = float_of(links[2 * (first + k) + 1]);
+			const double weight = gi_float_from_bits(links[2 * (first + k) + 1]);
 			h[0] += weight * node.x;
 			h[1] += weight * node.y;
 			h[2] += weight * node.z;
@@ -126,7 +120,7 @@ static gi_entry entry_of(const gi_scene *s, gi_uvec4 e)
 {
 	gi_entry out = {.leaf = e.w & GI_ENTRY_LEAF_MASK,
 			.node = e.x,
-			.form_factor = float_of(e.y),
+			.form_factor = gi_float_from_bits(e.y),
 			.samples = (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK,
 			.back = (e.w & GI_ENTRY_BACK) != 0};
 	for (uint32_t mask = e.z & 0xFFFFu; mask; mask &= mask - 1)
@@ -180,7 +174,7 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 				continue;
 			const uint32_t at = 2 * (headers[leaf].x + k);
 			gi_link *out = &links[*count];
-			*out = (gi_link){.leaf = leaf, .node = pool[at], .weight = float_of(pool[at + 1])};
+			*out = (gi_link){.leaf = leaf, .node = pool[at], .weight = gi_float_from_bits(pool[at + 1])};
 			leaf_range(s, out->node, &out->first_leaf, &out->leaf_count);
 		}
 	}
@@ -206,7 +200,7 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 		for (uint32_t l = 0; l < (header.y & GI_BLOCK_COUNT_MASK); l++) {
 			const gi_uvec4 range = s->topology[pool[2 * (header.x + l)]].range;
 			const uint32_t slot = range.w & GI_NODE_SKY ? s->sky_slot : leaves[range.y].y;
-			sums[slot] += a * float_of(pool[2 * (header.x + l) + 1]);
+			sums[slot] += a * gi_float_from_bits(pool[2 * (header.x + l) + 1]);
 		}
 	}
 	free(headers);

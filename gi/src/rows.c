@@ -86,6 +86,15 @@ static void clear_rows(gi_rows *r)
 	gpu_buffer_fill(&r->headers, no_row);
 }
 
+/* A row of fewer entries than this does not exist in a scene worth the name. */
+static const uint64_t LEAST_ENTRIES = 16;
+
+bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots)
+{
+	const uint64_t most = gi->gpu.max_block_bytes / sizeof(gi_uvec4);
+	return leaves <= GI_ENTRY_LEAF_MASK && leaves * slots <= most && leaves * LEAST_ENTRIES <= most;
+}
+
 gi_result rows_allocate(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;

@@ -1,0 +1,381 @@
+/* A commit: the arrays of all objects laid end to end, and uploaded.
+ *
+ *   leaves     | object 0 | object 1 | ...            (the sky has none)
+ *   nodes      | object 0 | object 1 | ... | sky
+ *   vertices   | object 0 | object 1 | ... | sky
+ */
+#include "bits.h"
+#include "context.h"
+#include "pack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Does one closed room hold all other objects? */
+static bool one_encloses_all(const gi_context *gi)
+{
+	const gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->object_count; k++) {
+		const scene_object *room = &s->objects[k];
+		if (!scene_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
+			continue;
+		bool all = true;
+		for (uint32_t j = 0; j < s->object_count && all; j++) {
+			const scene_object *o = &s->objects[j];
+			for (int c = 0; c < 3 && scene_is_alive(o); c++)
+				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - 1e-4f * fabsf((&room->world_lower.x)[c]) &&
+				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + 1e-4f * fabsf((&room->world_upper.x)[c]);
+		}
+		if (all)
+			return true;
+	}
+	return false;
+}
+
+/* Everything an upload gathers before it touches the old scene, so that a failure leaves that whole. */
+typedef struct gathered {
+	gi_scene next; /* counts and CPU arrays only */
+	gi_hierarchy sky;
+	gi_node_geometry *rest;
+	gi_node_spread *spread;
+	gi_vec4 *vertices;
+	gi_uvec4 *leaves;
+	gi_material_data *materials;
+	gi_uvec4 *bvh; /* packed */
+	gi_primitive *primitives;
+	uint32_t *wide;
+	gi_uvec4 *light_links; /* two uint pairs each */
+	uint32_t *light_first;
+	uint32_t bvh_count, primitive_count, material_count, light_link_count;
+} gathered;
+
+static void gathered_free(gathered *g)
+{
+	gi_hierarchy_free(&g->sky);
+	free(g->rest);
+	free(g->spread);
+	free(g->vertices);
+	free(g->leaves);
+	free(g->materials);
+	free(g->bvh);
+	free(g->primitives);
+	free(g->wide);
+	free(g->light_links);
+	free(g->light_first);
+}
+
+static void count_all(const gi_context *gi, gathered *g)
+{
+	gi_scene *n = &g->next;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		if (!scene_is_alive(o))
+			continue;
+		n->slot_count++;
+		n->leaf_count += o->hierarchy.leaf_count;
+		n->node_count += o->hierarchy.node_count;
+		n->vertex_count += o->hierarchy.vertex_count;
+		n->light_count += o->skin.light_count;
+		g->bvh_count += o->bvh.node_count;
+		g->primitive_count += o->bvh.primitive_count;
+		g->material_count += o->material_count;
+		g->light_link_count += o->skin.light_first[o->skin.light_count];
+	}
+	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
+	n->sky_slot = GI_NONE;
+	if (g->sky.node_count) {
+		n->sky_slot = n->slot_count++;
+		n->node_count += g->sky.node_count;
+		n->vertex_count += g->sky.vertex_count;
+	}
+}
+
+/* One element more than asked: nothing is not a failure. */
+static void *allocate(size_t count, size_t size)
+{
+	return calloc(count + 1, size);
+}
+
+static bool allocate_all(gathered *g)
+{
+	gi_scene *n = &g->next;
+	n->slots = allocate(n->slot_count, sizeof *n->slots);
+	n->object_data = allocate(n->slot_count, sizeof *n->object_data);
+	n->topology = allocate(n->node_count, sizeof *n->topology);
+	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
+	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
+	n->tlas_packed = allocate(n->tlas_count, sizeof *n->tlas_packed);
+	n->tlas_order = allocate(n->slot_count, sizeof *n->tlas_order);
+	g->rest = allocate(n->node_count, sizeof *g->rest);
+	g->spread = allocate(n->node_count, sizeof *g->spread);
+	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
+	g->leaves = allocate(n->leaf_count, sizeof *g->leaves);
+	g->materials = allocate(g->material_count, sizeof *g->materials);
+	g->bvh = allocate(g->bvh_count, sizeof *g->bvh);
+	g->primitives = allocate(g->primitive_count, sizeof *g->primitives);
+	g->wide = allocate(n->node_count, sizeof *g->wide);
+	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
+	g->light_first = allocate(n->light_count, sizeof *g->light_first);
+	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && n->tlas_order && g->rest && g->spread &&
+	       g->vertices && g->leaves && g->materials && g->bvh && g->primitives && g->wide && g->light_links && g->light_first;
+}
+
+static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base, uint32_t leaf_base)
+{
+	memcpy(g->rest + node_base, h->geometry, sizeof *g->rest * h->node_count);
+	if (h->spread)
+		memcpy(g->spread + node_base, h->spread, sizeof *g->spread * h->node_count);
+	memcpy(g->vertices + vertex_base, h->vertices, sizeof *g->vertices * h->vertex_count);
+	for (uint32_t k = 0; k < h->node_count; k++) {
+		gi_node_topology t = h->topology[k];
+		t.range.x += node_base;
+		t.range.y += leaf_base;
+		uint32_t *corners = &t.corners.x;
+		for (int c = 0; c < 4; c++)
+			corners[c] += corners[c] == GI_NONE ? 0 : vertex_base;
+		g->next.topology[node_base + k] = t;
+		if (t.range.z > GI_WIDE_LEAVES)
+			g->wide[g->next.wide_count++] = node_base + k;
+	}
+}
+
+static float add_bits(float value, uint32_t base)
+{
+	const uint32_t bits = gi_bits_from_float(value);
+	return gi_float_from_bits(bits == GI_NONE ? bits : bits + base);
+}
+
+static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data)
+{
+	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
+	for (uint32_t k = 0; k < o->bvh.node_count; k++)
+		g->bvh[o->bvh_base + k] = gi_pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
+	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
+		gi_primitive p = o->bvh.primitives[k];
+		p.a.w = add_bits(p.a.w, o->leaf_base);
+		p.b.w = add_bits(p.b.w, o->leaf_base);
+		g->primitives[o->primitive_base + k] = p;
+	}
+}
+
+/* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
+static bool is_plane(const gi_hierarchy *h)
+{
+	const gi_vec4 axis = h->geometry[0].axis, centre = h->geometry[0].sphere;
+	if (axis.w < 0.999999f)
+		return false;
+	for (uint32_t k = 0; k < h->vertex_count; k++) {
+		const gi_vec4 v = h->vertices[k];
+		const double height = (double)axis.x * ((double)v.x - centre.x) + (double)axis.y * ((double)v.y - centre.y) +
+				      (double)axis.z * ((double)v.z - centre.z);
+		if (fabs(height) > 1e-6 * centre.w)
+			return false;
+	}
+	return true;
+}
+
+static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
+{
+	const gi_skin *skin = &o->skin;
+	uint32_t *links = (uint32_t *)g->light_links;
+	for (uint32_t k = 0; k < skin->light_count; k++)
+		g->light_first[o->light_base + k] = link_base + skin->light_first[k];
+	for (uint32_t k = 0; k < skin->light_first[skin->light_count]; k++) {
+		links[2 * (link_base + k)] = o->leaf_base + skin->light_leaf[k];
+		memcpy(&links[2 * (link_base + k) + 1], &skin->light_weight[k], sizeof(float));
+	}
+}
+
+/* What this object's part of the old scene was, to carry its B over. */
+typedef struct carried {
+	uint32_t index, node_base, leaf_base;
+} carried;
+
+static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
+{
+	gi_scene *n = &g->next;
+	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		if (!scene_is_alive(o))
+			continue;
+		if (o->committed)
+			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
+		o->slot = slot;
+		o->node_base = node;
+		o->vertex_base = vertex;
+		o->leaf_base = leaf;
+		o->material_base = material;
+		o->bvh_base = bvh;
+		o->primitive_base = primitive;
+		o->light_base = light;
+		n->slots[slot] = k;
+		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
+		gather_light(g, o, link);
+		for (uint32_t m = 0; m < o->material_count; m++)
+			g->materials[material + m] = scene_material_data(&o->materials[m]);
+		for (uint32_t l = 0; l < o->hierarchy.leaf_count; l++)
+			g->leaves[leaf + l] = (gi_uvec4){node + o->hierarchy.leaf_node[l], slot,
+							 material + o->hierarchy.leaf_material[l], 0};
+		gi_object_data *data = &n->object_data[slot];
+		gather_rays(g, o, data);
+		o->plane = is_plane(&o->hierarchy);
+		data->lower = o->hierarchy.lower;
+		data->upper = o->hierarchy.upper;
+		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
+		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, 0, 0};
+		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
+		scene_place_object(o, data);
+		slot++;
+		node += o->hierarchy.node_count;
+		vertex += o->hierarchy.vertex_count;
+		leaf += o->hierarchy.leaf_count;
+		material += o->material_count;
+		bvh += o->bvh.node_count;
+		primitive += o->bvh.primitive_count;
+		light += o->skin.light_count;
+		link += o->skin.light_first[o->skin.light_count];
+	}
+	g->light_first[light] = link;
+	if (n->sky_slot == GI_NONE)
+		return;
+	gi_object_data *data = &n->object_data[slot];
+	n->slots[slot] = GI_NONE;
+	gather_hierarchy(g, &g->sky, node, vertex, 0);
+	data->nodes = (gi_uvec4){node, node + g->sky.node_count, leaf, leaf};
+	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_SKY, 0};
+	data->extra = (gi_uvec4){0, vertex, vertex + g->sky.vertex_count, 0};
+	scene_place_sky(data);
+	for (uint32_t k = 0; k < g->sky.node_count; k++) {
+		const float *e = gi->def.sky_exitance;
+		n->node_exitance[node + k] = (gi_vec4){e[0], e[1], e[2], 0};
+	}
+}
+
+static gi_result upload_gathered(gi_context *gi, gathered *g)
+{
+	gpu *gpu = &gi->gpu;
+	gi_scene *s = &gi->scene, *n = &g->next;
+	const struct {
+		gpu_buffer *buffer;
+		uint64_t size;
+		const void *data;
+	} uploads[] = {
+		{&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
+		{&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
+		{&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+		{&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
+		{&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
+		{&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
+		{&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, NULL},
+		{&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
+		{&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
+		{&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
+		{&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
+		{&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
+		{&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
+		{&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+		{&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
+		{&s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
+	};
+	for (size_t k = 0; k < sizeof uploads / sizeof *uploads; k++) {
+		gi_result result = gpu_buffer_allocate(gpu, uploads[k].buffer, uploads[k].size, uploads[k].data);
+		if (result)
+			return result;
+	}
+	return GI_OK;
+}
+
+/* Takes over counts and CPU arrays; the buffers stay where they are. */
+static void adopt(gi_scene *s, const gi_scene *n)
+{
+	scene_free_arrays(s);
+	s->slots = n->slots;
+	s->object_data = n->object_data;
+	s->topology = n->topology;
+	s->node_exitance = n->node_exitance;
+	s->tlas = n->tlas;
+	s->tlas_packed = n->tlas_packed;
+	s->tlas_order = n->tlas_order;
+	s->tlas_count = n->tlas_count;
+	s->slot_count = n->slot_count;
+	s->sky_slot = n->sky_slot;
+	s->leaf_count = n->leaf_count;
+	s->node_count = n->node_count;
+	s->vertex_count = n->vertex_count;
+	s->light_count = n->light_count;
+	s->wide_count = n->wide_count;
+}
+
+/* B of objects that stay moves from the old buffers to the new ones; new objects start from E (solver.c). */
+static void carry_radiosity(gi_context *gi, gi_solver *before, const carried *old, uint32_t old_count)
+{
+	for (uint32_t k = 0; k < old_count; k++) {
+		const scene_object *o = &gi->scene.objects[old[k].index];
+		const uint64_t vec = sizeof(gi_vec4);
+		gpu_buffer_copy(&before->radiosity, vec * old[k].node_base, &gi->solver.radiosity, vec * o->node_base,
+				vec * o->hierarchy.node_count);
+		gpu_buffer_copy(&before->leaf_radiosity, vec * old[k].leaf_base, &gi->solver.leaf_radiosity, vec * o->leaf_base,
+				vec * o->hierarchy.leaf_count);
+	}
+}
+
+static bool wants_sky(const gi_context *gi)
+{
+	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
+}
+
+gi_result scene_upload(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	gathered g = {0};
+	uint32_t old_count = 0;
+	carried *old = allocate(s->object_count, sizeof *old);
+	gi_result result = GI_ERROR_OUT_OF_MEMORY;
+	/* Boxes first: whether there is a sky depends on them. */
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (scene_is_alive(&s->objects[k])) {
+			gi_object_data scratch;
+			scene_place_object(&s->objects[k], &scratch);
+		}
+	bool ready = old && (!wants_sky(gi) || sky_build(&g.sky));
+	if (ready) {
+		count_all(gi, &g);
+		/* Found out before the old scene is touched. */
+		if (!rows_can_hold(gi, g.next.leaf_count, g.next.slot_count)) {
+			result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+					 "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use fewer "
+					 "levels or a larger leaf_size",
+					 g.next.leaf_count, g.next.slot_count, (unsigned)(gi->gpu.max_block_bytes >> 20));
+			free(old);
+			gathered_free(&g);
+			return result;
+		}
+		ready = allocate_all(&g);
+	}
+	if (!ready) {
+		scene_free_arrays(&g.next);
+		gi_fail(&gi->gpu.log, result, "out of memory");
+	} else {
+		gather_objects(gi, &g, old, &old_count);
+		adopt(s, &g.next);
+		for (uint32_t k = 0; k < s->object_count; k++)
+			if (scene_is_alive(&s->objects[k]))
+				scene_update_exitance(gi, &s->objects[k]);
+		lamps_select(gi, false);
+		result = upload_gathered(gi, &g);
+	}
+	gi_solver before = gi->solver;
+	if (!result) {
+		gi->solver.radiosity = gi->solver.leaf_radiosity = (gpu_buffer){0};
+		result = solver_allocate(gi);
+		if (!result && s->ever_committed)
+			carry_radiosity(gi, &before, old, old_count);
+		gpu_buffer_free(&gi->gpu, &before.radiosity);
+		gpu_buffer_free(&gi->gpu, &before.leaf_radiosity);
+	}
+	free(old);
+	gathered_free(&g);
+	return result;
+}
