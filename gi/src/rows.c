@@ -14,8 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries per leaf are about this over the row tolerance in a closed room; the pool doubles when that was too few. */
-static const double ENTRIES_TIMES_TOLERANCE = 2.0;
+/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box, their blocks 1.4 times that; the pool doubles when this was
+ * too few. */
+static const double ENTRIES_TIMES_TOLERANCE = 4.5;
+static const double ENTRIES_AT_LEAST = 96;
 
 /* Black sky only has to close rows: its patches may be this much coarser than others. */
 static const float BLACK_SKY_COARSENESS = 14.0f;
@@ -110,7 +112,7 @@ gi_result rows_allocate(gi_context *gi)
 	if (result)
 		return result;
 	clear_rows(r);
-	const double per_leaf = ENTRIES_TIMES_TOLERANCE / gi->def.row_tolerance + 64;
+	const double per_leaf = ENTRIES_TIMES_TOLERANCE / gi->def.row_tolerance + ENTRIES_AT_LEAST;
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
 	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
 	r->entry_limit = limit < most ? limit : most;
