@@ -32,6 +32,9 @@ void main()
 {
 	if (initialise != 0u) {
 		start();
+		// Which rows did not fit is chance: B waits for the larger pool, and stays what it was.
+		if (state[GI_STATE_OVERFLOW] != 0u)
+			stop();
 	} else {
 		float bound = 0.0, relative = 0.0, residual = 0.0, q_max = 0.0, b_max = 0.0;
 		for (uint c = 0u; c < 3u; c++) {
