@@ -489,6 +489,9 @@ static void two_sides(void **state)
 	lamp_between(false, &below, &above);
 	assert_true(below > 0);
 	assert_true(above == 0);
+	/* Nearly all the floor sees: F = 0.99795 in the mean (exact_element_rectangle). What is left of the error is given to the sky past the
+	 * lamp's edge by the closing of rows. */
+	assert_true(fabs(below - .5 * .99795) <= .003 * below);
 	const double alone = below;
 	lamp_between(true, &below, &above);
 	/* The same form factors, mirrored. What the closing of rows gives to the sky beyond the lamp's edge depends on the random numbers
@@ -499,32 +502,51 @@ static void two_sides(void **state)
 
 /* ---- determinism and commits ---- */
 
-static void same_scene_twice(void **state)
+enum { SAME_FRAMES = 3, SAME_RUNS = 4 };
+
+typedef struct hashes {
+	uint64_t rows[SAME_FRAMES], radiosity[SAME_FRAMES];
+} hashes;
+
+/* A lamp in so many pieces that rows outgrow the pool: it has to grow in the first frame, and threads race for what there is. */
+static hashes hash_frames(void)
+{
+	hashes h;
+	gi_context_def def = harness_def();
+	def.row_tolerance = 0.1f;
+	def.emitter_refinement = 1e5f;
+	gi_context *gi = harness_context(&def);
+	cornell_def small = cornell_def_default();
+	small.wall_faces = small.wall_levels = 2;
+	small.light_levels = 4;
+	small.balls = false;
+	cornell made;
+	assert_gi(cornell_create(gi, &small, &made));
+	assert_gi(gi_commit(gi));
+	for (int frame = 0; frame < SAME_FRAMES; frame++) {
+		assert_gi(gi_set_pose(gi, made.buddha, cornell_buddha_pose(.2f * (float)frame)));
+		harness_update(gi);
+		snapshot s = snapshot_take(gi);
+		h.rows[frame] = snapshot_hash_rows(&s);
+		h.radiosity[frame] = snapshot_hash_radiosity(&s);
+		snapshot_free(&s);
+	}
+	gi_context_destroy(gi);
+	return h;
+}
+
+static void same_scene_same_bits(void **state)
 {
 	(void)state;
-	uint64_t rows[2], radiosity[2];
-	for (int k = 0; k < 2; k++) {
-		gi_context_def def = harness_def();
-		def.row_tolerance = 0.02f;
-		gi_context *gi = harness_context(&def);
-		cornell_def small = cornell_def_default();
-		small.wall_faces = small.wall_levels = 2;
-		cornell made;
-		assert_gi(cornell_create(gi, &small, &made));
-		assert_gi(gi_commit(gi));
-		for (int frame = 0; frame < 5; frame++) {
-			assert_gi(gi_set_pose(gi, made.buddha, cornell_buddha_pose(.2f * (float)frame)));
-			harness_update(gi);
+	const hashes first = hash_frames();
+	for (int run = 1; run < SAME_RUNS; run++) {
+		const hashes again = hash_frames();
+		for (int frame = 0; frame < SAME_FRAMES; frame++) {
+			assert_true(first.rows[frame] == again.rows[frame]);
+			assert_true(first.radiosity[frame] == again.radiosity[frame]);
 		}
-		snapshot s = snapshot_take(gi);
-		rows[k] = snapshot_hash_rows(&s);
-		radiosity[k] = snapshot_hash_radiosity(&s);
-		snapshot_free(&s);
-		gi_context_destroy(gi);
 	}
-	printf("  hash of rows %016llx, of B %016llx\n", (unsigned long long)rows[0], (unsigned long long)radiosity[0]);
-	assert_true(rows[0] == rows[1]);
-	assert_true(radiosity[0] == radiosity[1]);
+	printf("  hash of rows %016llx, of B %016llx\n", (unsigned long long)first.rows[0], (unsigned long long)first.radiosity[0]);
 }
 
 static const harness_object GREY = {.name = "late", .levels = 1, .rho = {.5f, .5f, .5f}, .position = {0, 0, 0}};
@@ -608,7 +630,7 @@ int main(void)
 		cmocka_unit_test(sealed_room),
 		cmocka_unit_test(inside_a_solid),
 		cmocka_unit_test(two_sides),
-		cmocka_unit_test(same_scene_twice),
+		cmocka_unit_test(same_scene_same_bits),
 		cmocka_unit_test(commits_keep_the_rest),
 	};
 	return cmocka_run_group_tests_name("invariants", tests, harness_open, harness_close);
