@@ -299,13 +299,13 @@ int main(int argc, char **argv)
 		{"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
 		{"frames", 'n', "N", 0, "frames measured, default 40", 0},
 		{"size", 's', "PIXELS", 0, "width and height, default 512", 0},
-		{"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.05", 0},
+		{"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},
 		{"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 4", 0},
 		{"wall-levels", 'w', "N", 0, "refinement of the walls, default 3: 4,124 leaves in all", 0},
 		{0},
 	};
 	const struct argp argp = {list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
-	options o = {.frames = 40, .size = 512, .row_tolerance = 0.05f, .emitter_refinement = 4, .wall_levels = 3};
+	options o = {.frames = 40, .size = 512, .row_tolerance = 0.1f, .emitter_refinement = 4, .wall_levels = 3};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 
 	engine_context_def def = engine_context_def_default();
