@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The issue's tolerance for B. Both solves stop within 1e-6 of the largest B of the same fixed point; the rest is room for the
@@ -317,7 +318,8 @@ static void open_front(void **state)
 {
 	(void)state;
 	const gi_context_def def = coarse_def();
-	run("open box", open_box, &def, 200, false);
+	const char *frames = getenv("RELUME_FRAMES");
+	run("open box", open_box, &def, frames ? (uint32_t)atoi(frames) : 200, false);
 }
 
 static void bright_sky(void **state)
