@@ -15,8 +15,10 @@ layout(binding = 1) uniform sampler2DArray depth_values;     // as they are
 const float NORMAL_TEXELS = 1.6;
 // And towards the light by this many, for depths rounded on surfaces that face it.
 const float DEPTH_TEXELS = 0.6;
+// A texel of a map of the whole hemisphere is up to this much wider, across the view, than its depth says.
+const float BENT_TEXEL = 1.41421;
 
-// Closer to the lamp's plane than this share of the distance no map looks.
+// Closer to the lamp's plane than this share of the distance no map looks: points there are taken to lie so high.
 const float NEAREST = 1e-4;
 
 // Angle between the unit vectors u and v over its sine and over 2 pi, times u x v. A rational fit of the angle in the
@@ -75,12 +77,19 @@ vec3 in_lamp_frame(uint k, vec4 p)
 
 // A point as the maps of one lamp see it, and what its samples have said so far.
 struct receiver {
-	vec3 q, m;       // the point, moved along its normal, and the normal; in the lamp's frame
-	vec2 base, step; // uv = base - s * step
-	float reference; // depth to compare
-	vec2 reach;      // how far apart a sample's two looks lie, uv
+	vec3 q, m;      // the point, moved along its normal, and the normal; in the lamp's frame
+	float z;        // its height over the lamp's plane, never 0
+	float e;        // its distance, as maps measure it, from the lamp's middle
+	float nearer;   // depth.y for the distance less DEPTH_TEXELS
+	float reach;    // how far apart a sample's two looks lie, uv, across the view
+	vec2 slope, up; // of uv, and of e along q.xy: what turns a step along the lamp into one of uv
 	float lit, total;
 };
+
+float map_distance(uint k, vec2 d, float z)
+{
+	return z + lights.lamps[k].map.y * max(abs(d.x), abs(d.y));
+}
 
 receiver make_receiver(uint k, vec3 p, vec3 n, float sink)
 {
@@ -89,17 +98,27 @@ receiver make_receiver(uint k, vec3 p, vec3 n, float sink)
 	r.q = in_lamp_frame(k, vec4(p, 1.0));
 	r.m = in_lamp_frame(k, vec4(n, 0.0));
 	float facing = clamp(-dot(r.m, r.q) * inversesqrt(max(dot(r.q, r.q), 1e-30)), 0.0, 1.0);
-	float texel = depth.z * max(r.q.z, 0.0);
+	float texel = depth.z * mix(1.0, BENT_TEXEL, map.y) * map_distance(k, r.q.xy, max(r.q.z, 0.0));
 	r.q += r.m * (texel * NORMAL_TEXELS * sqrt(1.0 - facing * facing) + sink);
-	float z = max(r.q.z, NEAREST * length(r.q));
-	// Beyond the farthest blocker the maps' clear depth hides nothing.
-	r.reference = min(depth.x + depth.y / max(z - DEPTH_TEXELS * texel, 1e-30), 1.0);
-	r.step = map.xy / z;
-	r.base = r.q.xy * r.step + map.zw;
-	r.reach = vec2(0.0);
+	r.z = max(r.q.z, NEAREST * length(r.q) + 1e-12);
+	r.e = map_distance(k, r.q.xy, r.z);
+	r.nearer = depth.y / (1.0 - DEPTH_TEXELS * depth.z);
+	r.slope = r.q.xy / r.e;
+	r.up = map.y * (abs(r.q.x) > abs(r.q.y) ? vec2(sign(r.q.x), 0.0) : vec2(0.0, sign(r.q.y)));
+	r.reach = 0.0;
 	r.lit = 0.0;
 	r.total = 1e-30;
 	return r;
+}
+
+// The point in the map of the sample at s: uv and the depth to compare.
+vec3 in_map(uint k, receiver r, vec2 s)
+{
+	vec4 map = lights.lamps[k].map;
+	vec2 d = r.q.xy - s;
+	float inverse = 1.0 / map_distance(k, d, r.z);
+	// Beyond the farthest blocker the maps' clear depth hides nothing.
+	return vec3(d * (map.x * inverse) + map.zw, min(lights.lamps[k].depth.x + r.nearer * inverse, 1.0));
 }
 
 // Samples count as much as they would light the point: those below its horizon not at all.
@@ -117,11 +136,12 @@ struct answer {
 };
 
 // Asks sample i whether it sees the point, by the depth map's nearest texel.
-void probe(uint i, receiver r, float size, inout answer a)
+void probe(uint i, uint k, receiver r, float size, inout answer a)
 {
-	vec2 s = lights.samples[i].xy, uv = clamp(r.base - s * r.step, 0.0, 0.9999);
-	float d = texelFetch(depth_values, ivec3(uv * size, int(i)), 0).x;
-	float above = dot(r.m, vec3(s - r.q.xy, -r.q.z)) > 0.0 ? 1.0 : 0.0, hidden = d < r.reference ? above : 0.0;
+	vec2 s = lights.samples[i].xy;
+	vec3 at = in_map(k, r, s);
+	float d = texelFetch(depth_values, ivec3(clamp(at.xy, 0.0, 0.9999) * size, int(i)), 0).x;
+	float above = dot(r.m, vec3(s - r.q.xy, -r.q.z)) > 0.0 ? 1.0 : 0.0, hidden = d < at.z ? above : 0.0;
 	a.asked += above;
 	a.hidden += hidden;
 	a.blockers += hidden;
@@ -129,12 +149,13 @@ void probe(uint i, receiver r, float size, inout answer a)
 }
 
 // The same by the four texels that a look filters. Samples near the corners of the lamp decide where a penumbra ends.
-void probe_wide(uint i, receiver r, inout answer a)
+void probe_wide(uint i, uint k, receiver r, inout answer a)
 {
 	vec2 s = lights.samples[i].xy;
-	vec4 d = textureGather(depth_values, vec3(r.base - s * r.step, float(i)));
+	vec3 at = in_map(k, r, s);
+	vec4 d = textureGather(depth_values, vec3(at.xy, float(i)));
 	float above = dot(r.m, vec3(s - r.q.xy, -r.q.z)) > 0.0 ? 1.0 : 0.0;
-	vec4 hidden = vec4(lessThan(d, vec4(r.reference))) * above;
+	vec4 hidden = vec4(lessThan(d, vec4(at.z))) * above;
 	float count = hidden.x + hidden.y + hidden.z + hidden.w;
 	a.asked += above;
 	a.hidden += 0.25 * count;
@@ -143,21 +164,24 @@ void probe_wide(uint i, receiver r, inout answer a)
 }
 
 // Two looks a little apart make two smaller steps of the one that the sample's shadow is.
-void look(uint i, inout receiver r)
+void look(uint i, uint k, inout receiver r)
 {
 	vec4 s = lights.samples[i];
-	vec2 uv = r.base - s.xy * r.step, aside = s.zw * r.reach;
+	vec3 at = in_map(k, r, s.xy);
+	vec2 aside = s.zw * r.reach;
+	aside -= r.slope * dot(r.up, aside);
 	float weight = weight_of(r, s.xy);
-	r.lit += weight * (texture(depth_maps, vec4(uv - aside, float(i), r.reference)) +
-			   texture(depth_maps, vec4(uv + aside, float(i), r.reference)));
+	r.lit += weight * (texture(depth_maps, vec4(at.xy - aside, float(i), at.z)) +
+			   texture(depth_maps, vec4(at.xy + aside, float(i), at.z)));
 	r.total += 2.0 * weight;
 }
 
 // The shadows of neighbouring samples lie as far apart as the samples, seen through the blocker.
-vec2 reach_past(float blocker, uint k, receiver r)
+float reach_past(float blocker, uint k, receiver r)
 {
-	float apart = lights.lamps[k].depth.w * max(r.q.z - blocker, 0.0) / blocker;
-	return max(apart * r.step, vec2(0.5 * lights.lamps[k].depth.z) * lights.lamps[k].map.xy);
+	vec4 depth = lights.lamps[k].depth;
+	float apart = depth.w * max(r.e - blocker, 0.0) / blocker;
+	return max(apart / r.e, 0.5 * depth.z) * lights.lamps[k].map.x;
 }
 
 float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
@@ -169,18 +193,18 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	answer a = answer(0.0, 0.0, 0.0, 0.0);
 #ifdef LAMPS
 	uint first = k * GI_LAMP_FEW_SAMPLES;
-	probe_wide(first, r, a);
-	probe_wide(first + 1u, r, a);
-	probe_wide(first + 2u, r, a);
-	probe_wide(first + 3u, r, a);
-	probe(first + 4u, r, size, a);
-	probe(first + 5u, r, size, a);
-	probe(first + 6u, r, size, a);
-	probe(first + 7u, r, size, a);
+	probe_wide(first, k, r, a);
+	probe_wide(first + 1u, k, r, a);
+	probe_wide(first + 2u, k, r, a);
+	probe_wide(first + 3u, k, r, a);
+	probe(first + 4u, k, r, size, a);
+	probe(first + 5u, k, r, size, a);
+	probe(first + 6u, k, r, size, a);
+	probe(first + 7u, k, r, size, a);
 #else
 	uint first = range.x, probes = first + min(range.y, GI_LAMP_PROBES);
 	for (uint i = first; i < probes; i++)
-		probe_wide(i, r, a);
+		probe_wide(i, k, r, a);
 #endif
 	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for dark
 	// leaves steps along the edges of dark shadows. Software renderers run a loop's body once where no pixel wants it, so
@@ -188,12 +212,10 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	bool clear = a.hidden == 0.0;
 	uint end = first + range.y;
 	float blocker = depth.y / (a.depth / max(a.blockers, 1.0) - depth.x);
-	r.reach = reach_past(clear ? r.q.z : blocker, k, r);
+	r.reach = reach_past(clear ? r.e : blocker, k, r);
 	for (uint i = clear ? end : first; i < end; i++)
-		look(i, r);
-	float share = clear ? 1.0 : r.lit / r.total;
-	// The contour of a curved lamp is seen a little beyond its plane, where no map looks.
-	return r.q.z > NEAREST * length(r.q) ? share : 1.0;
+		look(i, k, r);
+	return clear ? 1.0 : r.lit / r.total;
 }
 
 #ifdef LAMPS

@@ -5,6 +5,23 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+/* ---- capabilities ---- */
+
+static bool is_set(GLenum what)
+{
+	GLboolean value = GL_FALSE;
+	glGetBooleanv(what, &value);
+	return value == GL_TRUE;
+}
+
+static void set(GLenum capability, bool on)
+{
+	if (on)
+		glEnable(capability);
+	else
+		glDisable(capability);
+}
+
 /* ---- meshes ---- */
 
 static void describe_vertices(const gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes)
@@ -124,7 +141,7 @@ void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps)
 	*maps = (gpu_depth_maps){0};
 }
 
-void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer)
+void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer, bool border)
 {
 	const GLfloat farthest = 1.0f;
 	const GLsizei inside = (GLsizei)maps->size - 2;
@@ -134,7 +151,7 @@ void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer)
 	glClearBufferfv(GL_DEPTH, 0, &farthest);
 	glViewport(0, 0, (GLsizei)maps->size, (GLsizei)maps->size);
 	glScissor(1, 1, inside, inside);
-	glEnable(GL_SCISSOR_TEST);
+	set(GL_SCISSOR_TEST, border);
 }
 
 void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit)
@@ -146,21 +163,6 @@ void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit)
 }
 
 /* ---- state ---- */
-
-static bool is_set(GLenum what)
-{
-	GLboolean value = GL_FALSE;
-	glGetBooleanv(what, &value);
-	return value == GL_TRUE;
-}
-
-static void set(GLenum capability, bool on)
-{
-	if (on)
-		glEnable(capability);
-	else
-		glDisable(capability);
-}
 
 void gpu_draw_begin(gpu_draw_state *s)
 {
@@ -180,6 +182,9 @@ void gpu_draw_begin(gpu_draw_state *s)
 	s->depth_mask = is_set(GL_DEPTH_WRITEMASK);
 	s->polygon_offset_fill = is_set(GL_POLYGON_OFFSET_FILL);
 	s->clamp = is_set(GL_DEPTH_CLAMP);
+	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
+		s->clip[k] = is_set(GL_CLIP_DISTANCE0 + k);
+	gpu_draw_clip(false);
 	glDisable(GL_BLEND);
 	glDisable(GL_SCISSOR_TEST);
 	glDisable(GL_POLYGON_OFFSET_FILL);
@@ -204,6 +209,8 @@ void gpu_draw_end(const gpu_draw_state *s)
 			    (GLenum)s->blend_function[3]);
 	set(GL_POLYGON_OFFSET_FILL, s->polygon_offset_fill);
 	set(GL_DEPTH_CLAMP, s->clamp);
+	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
+		set(GL_CLIP_DISTANCE0 + k, s->clip[k]);
 	glDepthFunc((GLenum)s->depth_function);
 	glDepthMask(s->depth_mask);
 	glColorMask(s->color_mask[0], s->color_mask[1], s->color_mask[2], s->color_mask[3]);
@@ -219,6 +226,12 @@ void gpu_draw_to_host(const gpu_draw_state *s, uint32_t width, uint32_t height)
 void gpu_draw_cull_backs(bool cull)
 {
 	set(GL_CULL_FACE, cull);
+}
+
+void gpu_draw_clip(bool clip)
+{
+	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
+		set(GL_CLIP_DISTANCE0 + k, clip);
 }
 
 void gpu_draw_multiplied(bool on)

@@ -41,16 +41,18 @@ typedef struct gpu_depth_maps {
 /* Keeps what is there when it is the same. */
 gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uint32_t layers);
 void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps);
-/* Clears a layer to the farthest depth and makes it what is drawn into. Its outermost texels stay clear: beyond the map
- * nothing hides anything. */
-void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer);
+/* Clears a layer to the farthest depth and makes it what is drawn into. With a border its outermost texels stay clear:
+ * beyond the map nothing hides anything. */
+void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer, bool border);
 /* Compared at `unit`, as plain values at the next. */
 void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit);
+
+enum { GPU_CLIP_DISTANCES = 3 }; /* that a vertex shader may write */
 
 /* What drawing changes and a host may have set. */
 typedef struct gpu_draw_state {
 	int draw_framebuffer, scissor_box[4], viewport[4], depth_function, blend_function[4];
-	bool scissor, blend, depth_mask, color_mask[4], polygon_offset_fill, clamp;
+	bool scissor, blend, depth_mask, color_mask[4], polygon_offset_fill, clamp, clip[GPU_CLIP_DISTANCES];
 } gpu_draw_state;
 
 /* Remembers the host's state, then sets: depth test and writes on, no blending, no scissor, back faces culled. */
@@ -59,6 +61,8 @@ void gpu_draw_end(const gpu_draw_state *state);
 /* Into the host's framebuffer. */
 void gpu_draw_to_host(const gpu_draw_state *state, uint32_t width, uint32_t height);
 void gpu_draw_cull_backs(bool cull);
+/* By the vertex shader's gl_ClipDistance. */
+void gpu_draw_clip(bool clip);
 /* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
 void gpu_draw_multiplied(bool on);
 

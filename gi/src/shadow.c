@@ -13,9 +13,13 @@ enum { MAP_SIZE = 512 };
 /* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
 enum { WALL_POLYGONS = 64 };
 
-/* Maps reach this far to each side of a lamp's normal (75 degrees); what comes in flatter than that is 7 % of the
- * light. */
-static const double WIDEST = 3.73;
+/* Where casters lie within these slopes to each side of a lamp's normal (63 degrees) maps are plain perspectives of
+ * them alone; else maps of the whole hemisphere. */
+static const double WIDEST = 2;
+
+/* Sectors of a hemisphere's map overlap by this share of its half width, an eighth of a texel: no texel between two is
+ * missed. */
+static const float SECTOR_OVERLAP = 5e-4f;
 
 /* A frustum's borders are multiples of its width over this, so that maps keep their texels while something moves. */
 static const double BORDER_STEPS = 16;
@@ -25,6 +29,9 @@ static const double BORDER_TEXELS = 4;
 
 /* A sample looks this share of the way to its neighbours aside, to both sides: shadows of neighbours then meet. */
 static const double LOOK_ASIDE = 0.25;
+
+/* Maps begin at this share of their depth: floats then tell depths in the far half apart to about 1e-4 of it. */
+static const double NEAREST_SHARE = 1e-3;
 
 /* Vertices this share of the scene's size behind a wall still lie on it. */
 static const double WALL_SLACK = 1e-4;
@@ -324,7 +331,8 @@ typedef struct placed {
 	uint32_t sample_count;
 	double sample_lower[2], sample_upper[2];
 	double spacing; /* of the samples */
-	double nearest, farthest, lower[2], upper[2]; /* along z; slopes x/z, y/z */
+	bool hemisphere;
+	double nearest, farthest, lower[2], upper[2]; /* along z; slopes x/z, y/z. Of a hemisphere: distances e */
 } placed;
 
 static gi_vec3d unit(gi_vec3d v)
@@ -381,7 +389,7 @@ static void place_samples(placed *l, gi_vec4 *out)
 	}
 }
 
-/* ---- the frustum ---- */
+/* ---- the window ---- */
 
 static void reach_point(placed *l, gi_vec3d q)
 {
@@ -433,7 +441,31 @@ static uint32_t own_shadow(const lamp_polygon *p, const gi_shadow *shadow)
 	return p->bulge > 0 && p->slot < shadow->caster_count ? p->slot : GI_NONE;
 }
 
-/* Fits the frustum to the casters before the lamp; false when there are none. */
+/* Height over the lamp's plane from where on something casts: what lies in it does not, but for rounding. */
+static double lowest_caster(const lamp_polygon *p, const placed *l)
+{
+	return 1.05 * p->bulge + 1e-4 * l->spacing;
+}
+
+/* Depths of the whole hemisphere: to the casters' farthest corner. */
+static void take_hemisphere(const gi_shadow *shadow, uint32_t hole, placed *l)
+{
+	double aside = 0, farthest = 0;
+	for (int axis = 0; axis < 2; axis++)
+		aside = fmax(aside, fmax(-l->sample_lower[axis], l->sample_upper[axis]));
+	for (uint32_t k = 0; k < shadow->caster_count; k++) {
+		const shadow_caster *c = &shadow->casters[k];
+		for (int b = 0; b < 8 && c->first_range < c->end_range && k != hole; b++) {
+			const gi_vec3d q = in_frame(l, c->box[b]);
+			farthest = fmax(farthest, fmax(q.z, 0) + fmax(fabs(q.x), fabs(q.y)) + aside);
+		}
+	}
+	l->hemisphere = true;
+	l->farthest = 1.01 * farthest;
+	l->nearest = NEAREST_SHARE * farthest;
+}
+
+/* Fits the window to the casters before the lamp; false when there are none. */
 static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 {
 	double closest = INFINITY, farthest = 0, z;
@@ -443,16 +475,14 @@ static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 		if (c->first_range == c->end_range || k == hole)
 			continue;
 		const double from = closest_z(l, c->box, &z);
-		/* In the lamp's own plane, but for rounding. */
-		if (z <= 1.05 * p->bulge + 1e-4 * l->spacing)
+		if (z <= lowest_caster(p, l))
 			continue;
 		closest = fmin(closest, from);
 		farthest = fmax(farthest, z);
 	}
 	if (!(farthest > 0))
 		return false;
-	/* From a thousandth of the depth on, floats tell depths in the far half apart to about 1e-4 of it. */
-	l->nearest = fmax(fmax(0.99 * closest, 1.05 * p->bulge), 1e-3 * farthest);
+	l->nearest = fmax(fmax(0.99 * closest, 1.05 * p->bulge), NEAREST_SHARE * farthest);
 	l->farthest = l->nearest;
 	for (int axis = 0; axis < 2; axis++) {
 		l->lower[axis] = INFINITY;
@@ -462,23 +492,24 @@ static bool fit(const gi_shadow *shadow, const lamp_polygon *p, placed *l)
 		if (shadow->casters[k].first_range < shadow->casters[k].end_range && k != hole)
 			reach_box(l, shadow->casters[k].box);
 	l->farthest *= 1.01;
+	for (int axis = 0; axis < 2; axis++)
+		if (l->lower[axis] < -WIDEST || l->upper[axis] > WIDEST) {
+			take_hemisphere(shadow, hole, l);
+			return true;
+		}
 	return l->upper[0] > l->lower[0];
 }
 
 /* One square window of slopes: borders on a grid, a margin of some texels. */
 static void square_window(const placed *l, double lower[2], double *width)
 {
-	double from[2], to[2], span = 0;
-	for (int axis = 0; axis < 2; axis++) {
-		from[axis] = fmax(l->lower[axis], -WIDEST);
-		to[axis] = fmin(l->upper[axis], WIDEST);
-		span = fmax(span, to[axis] - from[axis]);
-	}
+	double from[2], to[2];
+	const double span = fmax(l->upper[0] - l->lower[0], l->upper[1] - l->lower[1]);
 	const double step = exp2(ceil(log2(fmax(span, 1e-6)))) / BORDER_STEPS;
 	*width = 0;
 	for (int axis = 0; axis < 2; axis++) {
-		from[axis] = floor(from[axis] / step) * step;
-		to[axis] = ceil(to[axis] / step) * step;
+		from[axis] = floor(l->lower[axis] / step) * step;
+		to[axis] = ceil(l->upper[axis] / step) * step;
 		*width = fmax(*width, to[axis] - from[axis]);
 	}
 	for (int axis = 0; axis < 2; axis++)
@@ -495,7 +526,7 @@ static void fill_lamp(const lamp_polygon *p, const placed *l, bool casts, gi_lam
 {
 	for (int k = 0; k < 4; k++)
 		out->corner[k] = (gi_vec4){(float)l->corner[k].x, (float)l->corner[k].y, (float)l->corner[k].z, 0};
-	out->exitance = (gi_vec4){p->exitance[0], p->exitance[1], p->exitance[2], 0};
+	out->exitance = (gi_vec4){p->exitance[0], p->exitance[1], p->exitance[2], (float)lowest_caster(p, l)};
 	out->frame_x = frame_row(l->x, l->origin);
 	out->frame_y = frame_row(l->y, l->origin);
 	out->frame_z = frame_row(l->z, l->origin);
@@ -503,50 +534,89 @@ static void fill_lamp(const lamp_polygon *p, const placed *l, bool casts, gi_lam
 		out->range.y = 0;
 		return;
 	}
-	double lower[2], width;
-	square_window(l, lower, &width);
+	double lower[2] = {-1, -1}, width = 2;
+	if (!l->hemisphere)
+		square_window(l, lower, &width);
 	const double n = l->nearest, f = l->farthest;
-	out->map = (gi_vec4){(float)(1 / width), (float)(1 / width), (float)(-lower[0] / width), (float)(-lower[1] / width)};
+	out->map = (gi_vec4){(float)(1 / width), l->hemisphere ? 1.0f : 0.0f, (float)(-lower[0] / width),
+			     (float)(-lower[1] / width)};
 	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / MAP_SIZE),
 			       (float)(LOOK_ASIDE * l->spacing)};
 }
 
 /* ---- drawing ---- */
 
-/* Clip coordinates of a sample's map: x = 2 u z - z and so on, with the u of shade_shared.h. Column-major. */
-static void sample_matrix(const gi_lamp *l, gi_vec4 sample, float m[16])
+/* A sample's sector (+x, -x, +y, -y) as matrices from the world, column-major: to clip coordinates of its map, x =
+ * 2 u e - e and so on with the u and e of shade_shared.h; and to distances inside the sector's planes. A perspective
+ * has no sectors, and all points are inside. */
+static void sector_matrices(const gi_lamp *l, gi_vec4 sample, int sector, float clip[16], float planes[16])
 {
 	const float *x = &l->frame_x.x, *y = &l->frame_y.x, *z = &l->frame_z.x;
-	const float along = 2 * l->depth.x - 1;
+	const float along = 2 * l->depth.x - 1, sign = sector & 1 ? -1.0f : 1.0f;
 	for (int k = 0; k < 4; k++) {
 		const float last = k == 3 ? 1.0f : 0.0f;
-		m[4 * k + 0] = 2 * ((x[k] - last * sample.x) * l->map.x + z[k] * l->map.z) - z[k];
-		m[4 * k + 1] = 2 * ((y[k] - last * sample.y) * l->map.y + z[k] * l->map.w) - z[k];
-		m[4 * k + 2] = along * z[k] + 2 * last * l->depth.y;
-		m[4 * k + 3] = z[k];
+		const float d[2] = {x[k] - last * sample.x, y[k] - last * sample.y};
+		const float major = sign * d[sector / 2], minor = d[1 - sector / 2], e = z[k] + l->map.y * major;
+		clip[4 * k + 0] = 2 * (d[0] * l->map.x + e * l->map.z) - e;
+		clip[4 * k + 1] = 2 * (d[1] * l->map.x + e * l->map.w) - e;
+		clip[4 * k + 2] = along * e + 2 * last * l->depth.y;
+		clip[4 * k + 3] = e;
+		const float inside[3] = {major - minor + SECTOR_OVERLAP * e, major + minor + SECTOR_OVERLAP * e,
+					 z[k] - last * l->exitance.w};
+		for (int row = 0; row < 3; row++)
+			planes[4 * k + row] = l->map.y > 0 ? inside[row] : last;
+		planes[4 * k + 3] = 0;
 	}
 }
 
-/* Ranges of the casters before and behind `hole` of all. */
-static void draw_casters(const gi_shadow *shadow, uint32_t hole)
+/* Does the box lie outside of one of the planes as a whole? */
+static bool is_outside(const gi_vec3d box[8], const float planes[16])
 {
-	const uint32_t all = shadow->caster_count ? shadow->casters[shadow->caster_count - 1].end_range : 0;
-	const uint32_t first = hole == GI_NONE ? all : shadow->casters[hole].first_range;
-	const uint32_t rest = hole == GI_NONE ? all : shadow->casters[hole].end_range;
-	gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, shadow->ranges, first);
-	gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, shadow->ranges + rest, all - rest);
+	for (int row = 0; row < 3; row++) {
+		const float *m = planes + row;
+		int outside = 0;
+		for (int b = 0; b < 8; b++)
+			outside += m[0] * box[b].x + m[4] * box[b].y + m[8] * box[b].z + m[12] < 0;
+		if (outside == 8)
+			return true;
+	}
+	return false;
+}
+
+/* The casters but `hole` and those outside; ranges one after the other are drawn at once. */
+static void draw_casters(const gi_shadow *shadow, uint32_t hole, const float planes[16])
+{
+	gpu_range open = {0, 0};
+	for (uint32_t k = 0; k < shadow->caster_count; k++) {
+		const shadow_caster *c = &shadow->casters[k];
+		if (k == hole || is_outside(c->box, planes))
+			continue;
+		for (uint32_t r = c->first_range; r < c->end_range; r++) {
+			const gpu_range next = shadow->ranges[r];
+			if (open.first + open.count == next.first) {
+				open.count += next.count;
+				continue;
+			}
+			gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, &open, 1);
+			open = next;
+		}
+	}
+	gpu_mesh_draw_ranges(&shadow->mesh, shadow->program, &open, 1);
 }
 
 static void draw_maps(const gi_shadow *shadow, const lamp_polygon *polygon, const gi_lamp *lamp)
 {
 	const uint32_t hole = own_shadow(polygon, shadow);
+	const bool hemisphere = lamp->map.y > 0;
 	for (uint32_t k = 0; k < lamp->range.y; k++) {
 		const uint32_t layer = lamp->range.x + k;
-		float matrix[16];
-		sample_matrix(lamp, shadow->lamps.samples[layer], matrix);
-		gpu_set_matrices(shadow->program, 0, 1, matrix);
-		gpu_depth_maps_begin_layer(&shadow->maps, layer);
-		draw_casters(shadow, hole);
+		gpu_depth_maps_begin_layer(&shadow->maps, layer, !hemisphere);
+		for (int sector = 0; sector < (hemisphere ? 4 : 1); sector++) {
+			float matrices[2][16];
+			sector_matrices(lamp, shadow->lamps.samples[layer], sector, matrices[0], matrices[1]);
+			gpu_set_matrices(shadow->program, 0, 2, matrices[0]);
+			draw_casters(shadow, hole, matrices[1]);
+		}
 	}
 }
 
@@ -598,8 +668,10 @@ gi_result shadow_update(gi_context *gi, gi_shadow *shadow)
 	if (shadow->lamps.counts.y) {
 		gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);
 		gpu_draw_cull_backs(false);
+		gpu_draw_clip(true);
 		for (uint32_t k = 0; k < shadow->lamps.counts.x; k++)
 			draw_maps(shadow, &gi->lamps.polygon[k], &shadow->lamps.lamps[k]);
+		gpu_draw_clip(false);
 		gpu_draw_cull_backs(true);
 		gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);
 		shadow->generation++;

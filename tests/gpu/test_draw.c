@@ -363,6 +363,96 @@ static void test_overlays(void **state)
 	gi_context_destroy(gi);
 }
 
+/* ---- two rooms ---- */
+
+static const float CEILING = 2.6f, WALL_END = 0.15f;
+
+static void add_wall(gi_context *gi, const float corner[3], const float u[3], const float v[3])
+{
+	engine_mesh mesh;
+	assert_true(shape_quad(corner, u, v, 4, 4, &mesh));
+	harness_add(gi, &(harness_object){.name = "wall", .rho = {0.8f, 0.8f, 0.8f}}, &mesh);
+}
+
+static void add_block(gi_context *gi, const char *name, const float lower[3], const float upper[3])
+{
+	engine_mesh mesh;
+	assert_true(shape_box(lower, upper, 2, false, &mesh));
+	harness_add(gi, &(harness_object){.name = name, .rho = {0.8f, 0.8f, 0.8f}}, &mesh);
+}
+
+/* A lit room of x from -4 to 0, a dark one from WALL_END to 4, a thick wall with a closed door between them; a lamp of
+ * 0.8 x 0.8 under the lit room's ceiling, whose light would reach most of the dark room's far wall flatter than 75
+ * degrees from its normal. */
+static void add_rooms(gi_context *gi)
+{
+	add_wall(gi, (const float[]){-4, 0, -2}, (const float[]){0, 0, 4}, (const float[]){8, 0, 0});
+	add_wall(gi, (const float[]){-4, CEILING, -2}, (const float[]){8, 0, 0}, (const float[]){0, 0, 4});
+	add_wall(gi, (const float[]){-4, 0, -2}, (const float[]){8, 0, 0}, (const float[]){0, CEILING, 0});
+	add_wall(gi, (const float[]){-4, 0, 2}, (const float[]){0, CEILING, 0}, (const float[]){8, 0, 0});
+	add_wall(gi, (const float[]){-4, 0, -2}, (const float[]){0, CEILING, 0}, (const float[]){0, 0, 4});
+	add_wall(gi, (const float[]){4, 0, -2}, (const float[]){0, 0, 4}, (const float[]){0, CEILING, 0});
+	add_block(gi, "left", (const float[]){0, 0, -2}, (const float[]){WALL_END, CEILING, -0.45f});
+	add_block(gi, "right", (const float[]){0, 0, 0.45f}, (const float[]){WALL_END, CEILING, 2});
+	add_block(gi, "lintel", (const float[]){0, 2.1f, -0.45f}, (const float[]){WALL_END, CEILING, 0.45f});
+	add_block(gi, "door", (const float[]){0.05f, 0, -0.45f}, (const float[]){0.1f, 2.1f, 0.45f});
+	engine_mesh mesh;
+	assert_true(shape_quad((const float[]){-1.9f, CEILING - 0.01f, -0.4f}, (const float[]){0.8f, 0, 0},
+			       (const float[]){0, 0, 0.8f}, 1, 1, &mesh));
+	harness_add(gi, &(harness_object){.name = "lamp", .exitance = {10, 10, 10}}, &mesh);
+}
+
+/* Looks along +x, parallel, at the dark room: its far wall, z to the right and y up from the bottom row on. */
+static gi_view look_into_the_dark(void)
+{
+	gi_view view = gi_view_default();
+	const float world[16] = {0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, -2, 0, 1};
+	/* Depths from x = 0.2 on. */
+	const float clip[16] = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, -0.5f, 0, 0, 0, -1.1f, 1};
+	memcpy(view.view_from_world, world, sizeof world);
+	memcpy(view.clip_from_view, clip, sizeof clip);
+	view.width = view.height = SIZE;
+	view.mode = GI_MODE_DIRECT;
+	return view;
+}
+
+/* Direct light of the drawn pixels from column `first` on is exactly none. */
+static void check_black(const target *t, int first, int least)
+{
+	int drawn = 0;
+	for (int y = 0; y < SIZE; y++)
+		for (int x = first; x < SIZE; x++) {
+			const float *got = pixel(t, x, y);
+			drawn += got[3] > 0;
+			if (got[0] > 0)
+				fail_msg("pixel %d %d: %g, expected none", x, y, (double)got[0]);
+		}
+	assert_true(drawn > least);
+}
+
+static void test_closed_door_keeps_light_out(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_rooms(gi);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_into_the_dark();
+	draw(gi, &t, &view);
+	check_black(&t, 0, SIZE * SIZE / 2);
+	/* From above, to half a metre over the floor, 8 m wide. */
+	view = look_down(4, 5);
+	view.mode = GI_MODE_DIRECT;
+	view.clip_from_view[10] = -2;
+	draw(gi, &t, &view);
+	check_black(&t, SIZE / 2 + 2, SIZE * SIZE / 8);
+	assert_true(pixel(&t, SIZE / 4, SIZE / 2)[0] > 0.05f);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -374,6 +464,7 @@ int main(void)
 		cmocka_unit_test(test_rest_draws_no_shadows),
 		cmocka_unit_test(test_lamps_beyond_the_cap),
 		cmocka_unit_test(test_overlays),
+		cmocka_unit_test(test_closed_door_keeps_light_out),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
