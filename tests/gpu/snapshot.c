@@ -80,13 +80,16 @@ static void expect_same_entries(const snapshot *a, const snapshot *b, const char
 	for (uint64_t k = 0; k < shared; k++) {
 		const gi_entry *p = &a->entries[k], *q = &b->entries[k];
 		if (memcmp(p, q, sizeof *p) != 0)
-			fail_msg("%s: entry %llu differs: leaf %u node %u F %.9g V %u/%u back %u, and leaf %u node %u F %.9g V %u/%u "
+			fail_msg("%s: entry %llu differs: leaf %u node %u F %.9g V %u/%u back %u, and leaf %u node %u "
+				 "F %.9g V %u/%u "
 				 "back %u",
-				 when, (unsigned long long)k, p->leaf, p->node, (double)p->form_factor, p->visible, p->samples, p->back,
-				 q->leaf, q->node, (double)q->form_factor, q->visible, q->samples, q->back);
+				 when, (unsigned long long)k, p->leaf, p->node, (double)p->form_factor, p->visible,
+				 p->samples, p->back, q->leaf, q->node, (double)q->form_factor, q->visible, q->samples,
+				 q->back);
 	}
 	if (a->entry_count != b->entry_count)
-		fail_msg("%s: %llu entries, and %llu", when, (unsigned long long)a->entry_count, (unsigned long long)b->entry_count);
+		fail_msg("%s: %llu entries, and %llu", when, (unsigned long long)a->entry_count,
+			 (unsigned long long)b->entry_count);
 }
 
 static void expect_same_links(const snapshot *a, const snapshot *b, const char *when)
@@ -95,11 +98,13 @@ static void expect_same_links(const snapshot *a, const snapshot *b, const char *
 	for (uint64_t k = 0; k < shared; k++) {
 		const gi_link *p = &a->links[k], *q = &b->links[k];
 		if (memcmp(p, q, sizeof *p) != 0)
-			fail_msg("%s: link %llu differs: leaf %u node %u weight %.9g, and leaf %u node %u weight %.9g", when,
-				 (unsigned long long)k, p->leaf, p->node, (double)p->weight, q->leaf, q->node, (double)q->weight);
+			fail_msg("%s: link %llu differs: leaf %u node %u weight %.9g, and leaf %u node %u weight %.9g",
+				 when, (unsigned long long)k, p->leaf, p->node, (double)p->weight, q->leaf, q->node,
+				 (double)q->weight);
 	}
 	if (a->link_count != b->link_count)
-		fail_msg("%s: %llu links, and %llu", when, (unsigned long long)a->link_count, (unsigned long long)b->link_count);
+		fail_msg("%s: %llu links, and %llu", when, (unsigned long long)a->link_count,
+			 (unsigned long long)b->link_count);
 }
 
 void snapshot_expect_same_rows(const snapshot *a, const snapshot *b, const char *when)

@@ -1,7 +1,7 @@
 /* Misuse on purpose: the right gi_result, exactly one line, and what was loaded stays as it was.
  *
- * Each test loads a small lit scene, does its worst to it, and then looks whether the scene still updates to the same rows and the
- * same B.
+ * Each test loads a small lit scene, does its worst to it, and then looks whether the scene still updates to the same
+ * rows and the same B.
  */
 #include "snapshot.h"
 
@@ -76,7 +76,8 @@ static gi_object add_ball(gi_context *gi)
 {
 	engine_mesh mesh;
 	assert_true(shape_sphere(.3f, 2, &mesh));
-	return harness_add(gi, &(harness_object){.name = "ball", .rho = {.5f, .5f, .5f}, .position = {0, .5f, 0}}, &mesh);
+	return harness_add(gi, &(harness_object){.name = "ball", .rho = {.5f, .5f, .5f}, .position = {0, .5f, 0}},
+			   &mesh);
 }
 
 static gi_object add_light(gi_context *gi)
@@ -229,8 +230,10 @@ static void environment(void **state)
 
 static const float square[12] = {0, 0, 0, 0, 0, 1, 1, 0, 1, 1, 0, 0};
 static const uint32_t corners[4] = {0, 1, 2, 3};
-static const float with_nan[12] = {0, 0, 0, 0, NAN, 1, 1, 0, 1, 1, 0, 0}, with_infinity[12] = {0, 0, INFINITY, 0, 0, 1, 1, 0, 1, 1, 0, 0};
-static const float one_point[12] = {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3}, one_line[12] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0};
+static const float with_nan[12] = {0, 0, 0, 0, NAN, 1, 1, 0, 1, 1, 0, 0},
+		   with_infinity[12] = {0, 0, INFINITY, 0, 0, 1, 1, 0, 1, 1, 0, 0};
+static const float one_point[12] = {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3},
+		   one_line[12] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0};
 static const float very_large[12] = {0, 0, 0, 0, 0, 3e38f, 3e38f, 0, 3e38f, 3e38f, 0, 0};
 static const uint32_t beyond[4] = {0, 1, 2, 4}, huge_index[4] = {0, 1, 2, 0xFFFFFFFFu};
 static const uint32_t two_corners[1] = {2}, five_corners[1] = {5}, endless_corners[1] = {0xFFFFFFFFu};
@@ -428,11 +431,11 @@ static void poses_and_materials(void **state)
 	(void)state;
 	loaded l = load();
 	const gi_pose bad_poses[] = {
-		{.rotation = {0, 0, 0, 0}},
-		{.rotation = {0, 0, NAN, 1}},
-		{.rotation = {0, INFINITY, 0, 1}},
-		{.position = {NAN, 0, 0}, .rotation = {0, 0, 0, 1}},
-		{.position = {0, INFINITY, 0}, .rotation = {0, 0, 0, 1}},
+	    {.rotation = {0, 0, 0, 0}},
+	    {.rotation = {0, 0, NAN, 1}},
+	    {.rotation = {0, INFINITY, 0, 1}},
+	    {.position = {NAN, 0, 0}, .rotation = {0, 0, 0, 1}},
+	    {.position = {0, INFINITY, 0}, .rotation = {0, 0, 0, 1}},
 	};
 	for (size_t k = 0; k < sizeof bad_poses / sizeof *bad_poses; k++)
 		expect_error(gi_set_pose(l.gi, l.ball, bad_poses[k]), GI_ERROR_INVALID_POSE);
@@ -440,7 +443,8 @@ static void poses_and_materials(void **state)
 	assert_gi(gi_get_pose(l.gi, l.ball, &pose));
 	assert_float_equal(pose.position[1], .5f, 0);
 	for (size_t k = 0; k < sizeof bad_rhos / sizeof *bad_rhos; k++)
-		expect_error(gi_set_material(l.gi, l.ball, 0, (gi_material){.rho = {bad_rhos[k], 0, 0}}), GI_ERROR_INVALID_MATERIAL);
+		expect_error(gi_set_material(l.gi, l.ball, 0, (gi_material){.rho = {bad_rhos[k], 0, 0}}),
+			     GI_ERROR_INVALID_MATERIAL);
 	for (size_t k = 0; k < sizeof bad_exitances / sizeof *bad_exitances; k++)
 		expect_error(gi_set_material(l.gi, l.ball, 0, (gi_material){.exitance = {bad_exitances[k], 0, 0}}),
 			     GI_ERROR_INVALID_MATERIAL);
@@ -519,13 +523,15 @@ static void update_before_commit(void **state)
 	harness_update(l.gi);
 	expect_unharmed(&l, "an object that came and went before a commit");
 
-	/* The scene that was uploaded can be read until the commit; handles of what is gone are null or stale, never another's. */
+	/* The scene that was uploaded can be read until the commit; handles of what is gone are null or stale, never
+	 * another's. */
 	assert_gi(gi_destroy_object(l.gi, l.ball));
 	expect_error(gi_update(l.gi), GI_ERROR_NOT_COMMITTED);
 	same = snapshot_take(l.gi);
 	snapshot_expect_same_rows(&l.before, &same, "after destroying, before the commit");
 	for (uint32_t k = 0; k < same.leaf_count; k++)
-		assert_true(same.leaves[k].object.index1 != l.ball.index1 || !gi_object_is_valid(l.gi, same.leaves[k].object));
+		assert_true(same.leaves[k].object.index1 != l.ball.index1 ||
+			    !gi_object_is_valid(l.gi, same.leaves[k].object));
 	snapshot_free(&same);
 	unload(&l);
 }
@@ -558,7 +564,8 @@ static void expect_empty(gi_context *gi)
 	heard.count = 0;
 	for (int frame = 0; frame < 3; frame++) {
 		const gi_report r = harness_update(gi);
-		assert_true(r.outcome == GI_OUTCOME_CONVERGED || r.outcome == GI_OUTCOME_AT_REST || r.outcome == GI_OUTCOME_NOT_RUN);
+		assert_true(r.outcome == GI_OUTCOME_CONVERGED || r.outcome == GI_OUTCOME_AT_REST ||
+			    r.outcome == GI_OUTCOME_NOT_RUN);
 		assert_int_equal(r.objects + r.leaves, 0);
 		assert_int_equal(r.entries + r.links, 0);
 		if (frame)
@@ -679,13 +686,13 @@ static void many_lives(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(context_definitions), cmocka_unit_test(environment),
-		cmocka_unit_test(object_definitions),  cmocka_unit_test(handles),
-		cmocka_unit_test(poses_and_materials), cmocka_unit_test(null_pointers),
-		cmocka_unit_test(update_before_commit), cmocka_unit_test(read_before_update),
-		cmocka_unit_test(empty_scene),	       cmocka_unit_test(one_leaf),
-		cmocka_unit_test(blind_leaf),
-		cmocka_unit_test(no_light),	       cmocka_unit_test(many_lives),
+	    cmocka_unit_test(context_definitions),  cmocka_unit_test(environment),
+	    cmocka_unit_test(object_definitions),   cmocka_unit_test(handles),
+	    cmocka_unit_test(poses_and_materials),  cmocka_unit_test(null_pointers),
+	    cmocka_unit_test(update_before_commit), cmocka_unit_test(read_before_update),
+	    cmocka_unit_test(empty_scene),          cmocka_unit_test(one_leaf),
+	    cmocka_unit_test(blind_leaf),           cmocka_unit_test(no_light),
+	    cmocka_unit_test(many_lives),
 	};
 	return cmocka_run_group_tests_name("bad input", tests, harness_open, harness_close);
 }

@@ -1,7 +1,8 @@
-/* The solve on the moving Buddha: every frame meets the tolerance, warm starts save sweeps, the certified bound holds, rest is free.
+/* The solve on the moving Buddha: every frame meets the tolerance, warm starts save sweeps, the certified bound holds,
+ * rest is free.
  *
- * The truth of a frame is the double-precision solution of the very links the library solved (tests/reference/solver.h): what is
- * tested here is the solve alone, not the rows.
+ * The truth of a frame is the double-precision solution of the very links the library solved
+ * (tests/reference/solver.h): what is tested here is the solve alone, not the rows.
  */
 #include "snapshot.h"
 
@@ -17,7 +18,8 @@ enum { FRAMES = 40 };
 
 static const float FRAME_SECONDS = 1.0f / 30;
 
-/* B is stored in single precision: half a unit in the last place of the largest. Nothing else is allowed on top of the bound. */
+/* B is stored in single precision: half a unit in the last place of the largest. Nothing else is allowed on top of the
+ * bound. */
 static const double ROUNDING = 1.0 / 16777216.0;
 
 static gi_context_def coarse_def(void)
@@ -88,13 +90,13 @@ static void copy_links(const snapshot *s, truth_rows *t)
 static double true_distance(const snapshot *s, uint32_t node_count)
 {
 	truth_rows t = {
-		.offsets = allocate(s->leaf_count, sizeof *t.offsets),
-		.columns = allocate(s->link_count, sizeof *t.columns),
-		.weights = allocate(s->link_count, sizeof *t.weights),
-		.areas = allocate(s->leaf_count, sizeof *t.areas),
-		.nodes = allocate(node_count, sizeof *t.nodes),
-		.rho = allocate(3 * (uint64_t)s->leaf_count, sizeof *t.rho),
-		.exitance = allocate(3 * (uint64_t)s->leaf_count, sizeof *t.exitance),
+	    .offsets = allocate(s->leaf_count, sizeof *t.offsets),
+	    .columns = allocate(s->link_count, sizeof *t.columns),
+	    .weights = allocate(s->link_count, sizeof *t.weights),
+	    .areas = allocate(s->leaf_count, sizeof *t.areas),
+	    .nodes = allocate(node_count, sizeof *t.nodes),
+	    .rho = allocate(3 * (uint64_t)s->leaf_count, sizeof *t.rho),
+	    .exitance = allocate(3 * (uint64_t)s->leaf_count, sizeof *t.exitance),
 	};
 	for (uint32_t k = 0; k < node_count; k++)
 		t.nodes[k].count = 1;
@@ -132,7 +134,8 @@ static double expect_certified(gi_context *gi, const gi_report *r, const char *w
 	snapshot s = snapshot_take(gi);
 	const double distance = true_distance(&s, r->nodes), bound = (double)r->solve_bound;
 	if (!(distance <= bound + ROUNDING * (double)r->radiosity_max))
-		fail_msg("%s, frame %u: B is %.4g from the solution, and the certified bound says %.4g", what, frame, distance, bound);
+		fail_msg("%s, frame %u: B is %.4g from the solution, and the certified bound says %.4g", what, frame,
+			 distance, bound);
 	assert_float_equal(r->radiosity_max, snapshot_largest(&s), 0);
 	snapshot_free(&s);
 	return bound / fmax(distance, 1e-30);
@@ -145,7 +148,8 @@ static void expect_converged(const gi_report *r, const gi_context_def *def)
 	assert_int_equal(r->outcome, GI_OUTCOME_CONVERGED);
 	assert_true(r->solve_relative <= def->solve_tolerance);
 	assert_true(r->contraction > 0 && r->contraction < 1);
-	/* The report's own formula, to single-precision rounding. It holds channel by channel: the largest of each is no less. */
+	/* The report's own formula, to single-precision rounding. It holds channel by channel: the largest of each is
+	 * no less. */
 	const double q = (double)r->contraction;
 	assert_true((double)r->solve_bound <= (double)r->residual * q / (1 - q) * (1 + 1e-5));
 }
@@ -183,7 +187,8 @@ static void moving_buddha(void **state)
 		ratios[2 * frame - 1] = expect_certified(cold, &b, "cold", frame);
 	}
 	qsort(ratios, 2 * FRAMES, sizeof *ratios, order_doubles);
-	printf("\n  in sum %u / %u; bound over true distance: median %.1f, least %.2f\n", warm_sum, cold_sum, ratios[FRAMES], ratios[0]);
+	printf("\n  in sum %u / %u; bound over true distance: median %.1f, least %.2f\n", warm_sum, cold_sum,
+	       ratios[FRAMES], ratios[0]);
 	gi_context_destroy(warm);
 	gi_context_destroy(cold);
 }
@@ -227,7 +232,8 @@ static void rest_costs_nothing(void **state)
 	gi_context_destroy(gi);
 }
 
-/* One sweep a frame: the solve goes on over frames in which nothing moves, and works on nothing but B, until it is at rest. */
+/* One sweep a frame: the solve goes on over frames in which nothing moves, and works on nothing but B, until it is at
+ * rest. */
 static void budget_of_one_sweep(void **state)
 {
 	(void)state;
@@ -260,8 +266,8 @@ static void budget_of_one_sweep(void **state)
 	gi_context_destroy(gi);
 }
 
-/* A tolerance that single precision cannot meet: rounding keeps the steps from shrinking. The solve ends all the same, says what bound
- * it has, and wakes up when something moves.
+/* A tolerance that single precision cannot meet: rounding keeps the steps from shrinking. The solve ends all the same,
+ * says what bound it has, and wakes up when something moves.
  */
 static void rounding_floor(void **state)
 {
@@ -321,11 +327,11 @@ static void finish_reports_the_last_frame(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(moving_buddha),
-		cmocka_unit_test(rest_costs_nothing),
-		cmocka_unit_test(budget_of_one_sweep),
-		cmocka_unit_test(rounding_floor),
-		cmocka_unit_test(finish_reports_the_last_frame),
+	    cmocka_unit_test(moving_buddha),
+	    cmocka_unit_test(rest_costs_nothing),
+	    cmocka_unit_test(budget_of_one_sweep),
+	    cmocka_unit_test(rounding_floor),
+	    cmocka_unit_test(finish_reports_the_last_frame),
 	};
 	return cmocka_run_group_tests_name("convergence", tests, harness_open, harness_close);
 }

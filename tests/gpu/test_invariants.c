@@ -1,5 +1,5 @@
-/* What must hold whatever the scene: furnaces, reciprocity, row sums, energy, darkness where no light can be, determinism, commits that
- * keep what stays.
+/* What must hold whatever the scene: furnaces, reciprocity, row sums, energy, darkness where no light can be,
+ * determinism, commits that keep what stays.
  */
 #include "snapshot.h"
 
@@ -38,7 +38,8 @@ static gi_object add_ball(gi_context *gi, const harness_object *like, float radi
 	return harness_add(gi, like, &mesh);
 }
 
-static gi_object add_quad(gi_context *gi, const harness_object *like, const float corner[3], const float u[3], const float v[3])
+static gi_object add_quad(gi_context *gi, const harness_object *like, const float corner[3], const float u[3],
+			  const float v[3])
 {
 	engine_mesh mesh;
 	assert_true(shape_quad(corner, u, v, 1, 1, &mesh));
@@ -66,10 +67,13 @@ static room lit_room(float row_tolerance)
 	room r = {.gi = open_context(row_tolerance)};
 	r.walls = add_room(r.gi, &(harness_object){.name = "walls", .levels = 3, .rho = {.7f, .5f, .3f}},
 			   (box){{-2, 0, -2}, {2, 3, 2}});
-	r.lamp = add_quad(r.gi, &(harness_object){.name = "lamp", .levels = 1, .exitance = {20, 20, 20}}, (float[]){-.5f, 2.9f, -.5f},
-			  (float[]){1, 0, 0}, (float[]){0, 0, 1});
-	r.ball = add_ball(r.gi, &(harness_object){.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.5f, .5f, .8f},
-						  .position = {1, 1, .5f}}, .5f);
+	r.lamp = add_quad(r.gi, &(harness_object){.name = "lamp", .levels = 1, .exitance = {20, 20, 20}},
+			  (float[]){-.5f, 2.9f, -.5f}, (float[]){1, 0, 0}, (float[]){0, 0, 1});
+	r.ball = add_ball(
+	    r.gi,
+	    &(harness_object){
+		.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.5f, .5f, .8f}, .position = {1, 1, .5f}},
+	    .5f);
 	r.block = add_block(r.gi, &(harness_object){.name = "block", .levels = 1, .rho = {.2f, .8f, .2f}},
 			    (box){{-1.4f, .1f, -1}, {-.5f, 1.3f, 0}});
 	return r;
@@ -152,7 +156,8 @@ static void furnace(void **state)
 
 /* ---- rows ---- */
 
-/* Rows of a closed room close: 2.5e-7 below 1 on purpose, and the rounding of a sum of some hundred weights in single precision. */
+/* Rows of a closed room close: 2.5e-7 below 1 on purpose, and the rounding of a sum of some hundred weights in single
+ * precision. */
 static const double CLOSED_TOLERANCE = 1e-6;
 
 static void expect_sane_rows(const snapshot *s)
@@ -267,9 +272,10 @@ static const gi_entry *find_entry(const snapshot *s, uint32_t leaf, uint32_t fir
 	return low < s->entry_count && e->leaf == leaf && e->leaf_count == 1 && e->first_leaf == first_leaf ? e : NULL;
 }
 
-/* A_i F_ij = A_j F_ji. F is exact in the source and averages over 1, 2 x 2 or 4 x 4 points of the receiver, as it is large for its
- * distance: good to 1 % of a pair where each is before the other's plane. Where the source's plane parts the receiver the points
- * before it are counted, one in four or sixteen: such pairs are few and small, and are held to the mean over all, weighted with A F. */
+/* A_i F_ij = A_j F_ji. F is exact in the source and averages over 1, 2 x 2 or 4 x 4 points of the receiver, as it is
+ * large for its distance: good to 1 % of a pair where each is before the other's plane. Where the source's plane parts
+ * the receiver the points before it are counted, one in four or sixteen: such pairs are few and small, and are held to
+ * the mean over all, weighted with A F. */
 static const double PAIR_TOLERANCE = 0.01, MEAN_PAIR_TOLERANCE = 0.002;
 
 /* Are all corners of b before the plane of a, or in it? */
@@ -292,8 +298,10 @@ static void reciprocity_of_leaves(void **state)
 	(void)state;
 	/* So fine a tolerance that all cuts end at leaves. */
 	gi_context *gi = open_context(2e-6f);
-	add_room(gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.5f, .5f, .5f}}, (box){{-2, 0, -2}, {2, 3, 2}});
-	add_block(gi, &(harness_object){.name = "block", .levels = 1, .rho = {.5f, .5f, .5f}}, (box){{-.9f, .6f, -.7f}, {.4f, 1.8f, .5f}});
+	add_room(gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.5f, .5f, .5f}},
+		 (box){{-2, 0, -2}, {2, 3, 2}});
+	add_block(gi, &(harness_object){.name = "block", .levels = 1, .rho = {.5f, .5f, .5f}},
+		  (box){{-.9f, .6f, -.7f}, {.4f, 1.8f, .5f}});
 	assert_gi(gi_commit(gi));
 	solve(gi);
 	snapshot s = snapshot_take(gi);
@@ -310,13 +318,15 @@ static void reciprocity_of_leaves(void **state)
 		/* A millionth of the leaf's light: rounding of the horizon. */
 		if (larger <= 1e-6 * (double)s.leaves[e->leaf].area)
 			continue;
-		if (is_before(&s.leaves[e->leaf], &s.leaves[e->first_leaf]) && is_before(&s.leaves[e->first_leaf], &s.leaves[e->leaf]))
+		if (is_before(&s.leaves[e->leaf], &s.leaves[e->first_leaf]) &&
+		    is_before(&s.leaves[e->first_leaf], &s.leaves[e->leaf]))
 			worst = fmax(worst, fabs(a - b) / larger);
 		sum += fabs(a - b);
 		total += larger;
 		pairs++;
 	}
-	printf("  reciprocity of %u pairs of leaves: worst %.2f %%, mean %.3f %%\n", pairs, 100 * worst, 100 * sum / total);
+	printf("  reciprocity of %u pairs of leaves: worst %.2f %%, mean %.3f %%\n", pairs, 100 * worst,
+	       100 * sum / total);
 	assert_true(pairs > 2000);
 	assert_true(worst <= PAIR_TOLERANCE);
 	assert_true(sum <= MEAN_PAIR_TOLERANCE * total);
@@ -324,11 +334,13 @@ static void reciprocity_of_leaves(void **state)
 	gi_context_destroy(gi);
 }
 
-/* Between objects F holds the sampled visibility too: one to four rays an entry, each entry below the row tolerance of 0.5 % or a leaf,
- * hundreds of leaves an object. Their noise is 1 % for the largest objects and 3 % for the lamp's four leaves. */
+/* Between objects F holds the sampled visibility too: one to four rays an entry, each entry below the row tolerance of
+ * 0.5 % or a leaf, hundreds of leaves an object. Their noise is 1 % for the largest objects and 3 % for the lamp's four
+ * leaves. */
 static const double OBJECT_TOLERANCE = 0.03;
 
-/* What the lamp emits is absorbed: power in = sum A E, out = sum A (1 - rho) H, black backs apart. The same noise, averaged over all. */
+/* What the lamp emits is absorbed: power in = sum A E, out = sum A (1 - rho) H, black backs apart. The same noise,
+ * averaged over all. */
 static const double ENERGY_TOLERANCE = 0.01;
 
 static void reciprocity_and_energy(void **state)
@@ -358,8 +370,10 @@ static void reciprocity_and_energy(void **state)
 		emitted += (double)l->area * (double)l->exitance[0];
 		absorbed += (double)l->area * (1 - (double)l->rho[0]) * (double)l->irradiance[0];
 	}
-	/* The lamp's back absorbs what its area facing up receives: about the irradiance of the ceiling next to it, 0.1 m away. */
-	printf("  emitted %.4f W, absorbed by fronts %.4f W (%+.2f %%)\n", emitted, absorbed, 100 * (absorbed / emitted - 1));
+	/* The lamp's back absorbs what its area facing up receives: about the irradiance of the ceiling next to it, 0.1
+	 * m away. */
+	printf("  emitted %.4f W, absorbed by fronts %.4f W (%+.2f %%)\n", emitted, absorbed,
+	       100 * (absorbed / emitted - 1));
 	assert_true(fabs(absorbed / emitted - 1) <= ENERGY_TOLERANCE);
 	snapshot_free(&s);
 	gi_context_destroy(r.gi);
@@ -406,8 +420,8 @@ static void sealed_room(void **state)
 	gi_context *gi = open_context(0.01f);
 	add_cell(gi, 0, true);
 	add_cell(gi, 2, false);
-	add_quad(gi, &(harness_object){.name = "lamp", .levels = 1, .exitance = {50, 50, 50}}, (float[]){.7f, 1.9f, .7f},
-		 (float[]){.6f, 0, 0}, (float[]){0, 0, .6f});
+	add_quad(gi, &(harness_object){.name = "lamp", .levels = 1, .exitance = {50, 50, 50}},
+		 (float[]){.7f, 1.9f, .7f}, (float[]){.6f, 0, 0}, (float[]){0, 0, .6f});
 	add_ball(gi, &(harness_object){.name = "ball in the dark", .rho = {.9f, .9f, .9f}, .position = {3, 1, 1}}, .4f);
 	assert_gi(gi_commit(gi));
 	solve(gi);
@@ -425,7 +439,8 @@ static void sealed_room(void **state)
 			leaks += b != 0 && s.leaves[k].exitance[0] == 0;
 		}
 	}
-	printf("  sealed cells: %u bright leaves; %u in the dark cell and %u others, %u of them not black\n", bright, dark, outside, leaks);
+	printf("  sealed cells: %u bright leaves; %u in the dark cell and %u others, %u of them not black\n", bright,
+	       dark, outside, leaks);
 	assert_true(bright == 6 * 16 + 4 && dark == 6 * 16); /* the lamp's four too */
 	assert_int_equal(leaks, 0);
 	snapshot_free(&s);
@@ -437,9 +452,13 @@ static void inside_a_solid(void **state)
 {
 	(void)state;
 	room r = lit_room(0.01f);
-	const gi_object buried = add_ball(r.gi, &(harness_object){.name = "buried", .rho = {.9f, .9f, .9f}, .position = {-.95f, .7f, -.5f}}, .3f);
-	const gi_object core = add_ball(r.gi, &(harness_object){.name = "core", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.9f, .9f, .9f},
-								.position = {1, 1, .5f}}, .3f);
+	const gi_object buried = add_ball(
+	    r.gi, &(harness_object){.name = "buried", .rho = {.9f, .9f, .9f}, .position = {-.95f, .7f, -.5f}}, .3f);
+	const gi_object core = add_ball(
+	    r.gi,
+	    &(harness_object){
+		.name = "core", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.9f, .9f, .9f}, .position = {1, 1, .5f}},
+	    .3f);
 	assert_gi(gi_commit(r.gi));
 	solve(r.gi);
 	snapshot s = snapshot_take(r.gi);
@@ -470,14 +489,16 @@ static void lamp_between(bool double_sided, double *below, double *above)
 	const gi_object low = add_quad(gi, &plain, (float[]){-1, -1, -1}, (float[]){0, 0, 2}, (float[]){2, 0, 0});
 	const gi_object high = add_quad(gi, &plain, (float[]){-1, 1, -1}, (float[]){2, 0, 0}, (float[]){0, 0, 2});
 	/* Wider than both, so that no light goes round it. */
-	add_quad(gi, &(harness_object){.name = "lamp", .levels = 3, .exitance = {1, 1, 1}, .double_sided = double_sided},
+	add_quad(gi,
+		 &(harness_object){.name = "lamp", .levels = 3, .exitance = {1, 1, 1}, .double_sided = double_sided},
 		 (float[]){-20, 0, -20}, (float[]){40, 0, 0}, (float[]){0, 0, 40});
 	assert_gi(gi_commit(gi));
 	solve(gi);
 	snapshot s = snapshot_take(gi);
 	*below = mean_radiosity(&s, low);
 	*above = mean_radiosity(&s, high);
-	printf("  lamp of %s: B of the floor below %.6f, of the one above %.6f\n", double_sided ? "two sides" : "one side", *below, *above);
+	printf("  lamp of %s: B of the floor below %.6f, of the one above %.6f\n",
+	       double_sided ? "two sides" : "one side", *below, *above);
 	snapshot_free(&s);
 	gi_context_destroy(gi);
 }
@@ -489,13 +510,13 @@ static void two_sides(void **state)
 	lamp_between(false, &below, &above);
 	assert_true(below > 0);
 	assert_true(above == 0);
-	/* Nearly all the floor sees: F = 0.99795 in the mean (exact_element_rectangle). What is left of the error is given to the sky past the
-	 * lamp's edge by the closing of rows. */
+	/* Nearly all the floor sees: F = 0.99795 in the mean (exact_element_rectangle). What is left of the error is
+	 * given to the sky past the lamp's edge by the closing of rows. */
 	assert_true(fabs(below - .5 * .99795) <= .003 * below);
 	const double alone = below;
 	lamp_between(true, &below, &above);
-	/* The same form factors, mirrored. What the closing of rows gives to the sky beyond the lamp's edge depends on the random numbers
-	 * of its rays: some 1e-4. */
+	/* The same form factors, mirrored. What the closing of rows gives to the sky beyond the lamp's edge depends on
+	 * the random numbers of its rays: some 1e-4. */
 	assert_true(fabs(below - above) <= 1e-3 * below);
 	assert_true(fabs(below - alone) <= 1e-3 * alone);
 }
@@ -508,7 +529,8 @@ typedef struct hashes {
 	uint64_t rows[SAME_FRAMES], radiosity[SAME_FRAMES];
 } hashes;
 
-/* A lamp in so many pieces that rows outgrow the pool: it has to grow in the first frame, and threads race for what there is. */
+/* A lamp in so many pieces that rows outgrow the pool: it has to grow in the first frame, and threads race for what
+ * there is. */
 static hashes hash_frames(void)
 {
 	hashes h;
@@ -546,7 +568,8 @@ static void same_scene_same_bits(void **state)
 			assert_true(first.radiosity[frame] == again.radiosity[frame]);
 		}
 	}
-	printf("  hash of rows %016llx, of B %016llx\n", (unsigned long long)first.rows[0], (unsigned long long)first.radiosity[0]);
+	printf("  hash of rows %016llx, of B %016llx\n", (unsigned long long)first.rows[0],
+	       (unsigned long long)first.radiosity[0]);
 }
 
 static const harness_object GREY = {.name = "late", .levels = 1, .rho = {.5f, .5f, .5f}, .position = {0, 0, 0}};
@@ -622,16 +645,16 @@ static void commits_keep_the_rest(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace),
-		cmocka_unit_test(closed_rows),
-		cmocka_unit_test(open_rows),
-		cmocka_unit_test(reciprocity_of_leaves),
-		cmocka_unit_test(reciprocity_and_energy),
-		cmocka_unit_test(sealed_room),
-		cmocka_unit_test(inside_a_solid),
-		cmocka_unit_test(two_sides),
-		cmocka_unit_test(same_scene_same_bits),
-		cmocka_unit_test(commits_keep_the_rest),
+	    cmocka_unit_test(furnace),
+	    cmocka_unit_test(closed_rows),
+	    cmocka_unit_test(open_rows),
+	    cmocka_unit_test(reciprocity_of_leaves),
+	    cmocka_unit_test(reciprocity_and_energy),
+	    cmocka_unit_test(sealed_room),
+	    cmocka_unit_test(inside_a_solid),
+	    cmocka_unit_test(two_sides),
+	    cmocka_unit_test(same_scene_same_bits),
+	    cmocka_unit_test(commits_keep_the_rest),
 	};
 	return cmocka_run_group_tests_name("invariants", tests, harness_open, harness_close);
 }

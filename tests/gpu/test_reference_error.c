@@ -1,7 +1,8 @@
 /* Error of the whole pipeline against a path-traced reference: Cornell box with the Buddha.
  *
- * The reference is Embree's, on the same leaves, in two independent halves, so that its own noise drops out (reference/error.h). The
- * figures are area-weighted RMS over all leaves, relative to the reference's: of irradiance H, and of B - E = rho H.
+ * The reference is Embree's, on the same leaves, in two independent halves, so that its own noise drops out
+ * (reference/error.h). The figures are area-weighted RMS over all leaves, relative to the reference's: of irradiance H,
+ * and of B - E = rho H.
  */
 #include "harness.h"
 
@@ -20,8 +21,8 @@ static const double ENTRIES_LIMIT = 350;
 /* Each step, 2.4 times finer, takes at least this away: more than the measure's own standard error. */
 static const double FALL = 0.95;
 
-/* Reference noise of some per cent per leaf drops out of the measure but for its standard error, which falls with the number of
- * leaves: 0.05 % at 4,100 leaves and this many paths. */
+/* Reference noise of some per cent per leaf drops out of the measure but for its standard error, which falls with the
+ * number of leaves: 0.05 % at 4,100 leaves and this many paths. */
 static const uint32_t PATHS = 1024;
 
 typedef struct measured {
@@ -89,7 +90,8 @@ static void measure_errors(const truth *t, const gi_leaf *leaves, uint32_t count
 	double *r[2];
 	for (int half = 0; half < 2; half++)
 		r[half] = reflected(t->rho, t->traced.irradiance[half], count);
-	assert_true(reference_error_measure(h, t->traced.irradiance[0], t->traced.irradiance[1], t->areas, count, &m->irradiance));
+	assert_true(reference_error_measure(h, t->traced.irradiance[0], t->traced.irradiance[1], t->areas, count,
+					    &m->irradiance));
 	assert_true(reference_error_measure(b, r[0], r[1], t->areas, count, &m->reflected));
 	free(h);
 	free(b);
@@ -118,7 +120,8 @@ static measured solve_box(float row_tolerance, truth *t)
 		*t = trace_truth(leaves, count);
 	measured m = {.entries = (double)report.entries / count, .links = (double)report.links / count};
 	measure_errors(t, leaves, count, &m);
-	printf("  row tolerance %.4f: %u leaves, per leaf %.0f entries, %.0f links; error of H %.2f %% (bias %+.2f %%), of B - E %.2f %%\n",
+	printf("  row tolerance %.4f: %u leaves, per leaf %.0f entries, %.0f links; error of H %.2f %% (bias %+.2f "
+	       "%%), of B - E %.2f %%\n",
 	       (double)row_tolerance, count, m.entries, m.links, 100 * m.irradiance.rms, 100 * m.irradiance.bias,
 	       100 * m.reflected.rms);
 	free(leaves);
@@ -135,7 +138,8 @@ static void expect_at_most(const char *what, double value, double limit)
 static void cornell_with_buddha(void **state)
 {
 	(void)state;
-	static const float tolerances[3] = {0.024f, 0.010f, 0.004f}; /* the second has the most entries the issue allows */
+	static const float tolerances[3] = {0.024f, 0.010f,
+					    0.004f}; /* the second has the most entries the issue allows */
 	truth t = {0};
 	measured m[3];
 	for (int k = 0; k < 3; k++)

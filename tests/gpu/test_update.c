@@ -1,7 +1,8 @@
 /* Rows kept by updates are those of a rebuild, to the bit, whatever moved, turned, returned or was relit.
  *
- * Two gi contexts share the OpenGL context and get the same poses and materials. One updates; the other is invalidated and made cold
- * every frame. After each frame all entries, all links and all row sums are compared as bytes, and B to 1e-5 of the largest.
+ * Two gi contexts share the OpenGL context and get the same poses and materials. One updates; the other is invalidated
+ * and made cold every frame. After each frame all entries, all links and all row sums are compared as bytes, and B to
+ * 1e-5 of the largest.
  */
 #include "snapshot.h"
 
@@ -13,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The issue's tolerance for B. Both solves stop within 1e-6 of the largest B of the same fixed point; the rest is room for the
- * rounding of sums of some hundred products in single precision. */
+/* The issue's tolerance for B. Both solves stop within 1e-6 of the largest B of the same fixed point; the rest is room
+ * for the rounding of sums of some hundred products in single precision. */
 static const double RADIOSITY_TOLERANCE = 1e-5;
 static const float SOLVE_TOLERANCE = 1e-6f;
 
@@ -57,7 +58,8 @@ static gi_object add_ball(gi_context *gi)
 {
 	engine_mesh mesh;
 	assert_true(shape_sphere(.6f, 3, &mesh));
-	return harness_add(gi, &(harness_object){.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.7f, .3f, .3f}}, &mesh);
+	return harness_add(
+	    gi, &(harness_object){.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.7f, .3f, .3f}}, &mesh);
 }
 
 static gi_object add_block(gi_context *gi)
@@ -74,7 +76,8 @@ static gi_object add_sheet(gi_context *gi)
 	assert_true(shape_quad((float[]){-.7f, 0, -.7f}, (float[]){0, 0, 1.4f}, (float[]){1.4f, 0, 0}, 2, 2, &mesh));
 	for (uint32_t k = 0; k < mesh.vertex_count; k++)
 		mesh.positions[3 * k + 1] = .5f * fabsf(mesh.positions[3 * k]);
-	return harness_add(gi, &(harness_object){.name = "sheet", .levels = 1, .rho = {.3f, .3f, .7f}, .double_sided = true}, &mesh);
+	return harness_add(
+	    gi, &(harness_object){.name = "sheet", .levels = 1, .rho = {.3f, .3f, .7f}, .double_sided = true}, &mesh);
 }
 
 static void add_movers(scene *s)
@@ -115,9 +118,9 @@ static void open_room(scene *s, const gi_context_def *def)
 /* ---- motion ---- */
 
 static const gi_pose HOME[MOVERS] = {
-	{{0, 3.2f, 0}, {0, 0, 0, 1}},        /* between the light and the floor */
-	{{-1.2f, 0, -.6f}, {0, .2f, 0, .98f}}, /* stands on the floor: contact */
-	{{1.3f, 1.2f, .8f}, {.3f, 0, .1f, .95f}},
+    {{0, 3.2f, 0}, {0, 0, 0, 1}},          /* between the light and the floor */
+    {{-1.2f, 0, -.6f}, {0, .2f, 0, .98f}}, /* stands on the floor: contact */
+    {{1.3f, 1.2f, .8f}, {.3f, 0, .1f, .95f}},
 };
 
 static gi_pose random_pose(int mover, bool stay_inside)
@@ -218,8 +221,9 @@ typedef struct tally {
 static void expect_converged(const gi_report *r, const char *when)
 {
 	if (r->outcome != GI_OUTCOME_CONVERGED && r->outcome != GI_OUTCOME_AT_REST)
-		fail_msg("%s: outcome %d after %u sweeps, bound %g of the largest B %g, residual %g, q %g", when, r->outcome, r->sweeps,
-			 (double)r->solve_relative, (double)r->radiosity_max, (double)r->residual, (double)r->contraction);
+		fail_msg("%s: outcome %d after %u sweeps, bound %g of the largest B %g, residual %g, q %g", when,
+			 r->outcome, r->sweeps, (double)r->solve_relative, (double)r->radiosity_max,
+			 (double)r->residual, (double)r->contraction);
 }
 
 static void compare(scene *kept, scene *rebuilt, const char *when, tally *t)
@@ -253,7 +257,8 @@ static void print_tally(const char *name, const tally *t)
 {
 	printf("  %s: %u frames, %.0f entries; of them cut anew %.1f %%, flagged %.1f %%; pools grown %u times, worst "
 	       "B %.2e\n",
-	       name, t->frames, t->entries / t->frames, 100 * t->fresh / t->entries, 100 * t->flagged / t->entries, t->regrown, t->worst);
+	       name, t->frames, t->entries / t->frames, 100 * t->fresh / t->entries, 100 * t->flagged / t->entries,
+	       t->regrown, t->worst);
 }
 
 typedef void open_fn(scene *s, const gi_context_def *def);
@@ -347,7 +352,8 @@ static void light_both(scene pair[2], int which, gi_material m)
 		assert_gi(gi_set_material(pair[k].gi, which < 0 ? pair[k].light : pair[k].mover[which], 0, m));
 }
 
-/* Lamps go out and on again, objects start to shine, turn black and white again, with and without a move in the same frame. */
+/* Lamps go out and on again, objects start to shine, turn black and white again, with and without a move in the same
+ * frame. */
 static void materials(void **state)
 {
 	(void)state;
@@ -360,12 +366,19 @@ static void materials(void **state)
 		gi_material value;
 		int moves;
 	} steps[] = {
-		{"brighter", -1, bright, -1},       {"the block glows", BLOCK, glowing, -1}, {"the lamp is off", -1, dark, -1},
-		{"the ball is black", BALL, dark, -1}, {"the ball is red", BALL, red, BALL},   {"the lamp is on", -1, bright, SHEET},
-		{"the sheet glows", SHEET, glowing, BLOCK}, {"the block is grey", BLOCK, grey, BLOCK},
-		{"the sheet is black", SHEET, dark, -1}, {"the sheet is grey", SHEET, grey, SHEET},
-		{"all dark but the lamp", BLOCK, dark, -1}, {"the lamp is off again", -1, dark, BALL},
-		{"a lamp again", -1, bright, -1},
+	    {"brighter", -1, bright, -1},
+	    {"the block glows", BLOCK, glowing, -1},
+	    {"the lamp is off", -1, dark, -1},
+	    {"the ball is black", BALL, dark, -1},
+	    {"the ball is red", BALL, red, BALL},
+	    {"the lamp is on", -1, bright, SHEET},
+	    {"the sheet glows", SHEET, glowing, BLOCK},
+	    {"the block is grey", BLOCK, grey, BLOCK},
+	    {"the sheet is black", SHEET, dark, -1},
+	    {"the sheet is grey", SHEET, grey, SHEET},
+	    {"all dark but the lamp", BLOCK, dark, -1},
+	    {"the lamp is off again", -1, dark, BALL},
+	    {"a lamp again", -1, bright, -1},
 	};
 	scene pair[2];
 	random_state = 7;
@@ -391,10 +404,10 @@ static void materials(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(open_front),
-		cmocka_unit_test(bright_sky),
-		cmocka_unit_test(closed_room),
-		cmocka_unit_test(materials),
+	    cmocka_unit_test(open_front),
+	    cmocka_unit_test(bright_sky),
+	    cmocka_unit_test(closed_room),
+	    cmocka_unit_test(materials),
 	};
 	return cmocka_run_group_tests_name("update", tests, harness_open, harness_close);
 }
