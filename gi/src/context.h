@@ -129,7 +129,7 @@ gi_material_data scene_material_data(const gi_material *material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
 gi_result scene_upload_changes(gi_context *gi);
 void scene_bind(const gi_context *gi);
-void scene_free_arrays(gi_scene *scene);
+void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_free(gi_context *gi);
 
 /* scene_upload.c */
@@ -146,6 +146,8 @@ gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
 gi_result rows_update(gi_context *gi);
 void rows_bind(const gi_context *gi);
+void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
+void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
 void rows_free(gi_context *gi);
 
 /* solver.c */
@@ -153,6 +155,8 @@ gi_result solver_init(gi_context *gi);
 gi_result solver_allocate(gi_context *gi);
 void solver_update(gi_context *gi);
 void solver_bind(const gi_context *gi);
+void solver_forget(gi_solver *solver);
+void solver_release(gi_context *gi, gi_solver *solver);
 void solver_free(gi_context *gi);
 
 /* shade.c */

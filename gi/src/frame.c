@@ -106,10 +106,11 @@ static gi_result issue(gi_context *gi, bool rows)
 static gi_result grow_until_it_fits(gi_context *gi)
 {
 	while (gi->truncated) {
-		gi->truncated = false;
 		gi_result result = rows_grow(gi);
-		if (!result)
-			result = issue(gi, true);
+		if (result)
+			return result; /* and again by the next update */
+		gi->truncated = false;
+		result = issue(gi, true);
 		if (result)
 			return result;
 		collect_reports(gi, true);

@@ -254,8 +254,6 @@ gi_result gi_commit(gi_context *gi)
 		return gi_fail_null(gi, "");
 	shade_invalidate(gi);
 	gi_result result = scene_upload(gi);
-	if (!result)
-		result = rows_allocate(gi);
 	if (result)
 		return result;
 	forget_dead_objects(gi);

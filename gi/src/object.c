@@ -1,6 +1,7 @@
 /* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU. */
 #include "context.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -304,6 +305,15 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 	return ok;
 }
 
+/* A leaf or an object whose area no float holds has no form factors. */
+static bool is_too_small(const gi_hierarchy *h)
+{
+	for (uint32_t n = 0; n < h->node_count; n++)
+		if (!(h->geometry[n].moment.w >= FLT_MIN))
+			return true;
+	return false;
+}
+
 /* Two sides that cover each other never show a back. */
 static void hide_backs(gi_hierarchy *h)
 {
@@ -327,6 +337,8 @@ static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_
 	gi_result result = GI_OK;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
+	} else if (is_too_small(&o->hierarchy)) {
+		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s' is too small: its leaves have areas below 1e-38", name);
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);

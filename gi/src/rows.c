@@ -400,11 +400,37 @@ void rows_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_STATE, &gi->state);
 }
 
+/* The buffers that a commit makes anew; the frame's small ones stay. */
+enum { COMMITTED_BUFFERS = 8 };
+
+static void committed_buffers(gi_rows *r, gpu_buffer *list[COMMITTED_BUFFERS])
+{
+	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->entry_pool, &r->queue,
+						  &r->headers,	&r->links,   &r->link_pool,  &r->touched};
+	memcpy(list, buffers, sizeof buffers);
+}
+
+void rows_forget(gi_rows *r)
+{
+	gpu_buffer *list[COMMITTED_BUFFERS];
+	committed_buffers(r, list);
+	for (int k = 0; k < COMMITTED_BUFFERS; k++)
+		*list[k] = (gpu_buffer){0};
+}
+
+void rows_release(gi_context *gi, gi_rows *r)
+{
+	gpu_buffer *list[COMMITTED_BUFFERS];
+	committed_buffers(r, list);
+	for (int k = 0; k < COMMITTED_BUFFERS; k++)
+		gpu_buffer_free(&gi->gpu, list[k]);
+}
+
 void rows_free(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	gpu_buffer *buffers[] = {&r->segments, &r->entries,   &r->entry_pool, &r->queue, &r->headers, &r->links,
-				 &r->link_pool, &r->touched, &r->runs,       &r->suspects, &r->frame};
+	rows_release(gi, r);
+	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	uint32_t *programs[] = {&r->pose_program,  &r->cut_program,   &r->factor_program,  &r->flag_program,

@@ -95,7 +95,7 @@ gi_material_data scene_material_data(const gi_material *m)
 	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0}, {m->exitance[0], m->exitance[1], m->exitance[2], 0}};
 }
 
-void scene_free_arrays(gi_scene *s)
+static void free_arrays(gi_scene *s)
 {
 	free(s->slots);
 	free(s->object_data);
@@ -197,17 +197,21 @@ void scene_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_LIGHT_FIRST, &s->light_first_gpu);
 }
 
-void scene_free(gi_context *gi)
+void scene_release(gi_context *gi, gi_scene *s)
 {
-	gi_scene *s = &gi->scene;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		scene_free_object(&s->objects[k]);
-	free(s->objects);
-	scene_free_arrays(s);
 	gpu_buffer *buffers[] = {&s->objects_gpu,	&s->topology_gpu,	&s->rest_gpu,	     &s->world_gpu,
 				 &s->vertices_rest_gpu, &s->vertices_world_gpu, &s->leaves_gpu,	     &s->materials_gpu,
 				 &s->bvh_gpu,		&s->primitives_gpu,	&s->tlas_gpu,	     &s->node_exitance_gpu,
 				 &s->wide_nodes_gpu,	&s->light_links_gpu,	&s->light_first_gpu,  &s->spread_gpu};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
+	free_arrays(s);
+}
+
+void scene_free(gi_context *gi)
+{
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		scene_free_object(&gi->scene.objects[k]);
+	free(gi->scene.objects);
+	scene_release(gi, &gi->scene);
 }

@@ -287,27 +287,6 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	return GI_OK;
 }
 
-/* Takes over counts and CPU arrays; the buffers stay where they are. */
-static void adopt(gi_scene *s, const gi_scene *n)
-{
-	scene_free_arrays(s);
-	s->slots = n->slots;
-	s->object_data = n->object_data;
-	s->topology = n->topology;
-	s->node_exitance = n->node_exitance;
-	s->tlas = n->tlas;
-	s->tlas_packed = n->tlas_packed;
-	s->tlas_order = n->tlas_order;
-	s->tlas_count = n->tlas_count;
-	s->slot_count = n->slot_count;
-	s->sky_slot = n->sky_slot;
-	s->leaf_count = n->leaf_count;
-	s->node_count = n->node_count;
-	s->vertex_count = n->vertex_count;
-	s->light_count = n->light_count;
-	s->wide_count = n->wide_count;
-}
-
 /* B of objects that stay moves from the old buffers to the new ones; new objects start from E (solver.c). */
 static void carry_radiosity(gi_context *gi, gi_solver *before, const carried *old, uint32_t old_count)
 {
@@ -326,56 +305,100 @@ static bool wants_sky(const gi_context *gi)
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
 }
 
-gi_result scene_upload(gi_context *gi)
+/* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
+static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
-	gathered g = {0};
-	uint32_t old_count = 0;
-	carried *old = allocate(s->object_count, sizeof *old);
-	gi_result result = GI_ERROR_OUT_OF_MEMORY;
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k])) {
 			gi_object_data scratch;
 			scene_place_object(&s->objects[k], &scratch);
 		}
-	bool ready = old && (!wants_sky(gi) || sky_build(&g.sky));
-	if (ready) {
-		count_all(gi, &g);
-		/* Found out before the old scene is touched. */
-		if (!rows_can_hold(gi, g.next.leaf_count, g.next.slot_count)) {
-			result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-					 "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use fewer "
-					 "levels or a larger leaf_size",
-					 g.next.leaf_count, g.next.slot_count, (unsigned)(gi->gpu.max_block_bytes >> 20));
-			free(old);
-			gathered_free(&g);
-			return result;
-		}
-		ready = allocate_all(&g);
+	if (wants_sky(gi) && !sky_build(&g->sky))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	count_all(gi, g);
+	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use fewer levels or "
+			       "a larger leaf_size",
+			       g->next.leaf_count, g->next.slot_count, (unsigned)(gi->gpu.max_block_bytes >> 20));
+	const bool ready = allocate_all(g);
+	g->next.objects = s->objects;
+	g->next.object_count = s->object_count;
+	g->next.uncommitted = s->uncommitted;
+	g->next.ever_committed = s->ever_committed;
+	*s = g->next;
+	if (!ready)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	gather_objects(gi, g, old, old_count);
+	s->wide_count = g->next.wide_count;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (scene_is_alive(&s->objects[k]))
+			scene_update_exitance(gi, &s->objects[k]);
+	lamps_select(gi, false);
+	return upload_gathered(gi, g);
+}
+
+/* Everything of a context that a commit makes anew. */
+typedef struct committed {
+	gi_scene scene;
+	gi_solver solver;
+	gi_rows rows;
+	scene_object *objects; /* with their places */
+} committed;
+
+static void put_back(gi_context *gi, const committed *before)
+{
+	scene_release(gi, &gi->scene);
+	solver_release(gi, &gi->solver);
+	rows_release(gi, &gi->rows);
+	gi->scene = before->scene;
+	gi->solver = before->solver;
+	gi->rows = before->rows;
+	memcpy(gi->scene.objects, before->objects, sizeof *before->objects * gi->scene.object_count);
+}
+
+static void let_go(gi_context *gi, committed *before)
+{
+	scene_release(gi, &before->scene);
+	solver_release(gi, &before->solver);
+	rows_release(gi, &before->rows);
+}
+
+gi_result scene_upload(gi_context *gi)
+{
+	gathered g = {0};
+	uint32_t old_count = 0;
+	committed before = {gi->scene, gi->solver, gi->rows, NULL};
+	carried *old = allocate(gi->scene.object_count, sizeof *old);
+	before.objects = allocate(gi->scene.object_count, sizeof *before.objects);
+	if (!old || !before.objects) {
+		free(old);
+		free(before.objects);
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
-	if (!ready) {
-		scene_free_arrays(&g.next);
-		gi_fail(&gi->gpu.log, result, "out of memory");
-	} else {
-		gather_objects(gi, &g, old, &old_count);
-		adopt(s, &g.next);
-		for (uint32_t k = 0; k < s->object_count; k++)
-			if (scene_is_alive(&s->objects[k]))
-				scene_update_exitance(gi, &s->objects[k]);
-		lamps_select(gi, false);
-		result = upload_gathered(gi, &g);
-	}
-	gi_solver before = gi->solver;
-	if (!result) {
-		gi->solver.radiosity = gi->solver.leaf_radiosity = (gpu_buffer){0};
+	if (gi->scene.object_count)
+		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * gi->scene.object_count);
+	gi->scene = (gi_scene){.objects = before.scene.objects,
+			       .object_count = before.scene.object_count,
+			       .uncommitted = before.scene.uncommitted,
+			       .ever_committed = before.scene.ever_committed};
+	solver_forget(&gi->solver);
+	rows_forget(&gi->rows);
+	gi_result result = upload_scene(gi, &g, old, &old_count);
+	if (!result)
 		result = solver_allocate(gi);
-		if (!result && s->ever_committed)
-			carry_radiosity(gi, &before, old, old_count);
-		gpu_buffer_free(&gi->gpu, &before.radiosity);
-		gpu_buffer_free(&gi->gpu, &before.leaf_radiosity);
+	if (!result)
+		result = rows_allocate(gi);
+	if (result) {
+		put_back(gi, &before);
+	} else {
+		carry_radiosity(gi, &before.solver, old, old_count);
+		let_go(gi, &before);
 	}
 	free(old);
+	free(before.objects);
 	gathered_free(&g);
 	return result;
 }

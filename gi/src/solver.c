@@ -97,12 +97,22 @@ void solver_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_LIGHT, &s->light);
 }
 
-void solver_free(gi_context *gi)
+void solver_forget(gi_solver *s)
 {
-	gi_solver *s = &gi->solver;
+	s->radiosity = s->leaf_radiosity = s->leaf_indirect = s->light = (gpu_buffer){0};
+}
+
+void solver_release(gi_context *gi, gi_solver *s)
+{
 	gpu_buffer *buffers[] = {&s->radiosity, &s->leaf_radiosity, &s->leaf_indirect, &s->light};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
+}
+
+void solver_free(gi_context *gi)
+{
+	gi_solver *s = &gi->solver;
+	solver_release(gi, s);
 	uint32_t *programs[] = {&s->gather_program, &s->pull_program,	  &s->wide_program, &s->check_program,
 				&s->start_program,  &s->indirect_program, &s->light_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
