@@ -178,19 +178,14 @@ static void put_factor(FILE *file, const char *from, const char *to, double fact
 	fprintf(file, ",%.12g\n", factor);
 }
 
-static gi_result write_row(FILE *file, gi_context *gi, const export_objects *objects, uint32_t from)
+/* `to` and `factors` are room for count + 1; the last handle is nobody's: towards all. */
+static gi_result write_row(FILE *file, gi_context *gi, const export_objects *objects, uint32_t from, gi_object *to, double *factors)
 {
-	gi_result result = GI_OK;
-	double factor;
-	for (uint32_t to = 0; !result && to < objects->count; to++) {
-		result = gi_form_factor(gi, objects->handles[from], objects->handles[to], &factor);
-		if (!result)
-			put_factor(file, objects->names[from], objects->names[to], factor);
-	}
-	if (!result)
-		result = gi_form_factor(gi, objects->handles[from], (gi_object){0}, &factor);
-	if (!result)
-		put_factor(file, objects->names[from], NULL, factor);
+	memcpy(to, objects->handles, sizeof *to * objects->count);
+	to[objects->count] = (gi_object){0};
+	const gi_result result = gi_form_factors(gi, objects->handles[from], to, objects->count + 1, factors);
+	for (uint32_t k = 0; !result && k <= objects->count; k++)
+		put_factor(file, objects->names[from], k < objects->count ? objects->names[k] : NULL, factors[k]);
 	return result;
 }
 
@@ -202,9 +197,13 @@ bool export_form_factors(gi_context *gi, const export_objects *objects, const ch
 	if (!file)
 		return cannot_write(path, message, message_size);
 	fputs("from,to,F\n", file);
-	gi_result result = GI_OK;
+	gi_object *to = malloc(sizeof *to * (objects->count + 1));
+	double *factors = malloc(sizeof *factors * (objects->count + 1));
+	gi_result result = to && factors ? GI_OK : GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t k = 0; !result && k < objects->count; k++)
-		result = write_row(file, gi, objects, k);
+		result = write_row(file, gi, objects, k, to, factors);
+	free(to);
+	free(factors);
 	const bool written = close_whole(file, result == GI_OK, path, message, message_size);
 	if (result)
 		snprintf(message, message_size, "form factors cannot be read: %s", gi_result_text(result));

@@ -209,25 +209,46 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 	return ok ? GI_OK : no_memory(gi);
 }
 
-gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out)
+static bool is_known(const gi_context *gi, gi_object object)
 {
+	const scene_object *o = scene_find(gi, object);
+	return o && o->committed;
+}
+
+/* The part of `sums` that is one object's, or everybody's but the sky's. */
+static double part_of(const gi_context *gi, const double *sums, gi_object to)
+{
+	if (to.index1 != 0)
+		return sums[scene_find(gi, to)->slot];
+	double sum = 0;
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
+		sum += slot != gi->scene.sky_slot ? sums[slot] : 0;
+	return sum;
+}
+
+gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out)
+{
+	if (gi && (!to || !out))
+		return gi_fail_null(gi, "gi_form_factors: to and out");
 	gi_result result = begin_read(gi, out);
 	if (result)
 		return result;
-	const bool all = to.index1 == 0;
-	const scene_object *a = scene_find(gi, from), *b = all ? NULL : scene_find(gi, to);
-	if (!a || (!all && !b) || !a->committed || (b && !b->committed))
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "gi_form_factor: an object is stale or not committed");
+	bool known = is_known(gi, from);
+	for (uint32_t k = 0; k < count; k++)
+		known = known && (to[k].index1 == 0 || is_known(gi, to[k]));
+	if (!known)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "gi_form_factors: an object is stale or not committed");
 	double *sums = calloc(gi->scene.slot_count, sizeof *sums), area = 0;
 	if (!sums)
 		return no_memory(gi);
-	result = sum_links(gi, a, sums, &area);
-	double sum = 0;
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
-		if (all ? slot != gi->scene.sky_slot : slot == b->slot)
-			sum += sums[slot];
+	result = sum_links(gi, scene_find(gi, from), sums, &area);
+	for (uint32_t k = 0; !result && k < count; k++)
+		out[k] = part_of(gi, sums, to[k]) / area;
 	free(sums);
-	if (!result)
-		*out = sum / area;
 	return result;
+}
+
+gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out)
+{
+	return gi_form_factors(gi, from, &to, 1, out);
 }

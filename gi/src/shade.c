@@ -237,10 +237,8 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 
 gi_result gi_draw(gi_context *gi, const gi_view *view)
 {
-	if (!gi)
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (!view)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: view must not be NULL");
+	if (!gi || !view)
+		return gi_fail_null(gi, "gi_draw: view");
 	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height)

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- messages ---- */
@@ -683,6 +684,67 @@ static void many_lives(void **state)
 	unload(&l);
 }
 
+/* ---- what does not fit ---- */
+
+/* More materials than a storage block of a software renderer holds; where they fit there is nothing to see. */
+static void commit_that_fails(void **state)
+{
+	(void)state;
+	loaded l = load();
+	const uint32_t count = 8000000;
+	gi_material *materials = calloc(count, sizeof *materials);
+	assert_non_null(materials);
+	engine_mesh mesh;
+	assert_true(shape_quad((float[]){0, .5f, 0}, (float[]){1, 0, 0}, (float[]){0, 0, 1}, 1, 1, &mesh));
+	gi_object_def def = gi_object_def_default();
+	def.positions = mesh.positions;
+	def.vertex_count = mesh.vertex_count;
+	def.indices = mesh.indices;
+	def.index_count = mesh.index_count;
+	def.face_count = mesh.face_count;
+	def.materials = materials;
+	def.material_count = count;
+	gi_object big;
+	assert_gi(gi_create_object(l.gi, &def, &big));
+	engine_mesh_free(&mesh);
+	free(materials);
+	if (gi_commit(l.gi) == GI_OK) {
+		unload(&l);
+		skip();
+	}
+	double f;
+	assert_gi(gi_form_factor(l.gi, l.floor, l.ball, &f));
+	assert_gi(gi_destroy_object(l.gi, big));
+	assert_gi(gi_commit(l.gi));
+	harness_update(l.gi);
+	expect_unharmed(&l, "a commit that failed");
+	unload(&l);
+}
+
+/* Rows too large for a storage block: an error from the first update and from every one after it, never a converged picture. */
+static void rows_that_do_not_fit(void **state)
+{
+	(void)state;
+	gi_context_def def = harness_def();
+	def.row_tolerance = 2e-5f;
+	gi_context *gi = harness_context(&def);
+	for (int k = 0; k < 2; k++) {
+		engine_mesh mesh;
+		const float a[3] = {1, 0, 0}, b[3] = {0, 0, 1};
+		assert_true(shape_quad((float[]){0, (float)k, 0}, k ? a : b, k ? b : a, 1, 1, &mesh));
+		harness_add(gi, &(harness_object){.name = "square", .levels = 7, .rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}}, &mesh);
+	}
+	assert_gi(gi_commit(gi));
+	const gi_result first = gi_update(gi);
+	if (first == GI_OK) {
+		gi_context_destroy(gi);
+		skip();
+	}
+	assert_int_equal(first, GI_ERROR_OUT_OF_MEMORY);
+	assert_int_equal(gi_update(gi), GI_ERROR_OUT_OF_MEMORY);
+	gi_context_destroy(gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -693,6 +755,7 @@ int main(void)
 	    cmocka_unit_test(empty_scene),          cmocka_unit_test(one_leaf),
 	    cmocka_unit_test(blind_leaf),           cmocka_unit_test(no_light),
 	    cmocka_unit_test(many_lives),
+	    cmocka_unit_test(commit_that_fails),    cmocka_unit_test(rows_that_do_not_fit),
 	};
 	return cmocka_run_group_tests_name("bad input", tests, harness_open, harness_close);
 }

@@ -10,7 +10,7 @@
  * How to use it:
  *
  *     gi_context_def def = gi_context_def_default();
- *     def.get_proc_address = glfwGetProcAddress;          // an OpenGL 4.5 context is current
+ *     def.get_proc_address = (gi_get_proc_address_fn *)glfwGetProcAddress; // an OpenGL 4.5 context is current
  *     gi_context *gi = NULL;
  *     gi_result result = gi_context_create(&def, &gi);
  *     ... gi_create_object() for everything, gi_commit() once ...
@@ -357,6 +357,9 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 
 /* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row sum). */
 gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
+
+/* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
+gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out);
 
 #ifdef __cplusplus
 }
