@@ -157,24 +157,42 @@ static void warn_of_missing_library(scene_loader *loader)
 		fclose(file);
 }
 
-/* assimp 5.2.5 reads the header of a PLY that was cut off there for ever. */
-static bool header_ends(scene_loader *loader)
+/* Reads lines to the end of the header and sums up its elements. False: the header does not end. */
+static bool read_ply_header(FILE *file, double *elements)
+{
+	char line[1024];
+	for (int i = 0; i < 1000 && fgets(line, sizeof line, file); i++) {
+		double count = 0;
+		if (strcmp(line, "end_header\n") == 0 || strcmp(line, "end_header\r\n") == 0)
+			return true;
+		if (sscanf(line, " element %*s %lf", &count) == 1)
+			*elements += count;
+	}
+	return false;
+}
+
+/* assimp 5.2.5 reads the header of a PLY that was cut off there for ever, and makes room for what a header states
+ * before it looks for it. An element takes a byte or more.
+ */
+static bool check_ply(scene_loader *loader)
 {
 	FILE *file = fopen(loader->path, "rb");
-	char line[1024];
-	bool ended = false;
-	for (int i = 0; file && !ended && i < 1000 && fgets(line, sizeof line, file); i++)
-		ended = strcmp(line, "end_header\n") == 0 || strcmp(line, "end_header\r\n") == 0;
+	double elements = 0;
+	bool ended = file && read_ply_header(file, &elements);
+	long size = ended && fseek(file, 0, SEEK_END) == 0 ? ftell(file) : 0;
 	if (file)
 		fclose(file);
-	return ended || scene_fail(loader, "is no PLY file, or cut off in its header");
+	if (!ended)
+		return scene_fail(loader, "is no PLY file, or cut off in its header");
+	return elements <= (double)size ||
+	       scene_fail(loader, "states %.0f vertices and faces in a file of %ld bytes", elements, size);
 }
 
 bool scene_read_assimp(scene_loader *loader)
 {
 	if (!is_ply(loader))
 		warn_of_missing_library(loader);
-	else if (!header_ends(loader))
+	else if (!check_ply(loader))
 		return false;
 	const struct aiScene *from = aiImportFile(loader->path, 0);
 	if (!from)

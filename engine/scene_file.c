@@ -183,32 +183,6 @@ static bool animated_poses(scene_loader *loader, engine_scene_object *object)
 	return true;
 }
 
-static bool is_taken(const engine_scene *scene, const char *name)
-{
-	for (uint32_t i = 0; i < scene->object_count; i++) {
-		if (strcmp(scene->objects[i].name, name) == 0)
-			return true;
-	}
-	return false;
-}
-
-/* "a" twice becomes "a" and "a#2". Exports go by name. */
-static char *unique_name(const engine_scene *scene, const char *wish)
-{
-	char *name = scene_copy_name(wish, "object", scene->object_count);
-	if (!name || !is_taken(scene, name))
-		return name;
-	size_t size = strlen(name) + 12;
-	char *numbered = malloc(size);
-	for (uint32_t n = 2; numbered && n < UINT32_MAX; n++) {
-		snprintf(numbered, size, "%s#%u", name, n);
-		if (!is_taken(scene, numbered))
-			break;
-	}
-	free(name);
-	return numbered;
-}
-
 static bool finish_object(scene_loader *loader, engine_scene_object *object, bool pair_triangles)
 {
 	char fault[256];
@@ -241,18 +215,20 @@ static bool store_object(scene_loader *loader, engine_scene_object *object)
 		return true;
 	}
 	engine_scene_object *grown = realloc(scene->objects, (scene->object_count + 1) * sizeof *grown);
-	if (!grown) {
+	if (grown)
+		scene->objects = grown;
+	if (!grown || !scene_take_name(&loader->names, object->name)) {
 		free_object(object);
 		return scene_fail(loader, "out of memory for objects");
 	}
-	scene->objects = grown;
 	scene->objects[scene->object_count++] = *object;
 	return true;
 }
 
 bool scene_add_object(scene_loader *loader, const scene_object_def *def, engine_mesh *mesh)
 {
-	engine_scene_object object = {.name = unique_name(loader->scene, def->name),
+	char *wish = scene_copy_name(def->name, "object", loader->scene->object_count);
+	engine_scene_object object = {.name = scene_unique_name(&loader->names, wish),
 				      .mesh = *mesh,
 				      .scheme = def->scheme,
 				      .levels = def->levels,
@@ -334,12 +310,13 @@ bool engine_scene_load(const char *path, engine_scene *scene, char *message, siz
 	*scene = (engine_scene){0};
 	scene_loader loader = {.path = path, .scene = scene, .message = message, .message_size = message_size};
 	scene->graph = calloc(1, sizeof *scene->graph);
-	if (!scene->graph)
-		scene_fail(&loader, "out of memory");
-	else if (check_readable(&loader) && read_by_extension(&loader) && check_something_is_left(&loader))
-		return true;
-	engine_scene_free(scene);
-	return false;
+	bool loaded = scene->graph || scene_fail(&loader, "out of memory");
+	loaded =
+	    loaded && check_readable(&loader) && read_by_extension(&loader) && check_something_is_left(&loader);
+	free(loader.names.slots);
+	if (!loaded)
+		engine_scene_free(scene);
+	return loaded;
 }
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */

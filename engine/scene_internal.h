@@ -35,12 +35,24 @@ typedef struct engine_scene_graph {
 	uint32_t channel_count;
 } engine_scene_graph;
 
+typedef struct scene_name {
+	const char *name; /* belongs to an object; NULL: an empty slot */
+	uint32_t number;  /* "name#number" is the next to try: all from #2 on are taken */
+} scene_name;
+
+/* The names of the objects so far. Zeroed: none. */
+typedef struct scene_names {
+	scene_name *slots;
+	size_t capacity, count; /* capacity is 0 or a power of two */
+} scene_names;
+
 typedef struct scene_loader {
 	const char *path;
 	engine_scene *scene;
 	char *message;
 	size_t message_size;
 	uint32_t degenerate_faces;
+	scene_names names;
 } scene_loader;
 
 /* Writes "path: text" as one line; always false, so that callers can return it. */
@@ -51,6 +63,14 @@ __attribute__((format(printf, 2, 3))) void scene_warn(scene_loader *loader, cons
 
 /* A copy with control characters replaced, or `fallback` formatted with `number` where name is NULL or empty. */
 char *scene_copy_name(const char *name, const char *fallback, uint32_t number);
+
+/* Takes wish (malloc'd, or NULL) and returns it, or "wish#2" and so on where it is taken: exports go by name. The name
+ * stays free until scene_take_name(). NULL: out of memory.
+ */
+char *scene_unique_name(scene_names *names, char *wish);
+
+/* Remembers a name that is free; it must live as long as the table. False: out of memory. */
+bool scene_take_name(scene_names *names, const char *name);
 
 /* Identity, no parent, no animation. */
 scene_node scene_node_default(void);

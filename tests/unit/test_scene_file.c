@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 /* scene.bin: what all the glTF files here take their numbers from. Offsets in bytes stand beside the fields. */
@@ -286,6 +287,30 @@ static void names_are_unique(void **state)
 	assert_string_equal(scene.objects[1].name, "a#2");
 	assert_string_equal(scene.objects[2].name, "object2");
 	assert_string_equal(scene.objects[3].name, "a b");
+	engine_scene_free(&scene);
+}
+
+/* 20,000 nodes called "a" and one called "a#3": seconds where each name is looked for among all. */
+static void many_nodes_of_one_name(void **state)
+{
+	(void)state;
+	enum { COUNT = 20000 };
+	static const char node[] = "{\"mesh\":0,\"name\":\"a\"},";
+	char *text = malloc(COUNT * sizeof node + 8192);
+	assert_non_null(text);
+	size_t length = (size_t)sprintf(text, HEAD "\"nodes\":[");
+	for (int i = 0; i < COUNT; i++)
+		length += (size_t)sprintf(text + length, i == 1 ? "{\"mesh\":0,\"name\":\"a#3\"}," : node);
+	sprintf(text + length, "%s", "{}]," MESH TAIL);
+	clock_t began = clock();
+	engine_scene scene = load_gltf(text);
+	assert_true((double)(clock() - began) / CLOCKS_PER_SEC < 5);
+	free(text);
+	assert_int_equal(scene.object_count, COUNT);
+	assert_string_equal(scene.objects[1].name, "a#3");
+	assert_string_equal(scene.objects[2].name, "a#2");
+	assert_string_equal(scene.objects[3].name, "a#4");
+	assert_string_equal(scene.objects[COUNT - 1].name, "a#20000");
 	engine_scene_free(&scene);
 }
 
@@ -600,6 +625,19 @@ static void ply_files(void **state)
 	engine_scene_free(&scene);
 }
 
+static void ply_files_that_promise_too_much(void **state)
+{
+	(void)state;
+	static const char rest[] = "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+				   "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n";
+	static const char *const counts[] = {"4000000000", "99999999999999999999", "500"};
+	for (int i = 0; i < 3; i++) {
+		char text[512];
+		snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex %s\n%s", counts[i], rest);
+		check_refused(write_text("a.ply", text), "vertices and faces in a file of");
+	}
+}
+
 static void missing_and_foreign_files(void **state)
 {
 	(void)state;
@@ -679,6 +717,7 @@ int main(void)
 	    cmocka_unit_test(impossible_materials_are_refused),
 	    cmocka_unit_test(primitives_join_into_one_connected_mesh),
 	    cmocka_unit_test(names_are_unique),
+	    cmocka_unit_test(many_nodes_of_one_name),
 	    cmocka_unit_test(only_the_chosen_scene_is_read),
 	    cmocka_unit_test(an_empty_scene_is_no_error),
 	    cmocka_unit_test(mirrored_nodes_keep_their_fronts),
@@ -698,6 +737,7 @@ int main(void)
 	    cmocka_unit_test(obj_files_without_their_library),
 	    cmocka_unit_test(broken_obj_files),
 	    cmocka_unit_test(ply_files),
+	    cmocka_unit_test(ply_files_that_promise_too_much),
 	    cmocka_unit_test(missing_and_foreign_files),
 	    cmocka_unit_test(damaged_files_never_crash),
 	};
