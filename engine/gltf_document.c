@@ -266,20 +266,29 @@ static bool make_table(gltf_document *document, gltf_array which)
 	return true;
 }
 
-/* Extensions that only change what is not read here may be required; what changes geometry may not. */
+static bool is_one_of(const char *name, const char *const *list, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		if (strcmp(name, list[i]) == 0)
+			return true;
+	}
+	return false;
+}
+
+/* What changes geometry may not be required; of anything else that is not read the user should know. */
 static bool check_extensions(gltf_document *document)
 {
+	static const char *const read[] = {"KHR_materials_emissive_strength", "KHR_mesh_quantization"};
 	static const char *const geometric[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
 						"EXT_mesh_gpu_instancing"};
 	const cJSON *item;
 	cJSON_ArrayForEach(item, gltf_member(document->root, "extensionsRequired"))
 	{
 		const char *name = cJSON_GetStringValue(item);
-		for (size_t i = 0; name && i < sizeof geometric / sizeof geometric[0]; i++) {
-			if (strcmp(name, geometric[i]) == 0)
-				return scene_fail(document->loader, "needs %s, which is not read; export without it",
-						  name);
-		}
+		if (name && is_one_of(name, geometric, sizeof geometric / sizeof geometric[0]))
+			return scene_fail(document->loader, "needs %s, which is not read; export without it", name);
+		if (name && !is_one_of(name, read, sizeof read / sizeof read[0]))
+			scene_warn(document->loader, "the file requires %.80s, which is not read", name);
 	}
 	return true;
 }

@@ -55,6 +55,10 @@ static bool check_positions(const engine_mesh *mesh, char *message, size_t messa
 			snprintf(message, message_size, "the position of vertex %zu is not finite", i / 3);
 			return false;
 		}
+		if (fabsf(mesh->positions[i]) > ENGINE_MESH_FARTHEST) {
+			snprintf(message, message_size, "the position of vertex %zu is beyond 1e15 m", i / 3);
+			return false;
+		}
 	}
 	return true;
 }

@@ -8,6 +8,9 @@
 extern "C" {
 #endif
 
+/* Metres; squares of what lies further out leave the range of floats. */
+#define ENGINE_MESH_FARTHEST 1e15f
+
 typedef struct engine_clean_report {
 	uint32_t welded_vertices;  /* vertices that shared a position with another */
 	uint32_t degenerate_faces; /* dropped: no area, or a vertex twice */
@@ -21,8 +24,8 @@ bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t mat
 /* Welds vertices of bitwise equal position (files split them by normal and texture coordinate, and a cage needs its
  * connections), drops degenerate faces and unused vertices; the order of both stays. Creases are dropped: no file
  * format read here has any. False with one line in message for a corner out of range, a face of fewer than three
- * corners, a position that is not finite or lack of memory; mesh is then still good for engine_mesh_free(). A mesh with
- * no face left is no failure.
+ * corners, a position that is not finite or beyond ENGINE_MESH_FARTHEST, or lack of memory; mesh is then still good for
+ * engine_mesh_free(). A mesh with no face left is no failure.
  */
 bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *message, size_t message_size);
 

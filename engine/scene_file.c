@@ -112,7 +112,8 @@ bool scene_default_material(scene_loader *loader, uint32_t *number)
 /* ---- objects ----------------------------------------------------------------------------------------------------- */
 
 static const char *const pose_faults[] = {"", "is singular (a scale is zero or not finite)",
-					  "is sheared; apply the scale of its parents in the modeller", "is mirrored"};
+					  "is sheared; apply the scale of its parents in the modeller", "is mirrored",
+					  "goes beyond 1e15 m"};
 
 /* Fronts stay fronts: a mirrored face turns over, so its corners run the other way. */
 static void mirror_mesh(engine_mesh *mesh)
@@ -311,8 +312,7 @@ bool engine_scene_load(const char *path, engine_scene *scene, char *message, siz
 	scene_loader loader = {.path = path, .scene = scene, .message = message, .message_size = message_size};
 	scene->graph = calloc(1, sizeof *scene->graph);
 	bool loaded = scene->graph || scene_fail(&loader, "out of memory");
-	loaded =
-	    loaded && check_readable(&loader) && read_by_extension(&loader) && check_something_is_left(&loader);
+	loaded = loaded && check_readable(&loader) && read_by_extension(&loader) && check_something_is_left(&loader);
 	free(loader.names.slots);
 	if (!loaded)
 		engine_scene_free(scene);

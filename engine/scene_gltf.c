@@ -60,6 +60,16 @@ static bool read_transform(gltf_document *document, const cJSON *from, scene_nod
 	       gltf_numbers(document, from, "scale", 3, node->scale);
 }
 
+/* The last row, 0 0 0 1: what else is a projection, which no body has. */
+static bool check_matrix(gltf_document *document, const scene_node *node)
+{
+	const double *m = node->matrix;
+	bool affine = fmax(fabs(m[3]), fmax(fabs(m[7]), fabs(m[11]))) <= 1e-6 && fabs(m[15] - 1) <= 1e-6;
+	return !node->has_matrix || affine ||
+	       scene_fail(document->loader, "a node's matrix has the last row %g %g %g %g, it must be 0 0 0 1", m[3],
+			  m[7], m[11], m[15]);
+}
+
 /* glTF lets a rotation be a unit quaternion only; files round. */
 static bool normalize_rotation(gltf_document *document, scene_node *node)
 {
@@ -82,7 +92,7 @@ static bool read_nodes(gltf_document *document)
 	for (uint32_t i = 0; i < table->count; i++) {
 		graph->nodes[i] = scene_node_default();
 		if (!read_transform(document, table->items[i], &graph->nodes[i]) ||
-		    !normalize_rotation(document, &graph->nodes[i]))
+		    !check_matrix(document, &graph->nodes[i]) || !normalize_rotation(document, &graph->nodes[i]))
 			return false;
 	}
 	return true;
@@ -155,7 +165,9 @@ static bool walk_nodes(gltf_document *document, walk *w)
 		if (!take_nodes(document, w, gltf_member(node, "children"), (int32_t)w->order[i]))
 			return false;
 	}
-	return true;
+	/* Without scenes all nodes belong; those of a cycle have no root that leads to them. */
+	return document->tables[GLTF_SCENES].count > 0 || w->count == count ||
+	       scene_fail(document->loader, "its nodes form no tree");
 }
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
@@ -236,8 +248,10 @@ static bool append_primitive(gltf_document *document, const cJSON *primitive, en
 
 static bool read_mesh(gltf_document *document, const cJSON *from, engine_mesh *mesh)
 {
-	const cJSON *primitive;
-	cJSON_ArrayForEach(primitive, gltf_member(from, "primitives"))
+	const cJSON *primitive, *primitives = gltf_member(from, "primitives");
+	if (!cJSON_IsArray(primitives))
+		return true;
+	cJSON_ArrayForEach(primitive, primitives)
 	{
 		if (!append_primitive(document, primitive, mesh))
 			return false;
@@ -288,7 +302,7 @@ static bool read_object(gltf_document *document, uint32_t node, const cJSON *fro
 	const char *shown = def.name ? def.name : "";
 	bool read = read_scheme(document, gi, shown, &def) && read_levels(document, gi, shown, &def) &&
 		    read_mesh(document, from_mesh, &mesh);
-	if (read && mesh.face_count > 0)
+	if (read)
 		read = scene_add_object(document->loader, &def, &mesh);
 	engine_mesh_free(&mesh);
 	return read;

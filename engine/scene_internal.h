@@ -100,7 +100,8 @@ typedef enum scene_pose_result {
 	SCENE_POSE_OK,
 	SCENE_POSE_SINGULAR,
 	SCENE_POSE_SHEARED,
-	SCENE_POSE_MIRRORED
+	SCENE_POSE_MIRRORED,
+	SCENE_POSE_FAR
 } scene_pose_result;
 
 /* World pose of a node. time_s NULL: at rest. mirrored: of the node's matrix times diag(-1, 1, 1). */

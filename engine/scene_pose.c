@@ -3,6 +3,7 @@
  * glTF 2.0 specification, appendix C (animation sampler interpolation modes). All in double: float keys go through
  * chains of parents.
  */
+#include "mesh_clean.h"
 #include "scene_internal.h"
 
 #include <math.h>
@@ -199,8 +200,9 @@ static scene_pose_result take_scale(double m[16], double scale[3])
 		scale[c] = sqrt(dot3(m + 4 * c, m + 4 * c));
 	double largest = fmax(scale[0], fmax(scale[1], scale[2]));
 	for (int c = 0; c < 3; c++) {
-		bool finite = isfinite(scale[c]) && isfinite(m[12 + c]) && scale[c] < 1e30 && fabs(m[12 + c]) < 1e30;
-		if (!finite || !(scale[c] > 1e-9 * largest) || scale[c] < 1e-30)
+		if (fabs(m[12 + c]) > ENGINE_MESH_FARTHEST || scale[c] > ENGINE_MESH_FARTHEST)
+			return SCENE_POSE_FAR;
+		if (!isfinite(m[12 + c]) || !(scale[c] > 1e-9 * largest) || scale[c] < 1e-30)
 			return SCENE_POSE_SINGULAR;
 		for (int row = 0; row < 3; row++)
 			m[4 * c + row] /= scale[c];

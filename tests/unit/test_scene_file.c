@@ -359,6 +359,10 @@ static void bad_transforms_are_refused(void **state)
 	check_gltf_refused(ONE_NODE(",\"matrix\":[1,0,0,0, 0.5,1,0,0, 0,0,1,0, 0,0,0,1]"), "sheared");
 	check_gltf_refused(ONE_NODE(",\"matrix\":[1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1]"), "singular");
 	check_gltf_refused(ONE_NODE(",\"translation\":[1,2]"), "translation");
+	check_gltf_refused(ONE_NODE(",\"matrix\":[1,0,0,0.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]"), "last row 0.5 0 0 1");
+	check_gltf_refused(ONE_NODE(",\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]"), "last row 0 0 0 2");
+	check_gltf_refused(ONE_NODE(",\"translation\":[2e15,0,0]"), "beyond 1e15 m");
+	check_gltf_refused(ONE_NODE(",\"scale\":[1e300,1e300,1e300]"), "beyond 1e15 m");
 }
 
 static void the_camera_is_found(void **state)
@@ -487,6 +491,7 @@ static void broken_gltf_is_refused(void **state)
 	check_gltf_refused(HEAD "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}",
 			   "no tree");
 	check_gltf_refused(HEAD "\"nodes\":[{\"children\":[1,1]},{}]}", "no tree");
+	check_gltf_refused(HEAD "\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}", "no tree");
 	check_gltf_refused(HEAD "\"buffers\":[{\"byteLength\":4,\"uri\":\"missing.bin\"}]}", "missing.bin");
 	check_gltf_refused(HEAD "\"buffers\":[{\"byteLength\":4,\"uri\":\"data:text/plain,abcd\"}]}", "base64");
 	check_gltf_refused(HEAD "\"buffers\":[{\"byteLength\":99,\"uri\":\"data:;base64,AAAA\"}]}",
@@ -516,6 +521,27 @@ static void faces_without_area_are_dropped(void **state)
 	assert_int_equal(scene.objects[0].mesh.vertex_count, 4);
 	assert_non_null(strstr(scene.warning, "2 faces without area"));
 	engine_scene_free(&scene);
+}
+
+/* What is left out of the scene is said. */
+static void check_warned(const char *text, const char *words)
+{
+	engine_scene scene = load_gltf(text);
+	if (!strstr(scene.warning, words))
+		fail_msg("\"%s\" does not say \"%s\"", scene.warning, words);
+	engine_scene_free(&scene);
+}
+
+static void warnings_name_what_is_left_out(void **state)
+{
+	(void)state;
+	static const char faceless[] = "\"thing\" has no face";
+	check_warned(ONE_PRIMITIVE(""), faceless);
+	check_warned(ONE_PRIMITIVE("{\"attributes\":{\"POSITION\":0},\"mode\":0}"), faceless);
+	check_warned(HEAD "\"nodes\":[{\"mesh\":0,\"name\":\"thing\"}],\"meshes\":[{\"primitives\":\"x\"}]" TAIL,
+		     faceless);
+	check_warned(HEAD "\"nodes\":[{\"mesh\":0,\"name\":\"thing\"}],\"meshes\":[{}]" TAIL, faceless);
+	check_warned(HEAD "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"FOO_bar\"]}", "requires FOO_bar");
 }
 
 static size_t make_glb(uint8_t *glb)
@@ -600,6 +626,7 @@ static void broken_obj_files(void **state)
 	(void)state;
 	check_refused(write_text("a.obj", "v 0 0 0\nv nan 0 0\nv 1 1 0\nf 1 2 3\n"), "finite");
 	check_refused(write_text("a.obj", "v 0 0 0\nv inf 0 0\nv 1 1 0\nf 1 2 3\n"), "finite");
+	check_refused(write_text("a.obj", "v 0 0 0\nv 1e16 0 0\nv 1 1 0\nf 1 2 3\n"), "beyond 1e15 m");
 	check_refused(write_text("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n"), "range");
 	check_refused(write_text("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "area");
 	check_refused(write_text("a.obj", "hello\n"), "");
@@ -732,6 +759,7 @@ int main(void)
 	    cmocka_unit_test(broken_gltf_is_refused),
 	    cmocka_unit_test(broken_geometry_is_refused),
 	    cmocka_unit_test(faces_without_area_are_dropped),
+	    cmocka_unit_test(warnings_name_what_is_left_out),
 	    cmocka_unit_test(binary_gltf),
 	    cmocka_unit_test(obj_files),
 	    cmocka_unit_test(obj_files_without_their_library),
