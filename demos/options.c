@@ -3,6 +3,7 @@
 #include "image.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -41,7 +42,7 @@ static const struct argp_option table[] = {
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
     {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
     {0, 0, 0, 0, "How fine:", 1},
-    {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6..1 (0.01)", 1},
+    {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6 < T <= 1 (0.01)", 1},
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
@@ -83,12 +84,14 @@ uint32_t options_count(const char *program, const char *option, const char *text
 	return (uint32_t)value;
 }
 
-/* A number in (0, high]. */
+/* A number in (0, high] that is still one as a float: no fewer digits, not 0. */
 static float positive(const options *o, const char *option, const char *text, double high)
 {
 	double value;
 	if (!parse_number(text, &value) || !(value > 0) || value > high)
 		options_fail(o->program, "%s %s: must be a number above 0 and at most %g", option, text, high);
+	if ((float)value < FLT_MIN)
+		options_fail(o->program, "%s %s: is too small, must be at least %.3g", option, text, (double)FLT_MIN);
 	return (float)value;
 }
 
@@ -144,8 +147,8 @@ static void parse_fineness(options *o, int key, const char *text)
 	switch (key) {
 	case KEY_ROW_TOLERANCE:
 		o->row_tolerance = positive(o, "--row-tolerance", text, 1);
-		if (o->row_tolerance < 1e-6f)
-			options_fail(o->program, "--row-tolerance %s: must be at least 1e-6", text);
+		if (o->row_tolerance <= 1e-6f)
+			options_fail(o->program, "--row-tolerance %s: must be above 1e-6", text);
 		break;
 	case KEY_LEAF_SIZE:
 		o->leaf_size = positive(o, "--leaf-size", text, 1e6);

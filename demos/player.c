@@ -232,6 +232,10 @@ static bool draw(player *p, double began, gi_report *report)
 
 static bool record(player *p, const gi_report *report)
 {
+	if (waits(p) && report->outcome < 0) {
+		p->failed_frames++;
+		p->failure = report->outcome;
+	}
 	const report_frame frame = {p->frame, p->time_s, p->update_ms, p->frame_ms, *report};
 	if (waits(p) && !report_add(&p->report, &frame, p->message, sizeof p->message))
 		return false;
@@ -298,7 +302,11 @@ int player_run(const options *o, const player_scene *scene)
 		player_print_end(p);
 	else
 		fprintf(stderr, "%s%s: %s\n", p->frame && isatty(STDERR_FILENO) ? "\n" : "", o->program, p->message);
+	const bool sound = p->failed_frames == 0;
+	if (played && !sound)
+		fprintf(stderr, "%s: the light of %u of %u frames is wrong: %s\n", o->program, p->failed_frames, p->frame,
+			report_outcome_name(p->failure));
 	end(p);
 	free(p);
-	return played ? EXIT_SUCCESS : EXIT_FAILURE;
+	return played && sound ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -37,6 +37,8 @@ typedef struct player {
 	report report;
 	char report_path[PLAYER_PATH];
 	uint32_t pictures;
+	uint32_t failed_frames; /* recorded ones without light to rely on */
+	gi_outcome failure;     /* of the last of them */
 
 	char message[PLAYER_MESSAGE]; /* why a step failed; "" so far */
 } player;
