@@ -304,8 +304,8 @@ int player_run(const options *o, const player_scene *scene)
 		fprintf(stderr, "%s%s: %s\n", p->frame && isatty(STDERR_FILENO) ? "\n" : "", o->program, p->message);
 	const bool sound = p->failed_frames == 0;
 	if (played && !sound)
-		fprintf(stderr, "%s: the light of %u of %u frames is wrong: %s\n", o->program, p->failed_frames, p->frame,
-			report_outcome_name(p->failure));
+		fprintf(stderr, "%s: the light of %u of %u frames is wrong: %s\n", o->program, p->failed_frames,
+			p->frame, report_outcome_name(p->failure));
 	end(p);
 	free(p);
 	return played && sound ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -75,7 +75,6 @@ typedef struct engine_input {
 	float drag[ENGINE_MOUSE_COUNT][2];      /* how far the cursor went while that button was held */
 	float cursor[2];                        /* now, from the top left corner */
 	float scroll;                           /* wheel notches, away from the user is positive */
-	bool shift, control;                    /* held now */
 	bool resized;                           /* width or height changed since the last poll */
 } engine_input;
 

@@ -62,19 +62,10 @@ static engine_context *context_of(GLFWwindow *window)
 	return glfw.glfwGetWindowUserPointer(window);
 }
 
-static void note_modifiers(engine_input *input, int key, bool down)
-{
-	if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
-		input->shift = down;
-	if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
-		input->control = down;
-}
-
 static void on_key(GLFWwindow *window, int glfw_key, int scan_code, int action, int modifiers)
 {
 	(void)scan_code, (void)modifiers;
 	engine_input *input = &context_of(window)->incoming;
-	note_modifiers(input, glfw_key, action != GLFW_RELEASE);
 	int key = translate_key(glfw_key);
 	if (key == 0)
 		return;

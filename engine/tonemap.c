@@ -184,8 +184,3 @@ unsigned engine_target_hdr_framebuffer(const engine_target *target)
 {
 	return target->surfaces.hdr_framebuffer;
 }
-
-unsigned engine_target_picture_framebuffer(const engine_target *target)
-{
-	return target->surfaces.picture_framebuffer;
-}

@@ -53,9 +53,8 @@ void engine_target_read(engine_target *target, uint8_t *rgb);
 /* Stretches the picture over framebuffer 0 of the given size; binds framebuffer 0. Nothing for sizes of 0. */
 void engine_target_present(engine_target *target, int window_width, int window_height);
 
-/* GL names of the HDR framebuffer and of the RGBA8 picture's, for hosts that blit or read them themselves. */
+/* GL name of the HDR framebuffer, for hosts that blit or read it themselves. */
 unsigned engine_target_hdr_framebuffer(const engine_target *target);
-unsigned engine_target_picture_framebuffer(const engine_target *target);
 
 #ifdef __cplusplus
 }

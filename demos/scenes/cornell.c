@@ -10,7 +10,9 @@
 
 static const float HALF = 2.75f, HEIGHT = 5.5f;
 
-/* The light: 1.3 x 1.05 m, flush in a hole of the ceiling as in the measured box, bright enough for a white floor of about 1 W/m2/sr. */
+/* The light: 1.3 x 1.05 m, flush in a hole of the ceiling as in the measured box, bright enough for a white floor of
+ * about 1 W/m2/sr.
+ */
 static const float LIGHT_HALF_X = 0.65f, LIGHT_HALF_Z = 0.525f;
 static const float LIGHT_EXITANCE[3] = {47.1f, 38.8f, 29.4f};
 
@@ -100,7 +102,10 @@ static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 		engine_mesh mesh;
 		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
-		const body b = {.name = walls[k].name, .levels = def->wall_levels, .leaf_size = def->leaf_size, .rho = walls[k].rho};
+		const body b = {.name = walls[k].name,
+				.levels = def->wall_levels,
+				.leaf_size = def->leaf_size,
+				.rho = walls[k].rho};
 		result = add(gi, &b, &mesh, walls[k].object);
 	}
 	return result;
@@ -154,7 +159,8 @@ static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
 {
 	static const float black[3] = {0};
 	engine_mesh mesh;
-	const float corner[3] = {-LIGHT_HALF_X, 0, -LIGHT_HALF_Z}, u[3] = {2 * LIGHT_HALF_X, 0, 0}, v[3] = {0, 0, 2 * LIGHT_HALF_Z};
+	const float corner[3] = {-LIGHT_HALF_X, 0, -LIGHT_HALF_Z};
+	const float u[3] = {2 * LIGHT_HALF_X, 0, 0}, v[3] = {0, 0, 2 * LIGHT_HALF_Z};
 	if (!shape_quad(corner, u, v, 1, 1, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const body b = {.name = "light",
@@ -205,7 +211,6 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 		return GI_ERROR_OUT_OF_MEMORY;
 	const body b = {.name = "buddha",
 			.scheme = GI_SCHEME_CATMULL_CLARK,
-			.levels = def->buddha_levels,
 			.leaf_size = def->leaf_size,
 			.rho = STONE,
 			.scale = def->buddha_height};
