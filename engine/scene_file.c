@@ -206,6 +206,18 @@ static void free_object(engine_scene_object *object)
 	free(object->name);
 }
 
+/* For one more object: the room doubles at 1, 2, 4, ... of them. */
+static bool make_room(engine_scene *scene)
+{
+	size_t count = scene->object_count;
+	if ((count & (count - 1)) != 0)
+		return true;
+	engine_scene_object *grown = realloc(scene->objects, (count ? 2 * count : 1) * sizeof *grown);
+	if (grown)
+		scene->objects = grown;
+	return grown != NULL;
+}
+
 /* Appends or drops. Takes the object in either case. */
 static bool store_object(scene_loader *loader, engine_scene_object *object)
 {
@@ -215,10 +227,7 @@ static bool store_object(scene_loader *loader, engine_scene_object *object)
 		free_object(object);
 		return true;
 	}
-	engine_scene_object *grown = realloc(scene->objects, (scene->object_count + 1) * sizeof *grown);
-	if (grown)
-		scene->objects = grown;
-	if (!grown || !scene_take_name(&loader->names, object->name)) {
+	if (!make_room(scene) || !scene_take_name(&loader->names, object->name)) {
 		free_object(object);
 		return scene_fail(loader, "out of memory for objects");
 	}
