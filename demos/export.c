@@ -179,7 +179,8 @@ static void put_factor(FILE *file, const char *from, const char *to, double fact
 }
 
 /* `to` and `factors` are room for count + 1; the last handle is nobody's: towards all. */
-static gi_result write_row(FILE *file, gi_context *gi, const export_objects *objects, uint32_t from, gi_object *to, double *factors)
+static gi_result write_row(FILE *file, gi_context *gi, const export_objects *objects, uint32_t from, gi_object *to,
+			   double *factors)
 {
 	memcpy(to, objects->handles, sizeof *to * objects->count);
 	to[objects->count] = (gi_object){0};

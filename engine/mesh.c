@@ -36,7 +36,8 @@ bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out)
 	copy_array(mesh->face_counts, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_counts, &ok);
 	copy_array(mesh->indices, sizeof(uint32_t) * mesh->index_count, (void **)&out->indices, &ok);
 	copy_array(mesh->face_materials, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_materials, &ok);
-	copy_array(mesh->crease_vertices, sizeof(uint32_t) * 2 * mesh->crease_count, (void **)&out->crease_vertices, &ok);
+	copy_array(mesh->crease_vertices, sizeof(uint32_t) * 2 * mesh->crease_count, (void **)&out->crease_vertices,
+		   &ok);
 	copy_array(mesh->crease_sharpness, sizeof(float) * mesh->crease_count, (void **)&out->crease_sharpness, &ok);
 	if (!ok)
 		engine_mesh_free(out);

@@ -1,5 +1,5 @@
-// The storage blocks of gi, by the binding numbers of gi_shared.h. A shader defines USE_name for those it wants before it includes
-// this file: OpenGL counts every declared block, and promises only 16 a stage.
+// The storage blocks of gi, by the binding numbers of gi_shared.h. A shader defines USE_name for those it wants before
+// it includes this file: OpenGL counts every declared block, and promises only 16 a stage.
 #include "gi_shared.h"
 
 #ifdef USE_FRAME

@@ -1,6 +1,7 @@
 #version 450 core
-// Ends the solve when the certified bound |B - B*| <= |r| q / (1 - q) (Banach; r = B_k+1 - B_k) meets the tolerance, by setting the
-// group counts of the sweeps still queued to zero: the frame never waits for a read-back. INITIALISE sets them up.
+// Ends the solve when the certified bound |B - B*| <= |r| q / (1 - q) (Banach; r = B_k+1 - B_k) meets the tolerance, by
+// setting the group counts of the sweeps still queued to zero: the frame never waits for a read-back. INITIALISE sets
+// them up.
 #define USE_FRAME
 #define USE_STATE
 #include "buffers.glsl"

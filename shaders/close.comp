@@ -1,7 +1,8 @@
 #version 450 core
-// Closes the rows that changed: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is sampling error.
-// It is given back in proportion to the variance of each entry (the least correction in that norm), and the row never
-// exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not black.
+// Closes the rows that changed: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
+// sampling error. It is given back in proportion to the variance of each entry (the least correction in that norm), and
+// the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
+// black.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_SEGMENTS
@@ -33,8 +34,8 @@ const float BELOW_ONE = 1.0 - 2.5e-7;
 const float FACTOR_ERROR_POLYGON = 0.001;
 const float FACTOR_ERROR_DISC = 0.1;
 
-// Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what a Beta(0.1, 0.1)
-// prior gives for one sample).
+// Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what
+// a Beta(0.1, 0.1) prior gives for one sample).
 const float UNSEEN = 0.3;
 
 // How often the correction is adjusted for entries that reached their limits; the last remainder goes to all alike.
@@ -78,8 +79,8 @@ float factor_variance(uint node)
 	return error * error;
 }
 
-// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do: `share` of them see
-// their object, and one of a wall that a hundred rays see is hardly hidden.
+// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
+// `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
 float visibility_variance(float seen, float taken, float share)
 {
 	float v = seen / taken;

@@ -1,6 +1,7 @@
 #version 450 core
-// The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse where they
-// subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z source object, w first leaf.
+// The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse
+// where they subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z
+// source object, w first leaf.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_SPREAD
@@ -32,7 +33,8 @@ const float HORIZON_SLACK = 1e-5;
 
 gi_node_geometry geometry_of(uint node, bool same)
 {
-	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the bit.
+	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the
+	// bit.
 	if (same)
 		return rest[node];
 	return world[node];

@@ -206,9 +206,9 @@ float lamp_visibility(uint k, vec3 p, vec3 n, float sink)
 	for (uint i = first; i < probes; i++)
 		probe_wide(i, k, r, a);
 #endif
-	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for dark
-	// leaves steps along the edges of dark shadows. Software renderers run a loop's body once where no pixel wants it, so
-	// it is short.
+	// Where all probes are lit all samples are. Where none is, a look aside may still find light: taking that for
+	// dark leaves steps along the edges of dark shadows. Software renderers run a loop's body once where no pixel
+	// wants it, so it is short.
 	bool clear = a.hidden == 0.0;
 	uint end = first + range.y;
 	float blocker = depth.y / (a.depth / max(a.blockers, 1.0) - depth.x);

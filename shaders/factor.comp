@@ -1,5 +1,6 @@
 #version 450 core
-// Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source factor.
+// Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source
+// factor.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_SPREAD

@@ -1,7 +1,7 @@
 #version 450 core
-// Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect hid, and
-// visible ones whose segments may cross a suspect's new bounds. One thread a leaf; conservative, so that what is not flagged
-// would come out of the rays with the same bits.
+// Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect
+// hid, and visible ones whose segments may cross a suspect's new bounds. One thread a leaf; conservative, so that what
+// is not flagged would come out of the rays with the same bits.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
@@ -38,8 +38,8 @@ void keep_below(float slope, float limit, inout vec2 interval)
 		interval.y = -1.0;
 }
 
-// Can a segment from within a ball about `origin` to within one about `origin + direction` meet the object's box? At share t of its
-// way it is within the radius between the two, so each side of the box bounds t.
+// Can a segment from within a ball about `origin` to within one about `origin + direction` meet the object's box? At
+// share t of its way it is within the radius between the two, so each side of the box bounds t.
 bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, float end_radius)
 {
 	vec3 o = rest_from_world(object, origin);
@@ -55,7 +55,8 @@ bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, floa
 	return interval.x <= interval.y;
 }
 
-// Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's sphere?
+// Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's
+// sphere?
 bool crosses_cone(uint object, vec3 x, float radius, vec3 axis, float spread)
 {
 	vec4 ball = objects[object].sphere;

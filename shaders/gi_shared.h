@@ -66,7 +66,8 @@ GI_STRUCT(gi_node_spread) {
 	GI_VEC4 mixed;
 } GI_END(gi_node_spread)
 
-/* What a node is. Nodes lie in depth-first order: the first child of node n is n + 1, the node after its subtree is `skip`.
+/* What a node is. Nodes lie in depth-first order: the first child of node n is n + 1, the node after its subtree is
+ * `skip`.
  *
  *   //--------------- 16B ---------------
  *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags
@@ -77,8 +78,9 @@ GI_STRUCT(gi_node_topology) {
 	GI_UVEC4 corners;
 } GI_END(gi_node_topology)
 
-/* The same as gi_bvh_node in one uvec4, as rays read it: bounds in sixteenths of a word on a grid over the whole tree's box, rounded
- * outward, one cell more; then the skip, or for a leaf GI_PACKED_LEAF and its primitive (its skip is the next node).
+/* The same as gi_bvh_node in one uvec4, as rays read it: bounds in sixteenths of a word on a grid over the whole tree's
+ * box, rounded outward, one cell more; then the skip, or for a leaf GI_PACKED_LEAF and its primitive (its skip is the
+ * next node).
  *
  *   x lower.x | lower.y << 16    y lower.z | upper.x << 16    z upper.y | upper.z << 16    w link
  */
@@ -123,8 +125,8 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first suspect
  *   extra.x end suspect    extra.y first vertex    extra.z end vertex    extra.w 0
  *
- * Suspects are the objects that may have changed what this object's entries see: the movers for one at rest, those whose
- * boxes overlap its own for a mover.
+ * Suspects are the objects that may have changed what this object's entries see: the movers for one at rest, those
+ * whose boxes overlap its own for a mover.
  */
 GI_STRUCT(gi_object_data) {
 	GI_VEC4 row0;
@@ -150,8 +152,8 @@ GI_STRUCT(gi_material_data) {
 	GI_VEC4 exitance;
 } GI_END(gi_material_data)
 
-/* A run of threads: threads [first, first of the next) work on pair (object, other); offset is added to the thread's number
- * in the run. Runs are sorted by first; the last one ends at the dispatch's thread count.
+/* A run of threads: threads [first, first of the next) work on pair (object, other); offset is added to the thread's
+ * number in the run. Runs are sorted by first; the last one ends at the dispatch's thread count.
  *   x first    y object    z other    w offset
  */
 
@@ -188,10 +190,11 @@ GI_STRUCT(gi_frame) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
-/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their object as float
- * bits (close.comp), w 0.
+/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their
+ * object as float bits (close.comp), w 0.
  *
- * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c. */
+ * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
+ */
 #define GI_BLOCK_COUNT_MASK 0x00FFFFFFu
 #define GI_BLOCK_NO_CLASS 255u
 #define GI_BLOCK_CLASSES 22u

@@ -1,6 +1,6 @@
 #version 450 core
-// Irradiance of a leaf from everything but the own exitance of lamps, which is drawn per pixel: sum over links of weight * (B - E).
-// One thread a leaf.
+// Irradiance of a leaf from everything but the own exitance of lamps, which is drawn per pixel: sum over links of
+// weight * (B - E). One thread a leaf.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_ROWS

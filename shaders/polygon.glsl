@@ -1,4 +1,5 @@
-// Form factors from a point to polygons and discs. Positive when the front of the source is seen, negative for its back.
+// Form factors from a point to polygons and discs. Positive when the front of the source is seen, negative for its
+// back.
 
 const float PI = 3.14159265358979;
 
@@ -19,8 +20,9 @@ vec3 edge_crossing(vec3 u, vec3 v, float hu, float hv)
 	return u + (v - u) * (hu / (hu - hv));
 }
 
-// Lambert's formula for the quad or triangle v (corners relative to the point, counter-clockwise from its front), clipped to the
-// half space above the plane with normal n: F = 1/(2 pi) sum over edges. The contour is that of any surface it bounds.
+// Lambert's formula for the quad or triangle v (corners relative to the point, counter-clockwise from its front),
+// clipped to the half space above the plane with normal n: F = 1/(2 pi) sum over edges. The contour is that of any
+// surface it bounds.
 float polygon_factor(vec3 v[4], vec3 n)
 {
 	float sum = 0.0;
@@ -50,8 +52,8 @@ float polygon_factor(vec3 v[4], vec3 n)
 	return sum * (-0.5 / PI);
 }
 
-// A small source that shows an area (negative: of its back) along `to`, the vector from the point to its centre. Bounded near the point
-// as a disc's.
+// A small source that shows an area (negative: of its back) along `to`, the vector from the point to its centre.
+// Bounded near the point as a disc's.
 float disc_factor(vec3 to, vec3 n, float shown)
 {
 	float d2 = max(dot(to, to), 1e-30);

@@ -1,5 +1,5 @@
-// Blocks of power-of-two sizes from a pool of elements, for growing arrays. Within one dispatch blocks are only taken, and those
-// given back wait in a pending list for recycle.comp: no block is ever given and taken at once.
+// Blocks of power-of-two sizes from a pool of elements, for growing arrays. Within one dispatch blocks are only taken,
+// and those given back wait in a pending list for recycle.comp: no block is ever given and taken at once.
 
 // Where the free list of a class begins in a pool of `limit` elements: class c has at most limit / (4 << c) blocks.
 uint pool_list_begin(uint limit, uint size_class)

@@ -1,5 +1,6 @@
 #version 450 core
-// Group counts for the indirect dispatches that work through the queue. STAGE 0: after the cuts; 1: after flagging; 2: after closing.
+// Group counts for the indirect dispatches that work through the queue. STAGE 0: after the cuts; 1: after flagging; 2:
+// after closing.
 #define USE_FRAME
 #define USE_ENTRY_POOL
 #define USE_LINK_POOL

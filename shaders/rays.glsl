@@ -1,8 +1,8 @@
 // Is a segment free? Two levels: boxes of objects in the world, boxes and quads of an object in its rest frame.
 //
 // What an object does to a segment depends on the poses of that object and of the two at the ends alone, and is always
-// computed in the blocker's rest frame; an end that lies on the blocker itself is used as it is, without a turn through the
-// world. So the answer for a pair of points is the same bits whenever those poses are.
+// computed in the blocker's rest frame; an end that lies on the blocker itself is used as it is, without a turn through
+// the world. So the answer for a pair of points is the same bits whenever those poses are.
 
 // An object's pose, loaded once for all samples of an entry.
 struct body {
@@ -45,7 +45,8 @@ vec3 direction_to_world(body b, vec3 d)
 	return vec3(dot(b.row0.xyz, d), dot(b.row1.xyz, d), dot(b.row2.xyz, d));
 }
 
-// Shares of the segment left out at its ends: more than the rounding of its ends (1e-7 of the coordinates), less than a hair.
+// Shares of the segment left out at its ends: more than the rounding of its ends (1e-7 of the coordinates), less than a
+// hair.
 const float SEGMENT_BEGIN = 5e-5;
 
 // Rays that graze a shared edge must not slip between the triangles: barycentric coordinates may fall short by this.
@@ -134,9 +135,9 @@ bool segment_hidden_by(body by, body body_a, segment_end a, body body_b, segment
 			    skip_a, skip_b);
 }
 
-// The object that hides b from a, or GI_BLOCKER_NONE. The ends' own objects come first and without the test of world boxes, whose rounding
-// depends on the pose: an object at rest relative to both ends must always answer the same. `size` of the leaf at a is the scale of
-// rays to the sky, which have no length of their own.
+// The object that hides b from a, or GI_BLOCKER_NONE. The ends' own objects come first and without the test of world
+// boxes, whose rounding depends on the pose: an object at rest relative to both ends must always answer the same.
+// `size` of the leaf at a is the scale of rays to the sky, which have no length of their own.
 uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b, float size)
 {
 	if (!body_a.flat_surface && segment_hidden_by(body_a, body_a, a, body_b, b, size))

@@ -1,5 +1,5 @@
-// Where visibility rays begin and end: pure functions of (receiver leaf, source node, sample number), in the rest frames of their
-// objects, so that a segment is the same in every frame and after every rebuild.
+// Where visibility rays begin and end: pure functions of (receiver leaf, source node, sample number), in the rest
+// frames of their objects, so that a segment is the same in every frame and after every rebuild.
 
 uint hash(uint x)
 {
@@ -16,7 +16,8 @@ float unit_float(uint x)
 	return float(x >> 8) * (1.0 / 16777216.0);
 }
 
-// Four numbers in [0,1): a hash of the pair, then the R4 sequence (Roberts) over the samples, which fills the square pair evenly.
+// Four numbers in [0,1): a hash of the pair, then the R4 sequence (Roberts) over the samples, which fills the square
+// pair evenly.
 vec4 sample_numbers(uint leaf, uint node, uint k)
 {
 	uint h = hash(leaf * 0x9e3779b9u ^ hash(node + 0x7f4a7c15u));

@@ -1,6 +1,6 @@
 #version 450 core
-// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, and the rest
-// where those disagree.
+// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, and
+// the rest where those disagree.
 // An entry's samples are always taken from the first, so the result does not depend on what was known before.
 #define USE_FRAME
 #define USE_OBJECTS
@@ -146,11 +146,13 @@ void main()
 		return;
 	pair p = load_pair(entry);
 	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
-	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the tolerance.
+	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
+	// tolerance.
 	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, float(frame.limits.z)));
 	bool dark_sky = p.sky && frame.misc.w == 0u;
 	uint wanted = emitter ? frame.limits.w : dark_sky ? (near + 3u) / 4u : near;
-	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many rays to save.
+	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
+	// rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
 	while (taken < wanted) {

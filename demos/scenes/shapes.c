@@ -143,7 +143,8 @@ static void square_to_disc(double x, double y, double radius, float out[3])
 	const double s = fmax(fabs(x), fabs(y));
 	double angle = 0;
 	if (s > 0)
-		angle = fabs(x) >= fabs(y) ? (x > 0 ? 0 : PI) + PI / 4 * y / x : (y > 0 ? PI / 2 : -PI / 2) - PI / 4 * x / y;
+		angle = fabs(x) >= fabs(y) ? (x > 0 ? 0 : PI) + PI / 4 * y / x
+					   : (y > 0 ? PI / 2 : -PI / 2) - PI / 4 * x / y;
 	out[0] = (float)(radius * s * cos(angle));
 	out[1] = 0;
 	out[2] = (float)(-radius * s * sin(angle));

@@ -1,5 +1,5 @@
-/* Simple cages, made by code: what scenes, tests and benchmarks are built of. Each fills `out`, which the caller frees with
- * engine_mesh_free(); false when out of memory.
+/* Simple cages, made by code: what scenes, tests and benchmarks are built of. Each fills `out`, which the caller frees
+ * with engine_mesh_free(); false when out of memory.
  */
 #ifndef SCENES_SHAPES_H
 #define SCENES_SHAPES_H
@@ -15,8 +15,8 @@ bool shape_box(const float lower[3], const float upper[3], uint32_t n, bool inwa
 /* A sphere about the origin as the six sides of a cube, n x n quads each, corners on the sphere; normals outward. */
 bool shape_sphere(float radius, uint32_t n, engine_mesh *out);
 
-/* A disc of the given radius about the origin in the plane y = 0, facing +y: a regular polygon of 4 n sides, all quads, of the
- * disc's area. */
+/* A disc of the given radius about the origin in the plane y = 0, facing +y: a regular polygon of 4 n sides, all quads,
+ * of the disc's area. */
 bool shape_disc(float radius, uint32_t n, engine_mesh *out);
 
 #endif

@@ -43,9 +43,10 @@ static void collect_reports(gi_context *gi, bool wait)
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		const float before = gi->report.residual;
 		fill_report(gi, state, frame);
-		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing. */
-		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS && gi->issued[frame % GPU_READBACK_RING].solve_only &&
-				   gi->report.residual >= before;
+		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing.
+		 */
+		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS &&
+				   gi->issued[frame % GPU_READBACK_RING].solve_only && gi->report.residual >= before;
 		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && !stuck;
 		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
 			gi->truncated = true;
@@ -150,7 +151,8 @@ gi_result gi_update(gi_context *gi)
 	if (!gi)
 		return gi_fail_null(gi, "");
 	if (gi->scene.uncommitted || !gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() after creating or destroying objects");
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
+			       "call gi_commit() after creating or destroying objects");
 	const double began = gpu_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
@@ -168,7 +170,8 @@ gi_result gi_update(gi_context *gi)
 	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);
 	if (!result && first) {
-		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for. */
+		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for.
+		 */
 		collect_reports(gi, true);
 		result = grow_until_it_fits(gi);
 		gi->rows.fitted = true;

@@ -1,4 +1,5 @@
-/* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h). */
+/* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
+ */
 #include "context.h"
 
 #include <math.h>
@@ -17,7 +18,8 @@ const char *gi_result_text(gi_result result)
 
 const char *gi_pass_name(gi_pass pass)
 {
-	static const char *const names[] = {"pose", "cut", "factor", "flag", "trace", "close", "solve", "light", "shadow", "draw"};
+	static const char *const names[] = {"pose",  "cut",   "factor", "flag",   "trace",
+					    "close", "solve", "light",  "shadow", "draw"};
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -54,7 +56,8 @@ gi_pose gi_pose_identity(void)
 gi_result gi_fail_null(const gi_context *gi, const char *what)
 {
 	static const gi_log no_log;
-	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL", gi ? what : "the context");
+	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL",
+		       gi ? what : "the context");
 }
 
 /* ---- context ---- */
@@ -66,15 +69,19 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (!def->get_proc_address)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
 	if (!(def->row_tolerance > 1e-6f && def->row_tolerance <= 1.0f))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "row_tolerance %g is outside (1e-6, 1]", (double)def->row_tolerance);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "row_tolerance %g is outside (1e-6, 1]",
+			       (double)def->row_tolerance);
 	if (!(def->emitter_refinement >= 1.0f && isfinite(def->emitter_refinement)))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_refinement %g is below 1", (double)def->emitter_refinement);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_refinement %g is below 1",
+			       (double)def->emitter_refinement);
 	if (def->emitter_samples < 4 || def->emitter_samples > 16)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_samples %u is outside 4..16", def->emitter_samples);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "emitter_samples %u is outside 4..16",
+			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
 	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]", (double)def->solve_tolerance);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
+			       (double)def->solve_tolerance);
 	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
 	if ((unsigned)def->sky > GI_SKY_ON)
@@ -157,7 +164,8 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 
 static gi_result stale(const gi_context *gi, const char *function)
 {
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "%s: the object was destroyed or never created", function);
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "%s: the object was destroyed or never created",
+		       function);
 }
 
 gi_result gi_destroy_object(gi_context *gi, gi_object object)
@@ -225,8 +233,9 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials, there is no number %u",
-			       o->name, o->material_count, material);
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s' has %u materials, there is no number %u", o->name, o->material_count,
+			       material);
 	if (!scene_material_is_valid(gi, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];

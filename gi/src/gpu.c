@@ -30,9 +30,10 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 {
 	int version = gladLoadGL((GLADloadfunc)get_proc_address);
 	if (version < GLAD_MAKE_VERSION(4, 5))
-		return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
-			       "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
-			       GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
+		return gi_fail(
+		    &g->log, GI_ERROR_NO_OPENGL_45,
+		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
+		    GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
 	GLint64 bytes = 0;
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
 	g->max_block_bytes = (uint64_t)bytes;
@@ -445,7 +446,8 @@ bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag)
 	if (!r->pending)
 		return false;
 	uint32_t slot = r->oldest;
-	GLenum state = glClientWaitSync((GLsync)r->fence[slot], GL_SYNC_FLUSH_COMMANDS_BIT, wait ? GL_TIMEOUT_IGNORED : 0);
+	GLenum state =
+	    glClientWaitSync((GLsync)r->fence[slot], GL_SYNC_FLUSH_COMMANDS_BIT, wait ? GL_TIMEOUT_IGNORED : 0);
 	if (state == GL_TIMEOUT_EXPIRED)
 		return false;
 	memcpy(out, (const char *)r->mapped + (size_t)slot * r->slot_bytes, r->slot_bytes);

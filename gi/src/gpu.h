@@ -49,7 +49,8 @@ typedef struct gpu {
 /* Loads OpenGL's functions and asks for its limits. */
 gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address);
 
-/* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others. */
+/* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
+ */
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
@@ -61,7 +62,8 @@ void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uin
 void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);
 void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer);
 
-/* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host. */
+/* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host.
+ */
 gi_result gpu_program_compute(gpu *g, const char *file, uint32_t *out);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
 void gpu_program_free(uint32_t *program);
@@ -74,8 +76,8 @@ void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads);
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups);
 void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset);
 
-/* Time between begin and end; timers do not nest. Without profile they do nothing. On a software renderer they wait for the work, which
- * runs on the same cores anyway. */
+/* Time between begin and end; timers do not nest. Without profile they do nothing. On a software renderer they wait for
+ * the work, which runs on the same cores anyway. */
 void gpu_timer_begin(gpu *g, gpu_timer *timer);
 void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */

@@ -337,7 +337,8 @@ static void add_outer(double t[6], gi_vec3d triangle_moment)
 		t[k] += outer[k] / area;
 }
 
-/* T, and the shape factor between the two cases that are exact: |T| / area is 1 for flat nodes, 1 / sqrt 3 for normals all round. */
+/* T, and the shape factor between the two cases that are exact: |T| / area is 1 for flat nodes, 1 / sqrt 3 for normals
+ * all round. */
 static void set_spread(gi_hierarchy *h, uint32_t node)
 {
 	const gi_uvec4 range = h->topology[node].range;
@@ -347,7 +348,8 @@ static void set_spread(gi_hierarchy *h, uint32_t node)
 		add_outer(t, gi_vec3d_triangle(q.a, q.b, q.c));
 		add_outer(t, gi_vec3d_triangle(q.a, q.c, q.d));
 	}
-	const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
+	const double norm =
+	    sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
 	const double least = 1 / sqrt(3.0), flatness = (norm / h->geometry[node].moment.w - least) / (1 - least);
 	const double shape = 0.8660254 + (1 - 0.8660254) * fmin(fmax(flatness, 0.0), 1.0);
 	h->spread[node].diagonal = (gi_vec4){(float)t[0], (float)t[1], (float)t[2], 0};

@@ -1,6 +1,6 @@
-/* The patch hierarchy of one object: leaves are the finest faces, their parents the coarser faces, and above the base faces
- * a binary cluster tree gives the object one root. Everything in the object's rest frame (scale applied), all numbers local
- * to the object.
+/* The patch hierarchy of one object: leaves are the finest faces, their parents the coarser faces, and above the base
+ * faces a binary cluster tree gives the object one root. Everything in the object's rest frame (scale applied), all
+ * numbers local to the object.
  *
  *            root (cluster)
  *            /           \
@@ -37,15 +37,15 @@ typedef struct gi_hierarchy {
 /* Area of the triangles a b c and a c d. */
 double gi_quad_area(const float a[3], const float b[3], const float c[3], const float d[3]);
 
-/* Builds the hierarchy. Faces of zero area (below 1e-12 of the squared diagonal of the bounds) become no leaves. False with a
- * message when nothing is left, or memory ran out. GI_NODE_BACK is set on every node unless the object is closed
+/* Builds the hierarchy. Faces of zero area (below 1e-12 of the squared diagonal of the bounds) become no leaves. False
+ * with a message when nothing is left, or memory ran out. GI_NODE_BACK is set on every node unless the object is closed
  * and its signed volume is positive. */
 bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *message, size_t message_size);
 
 void gi_hierarchy_free(gi_hierarchy *hierarchy);
 
-/* Names the first broken rule, or NULL: areas of children add up to their parent's (1e-5 relative), ranges nest, spheres and
- * cones hold their leaves, flags and corners agree. */
+/* Names the first broken rule, or NULL: areas of children add up to their parent's (1e-5 relative), ranges nest,
+ * spheres and cones hold their leaves, flags and corners agree. */
 const char *gi_validate_hierarchy(const gi_hierarchy *hierarchy);
 
 #endif

@@ -149,7 +149,8 @@ static bool join(lamp_polygon *a, const lamp_polygon *b)
 	for (int i = 0; i < 4; i++)
 		for (int j = 0; j < 4; j++) {
 			const gi_vec3d start = corner_at(a, i), end = corner_at(a, i + 1);
-			if (!is_near(start, corner_at(b, j + 1), tolerance) || !is_near(end, corner_at(b, j), tolerance) ||
+			if (!is_near(start, corner_at(b, j + 1), tolerance) ||
+			    !is_near(end, corner_at(b, j), tolerance) ||
 			    !is_straight(corner_at(a, i + 3), start, corner_at(b, j + 2)) ||
 			    !is_straight(corner_at(b, j + 3), end, corner_at(a, i + 2)))
 				continue;
@@ -177,7 +178,8 @@ static void join_neighbours(candidates *c)
 		joined = false;
 		for (uint32_t a = 0; a < c->count; a++)
 			for (uint32_t b = a + 1; b < c->count; b++)
-				if (may_join(&c->list[a], &c->list[b]) && join(&c->list[a].polygon, &c->list[b].polygon)) {
+				if (may_join(&c->list[a], &c->list[b]) &&
+				    join(&c->list[a].polygon, &c->list[b].polygon)) {
 					c->list[b--] = c->list[--c->count];
 					joined = true;
 				}
@@ -238,8 +240,8 @@ static void mark(gi_context *gi, const scene_object *o, bool lamp, bool upload)
 	for (uint32_t k = 0; k < count; k++)
 		topology[k].range.w = lamp ? topology[k].range.w | GI_NODE_LAMP : topology[k].range.w & ~GI_NODE_LAMP;
 	if (upload)
-		gpu_buffer_upload(&gi->gpu, &gi->scene.topology_gpu, sizeof *topology * o->node_base, sizeof *topology * count,
-				  topology);
+		gpu_buffer_upload(&gi->gpu, &gi->scene.topology_gpu, sizeof *topology * o->node_base,
+				  sizeof *topology * count, topology);
 }
 
 static double power_of(const gi_context *gi, const scene_object *o)

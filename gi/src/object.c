@@ -1,4 +1,5 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU. */
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU.
+ */
 #include "context.h"
 
 #include <float.h>
@@ -24,14 +25,15 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const c
 	for (int c = 0; c < 3; c++) {
 		if (!(m->rho[c] >= 0.0f && m->rho[c] < 1.0f)) {
 			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: rho %g is outside [0,1): a surface that reflects all light never settles",
+				"object '%s', material %u: rho %g is outside [0,1): a surface that reflects all light "
+				"never settles",
 				object, index, (double)m->rho[c]);
 			return false;
 		}
 		if (!(m->exitance[c] >= 0.0f && isfinite(m->exitance[c]))) {
 			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: exitance %g W/m2 must be finite and not negative", object, index,
-				(double)m->exitance[c]);
+				"object '%s', material %u: exitance %g W/m2 must be finite and not negative", object,
+				index, (double)m->exitance[c]);
 			return false;
 		}
 	}
@@ -46,7 +48,8 @@ bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *objec
 	length = sqrt(length);
 	if (!all_finite(pose->position, 3) || !isfinite(length) || length < 1e-6) {
 		gi_fail(&gi->gpu.log, GI_ERROR_INVALID_POSE,
-			"object '%s': the pose needs a finite position and a rotation quaternion that is not zero", object);
+			"object '%s': the pose needs a finite position and a rotation quaternion that is not zero",
+			object);
 		return false;
 	}
 	for (int k = 0; k < 4; k++)
@@ -152,7 +155,8 @@ static double mean_edge(const gi_object_def *def)
 		const uint32_t corners = corners_of(def, face);
 		for (uint32_t k = 1; k + 1 < corners; k++) {
 			float p[3][3];
-			const uint32_t v[3] = {def->indices[first], def->indices[first + k], def->indices[first + k + 1]};
+			const uint32_t v[3] = {def->indices[first], def->indices[first + k],
+					       def->indices[first + k + 1]};
 			for (int a = 0; a < 3; a++)
 				for (int c = 0; c < 3; c++)
 					p[a][c] = def->positions[3 * v[a] + c] * def->scale[c];
@@ -197,7 +201,8 @@ static const char *broken_geometry(const gi_object_def *def)
 	if (!def->positions || !def->indices || !def->vertex_count || !def->face_count)
 		return "positions, indices, vertex_count and face_count are required";
 	if (!indices_are_valid(def))
-		return "a face has fewer than 3 corners, the face counts do not add up to index_count, or an index is out of range";
+		return "a face has fewer than 3 corners, the face counts do not add up to index_count, or an index is "
+		       "out of range";
 	if (!all_finite(def->positions, 3 * (size_t)def->vertex_count))
 		return "a position is not finite";
 	if (def->crease_count && (!def->crease_vertices || !def->crease_sharpness))
@@ -223,12 +228,13 @@ static gi_result check_def(const gi_context *gi, const gi_object_def *def, const
 	const gi_log *log = &gi->gpu.log;
 	if (def->scheme > GI_SCHEME_LOOP || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
 	    def->draw_levels > MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
-			       "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
-			       name, MAX_LEVELS, MAX_DRAW_LEVELS);
+		return gi_fail(
+		    log, GI_ERROR_INVALID_ARGUMENT,
+		    "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
+		    name, MAX_LEVELS, MAX_DRAW_LEVELS);
 	if (def->material_count && !def->materials)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "object '%s': material_count is %u and materials is NULL", name,
-			       def->material_count);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': material_count is %u and materials is NULL", name, def->material_count);
 	const char *broken = broken_geometry(def);
 	if (broken)
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
@@ -321,7 +327,8 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
-static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name, scene_object *o)
+static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+		       scene_object *o)
 {
 	const gi_log *log = &gi->gpu.log;
 	char message[256] = "out of memory";
@@ -329,8 +336,8 @@ static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_
 	/* A face of n corners becomes n quads, then four each. */
 	const uint64_t leaves = levels ? (uint64_t)cage->index_count << (2 * (levels - 1)) : cage->face_count;
 	if (!rows_can_hold(gi, leaves, 1))
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves", name,
-			       cage->face_count, levels);
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
+			       name, cage->face_count, levels);
 	gi_refined refined;
 	if (!gi_refine(cage, levels, &refined, message, sizeof message))
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
@@ -338,7 +345,8 @@ static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
 	} else if (is_too_small(&o->hierarchy)) {
-		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s' is too small: its leaves have areas below 1e-38", name);
+		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+				 "object '%s' is too small: its leaves have areas below 1e-38", name);
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);

@@ -53,14 +53,16 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE)
 			add_leaves(&s->objects[s->slots[slot]], vertices, faces, edges);
-	static const gpu_attribute attributes[] = {
-		{3, false, 0}, {4, false, offsetof(overlay_vertex, normal)}, {1, true, offsetof(overlay_vertex, leaf)}, {0}};
+	static const gpu_attribute attributes[] = {{3, false, 0},
+						   {4, false, offsetof(overlay_vertex, normal)},
+						   {1, true, offsetof(overlay_vertex, leaf)},
+						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->faces, attributes, sizeof *vertices, 4 * leaves, vertices, 6 * leaves,
-					 faces);
+		result = gpu_mesh_create(&gi->gpu, &overlays->faces, attributes, sizeof *vertices, 4 * leaves, vertices,
+					 6 * leaves, faces);
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->edges, attributes, sizeof *vertices, 4 * leaves, vertices, 8 * leaves,
-					 edges);
+		result = gpu_mesh_create(&gi->gpu, &overlays->edges, attributes, sizeof *vertices, 4 * leaves, vertices,
+					 8 * leaves, edges);
 	free(vertices);
 	free(faces);
 	free(edges);

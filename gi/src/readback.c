@@ -32,7 +32,8 @@ typedef struct leaf_arrays {
 	gi_uvec4 *headers;
 } leaf_arrays;
 
-static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_object *o, uint32_t index, uint32_t local, gi_leaf *out)
+static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_object *o, uint32_t index, uint32_t local,
+		      gi_leaf *out)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	const uint32_t leaf = o->leaf_base + local, node = h->leaf_node[local];
@@ -237,7 +238,8 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 	for (uint32_t k = 0; k < count; k++)
 		known = known && (to[k].index1 == 0 || is_known(gi, to[k]));
 	if (!known)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "gi_form_factors: an object is stale or not committed");
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
+			       "gi_form_factors: an object is stale or not committed");
 	double *sums = calloc(gi->scene.slot_count, sizeof *sums), area = 0;
 	if (!sums)
 		return no_memory(gi);

@@ -37,9 +37,9 @@ typedef struct gi_refine_cage {
 	float scale[3];                  /* applied to the positions before anything else */
 } gi_refine_cage;
 
-/* The faces of one level. Corner numbers are vertices of the FINEST level: the descendant of a coarse vertex has the same
- * limit position. A face has four corners; a triangle repeats its third. A level-0 face of more than four corners has
- * no corners (all UINT32_MAX): it is a face of the hierarchy only through its children. */
+/* The faces of one level. Corner numbers are vertices of the FINEST level: the descendant of a coarse vertex has the
+ * same limit position. A face has four corners; a triangle repeats its third. A level-0 face of more than four corners
+ * has no corners (all UINT32_MAX): it is a face of the hierarchy only through its children. */
 typedef struct gi_refine_level {
 	uint32_t face_count;
 	uint32_t (*corners)[4];
@@ -56,9 +56,10 @@ typedef struct gi_refined {
 	bool closed;           /* no boundary: faces walk every edge of the cage as often one way as the other */
 } gi_refined;
 
-/* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for Loop
- * every base face must be a triangle. Returns false, fills `message` with one line and leaves `out` zeroed when the
- * cage is not valid (index out of range, fewer than three corners, not finite, too many faces) or memory ran out. */
+/* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for
+ * Loop every base face must be a triangle. Returns false, fills `message` with one line and leaves `out` zeroed when
+ * the cage is not valid (index out of range, fewer than three corners, not finite, too many faces) or memory ran out.
+ */
 bool gi_refine(const gi_refine_cage *cage, uint32_t levels, gi_refined *out, char *message, size_t message_size);
 
 void gi_refined_free(gi_refined *refined);

@@ -1,21 +1,22 @@
-/* The rows of M: which nodes each leaf receives from, form factors, visibility, closing. Builds them and keeps them current.
+/* The rows of M: which nodes each leaf receives from, form factors, visibility, closing. Builds them and keeps them
+ * current.
  *
  *   segments   one block per (leaf, object): the cut of that object's hierarchy in the leaf's row
  *   entries    pool of blocks; an entry is node, F, visibility
  *   queue      entries to work on in this update: cut anew first, flagged ones behind them
  *   links      pool of blocks, one per leaf: the closed row as the solve reads it
  *
- * An update cuts anew the segments with a mover at one end, flags what a mover may have changed between bodies at rest to each
- * other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows kept by updates
- * are those of a rebuild, bit for bit.
+ * An update cuts anew the segments with a mover at one end, flags what a mover may have changed between bodies at rest
+ * to each other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows
+ * kept by updates are those of a rebuild, bit for bit.
  */
 #include "context.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box, their blocks 1.4 times that; the pool doubles when this was
- * too few. */
+/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box, their blocks 1.4 times that; the pool
+ * doubles when this was too few. */
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 96;
 
@@ -126,9 +127,10 @@ gi_result rows_grow(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	const uint64_t most = gi->gpu.max_block_bytes / sizeof(gi_uvec4);
 	if (r->entry_limit >= most)
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-			       "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
-			       (unsigned)(gi->gpu.max_block_bytes >> 20));
+		return gi_fail(
+		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
+		    (unsigned)(gi->gpu.max_block_bytes >> 20));
 	r->entry_limit = 2 * r->entry_limit < most ? 2 * r->entry_limit : most;
 	r->link_limit = r->entry_limit;
 	return allocate_pools(gi);
@@ -296,14 +298,15 @@ static void upload_frame(gi_context *gi, const plan *p)
 	const bool lit = sky[0] + sky[1] + sky[2] > 0;
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
-		.counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
-		.limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, def->near_samples,
-			   def->emitter_samples},
-		.tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance, def->solve_tolerance},
-		.work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-		.misc = {s->tlas_count, s->wide_count, s->light_count, lit},
-		.grid = s->tlas_grid,
-		.cells = s->tlas_cells,
+	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
+	    .limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, def->near_samples,
+		       def->emitter_samples},
+	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,
+			  def->solve_tolerance},
+	    .work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
+	    .misc = {s->tlas_count, s->wide_count, s->light_count, lit},
+	    .grid = s->tlas_grid,
+	    .cells = s->tlas_cells,
 	};
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
 }

@@ -1,4 +1,5 @@
-/* All objects together, frame by frame: poses, materials, the tree over the objects, bindings. scene_upload.c lays them end to end. */
+/* All objects together, frame by frame: poses, materials, the tree over the objects, bindings. scene_upload.c lays them
+ * end to end. */
 #include "context.h"
 #include "pack.h"
 
@@ -23,7 +24,8 @@ static void rotation_rows(const float q[4], double m[3][3])
 	memcpy(m, rows, sizeof rows);
 }
 
-/* World box of the turned rest box, and sphere about it, each a little larger than rounding needs: a ray is never lost. */
+/* World box of the turned rest box, and sphere about it, each a little larger than rounding needs: a ray is never lost.
+ */
 static void place_bounds(scene_object *o, gi_object_data *data, double m[3][3])
 {
 	const float *lower = &o->hierarchy.lower.x, *upper = &o->hierarchy.upper.x;
@@ -92,7 +94,8 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 
 gi_material_data scene_material_data(const gi_material *m)
 {
-	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0}, {m->exitance[0], m->exitance[1], m->exitance[2], 0}};
+	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0},
+				  {m->exitance[0], m->exitance[1], m->exitance[2], 0}};
 }
 
 static void free_arrays(gi_scene *s)
@@ -126,7 +129,8 @@ static gi_result upload_tlas(gi_context *gi)
 	if (!s->tlas_count)
 		return GI_OK;
 	gi_pack_grid(&(gi_vec4){s->tlas[0].lower.x, s->tlas[0].lower.y, s->tlas[0].lower.z, 0},
-		 &(gi_vec4){s->tlas[0].upper.x, s->tlas[0].upper.y, s->tlas[0].upper.z, 0}, &s->tlas_grid, &s->tlas_cells);
+		     &(gi_vec4){s->tlas[0].upper.x, s->tlas[0].upper.y, s->tlas[0].upper.z, 0}, &s->tlas_grid,
+		     &s->tlas_cells);
 	for (uint32_t k = 0; k < s->tlas_count; k++) {
 		gi_uvec4 *packed = &s->tlas_packed[k];
 		*packed = gi_pack_node(&s->tlas[k], s->tlas_grid, s->tlas_cells, 0, 0);
@@ -143,14 +147,15 @@ static void upload_material(gi_context *gi, scene_object *o)
 	gi_scene *s = &gi->scene;
 	for (uint32_t m = 0; m < o->material_count; m++) {
 		const gi_material_data data = scene_material_data(&o->materials[m]);
-		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data, &data);
+		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data,
+				  &data);
 	}
 	scene_update_exitance(gi, o);
 	const uint64_t count = o->hierarchy.node_count;
 	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * o->node_base, sizeof(gi_vec4) * count,
 			  s->node_exitance + o->node_base);
-	gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * o->node_base, sizeof(gi_node_topology) * count,
-			  s->topology + o->node_base);
+	gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * o->node_base,
+			  sizeof(gi_node_topology) * count, s->topology + o->node_base);
 }
 
 gi_result scene_upload_changes(gi_context *gi)
@@ -199,10 +204,11 @@ void scene_bind(const gi_context *gi)
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-	gpu_buffer *buffers[] = {&s->objects_gpu,	&s->topology_gpu,	&s->rest_gpu,	     &s->world_gpu,
-				 &s->vertices_rest_gpu, &s->vertices_world_gpu, &s->leaves_gpu,	     &s->materials_gpu,
-				 &s->bvh_gpu,		&s->primitives_gpu,	&s->tlas_gpu,	     &s->node_exitance_gpu,
-				 &s->wide_nodes_gpu,	&s->light_links_gpu,	&s->light_first_gpu,  &s->spread_gpu};
+	gpu_buffer *buffers[] = {
+	    &s->objects_gpu,       &s->topology_gpu,       &s->rest_gpu,        &s->world_gpu,
+	    &s->vertices_rest_gpu, &s->vertices_world_gpu, &s->leaves_gpu,      &s->materials_gpu,
+	    &s->bvh_gpu,           &s->primitives_gpu,     &s->tlas_gpu,        &s->node_exitance_gpu,
+	    &s->wide_nodes_gpu,    &s->light_links_gpu,    &s->light_first_gpu, &s->spread_gpu};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	free_arrays(s);

@@ -24,8 +24,11 @@ static bool one_encloses_all(const gi_context *gi)
 		for (uint32_t j = 0; j < s->object_count && all; j++) {
 			const scene_object *o = &s->objects[j];
 			for (int c = 0; c < 3 && scene_is_alive(o); c++)
-				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - 1e-4f * fabsf((&room->world_lower.x)[c]) &&
-				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + 1e-4f * fabsf((&room->world_upper.x)[c]);
+				all = all &&
+				      (&o->world_lower.x)[c] >=
+					  (&room->world_lower.x)[c] - 1e-4f * fabsf((&room->world_lower.x)[c]) &&
+				      (&o->world_upper.x)[c] <=
+					  (&room->world_upper.x)[c] + 1e-4f * fabsf((&room->world_upper.x)[c]);
 		}
 		if (all)
 			return true;
@@ -117,11 +120,13 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && n->tlas_order && g->rest && g->spread &&
-	       g->vertices && g->leaves && g->materials && g->bvh && g->primitives && g->wide && g->light_links && g->light_first;
+	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
+	       n->tlas_order && g->rest && g->spread && g->vertices && g->leaves && g->materials && g->bvh &&
+	       g->primitives && g->wide && g->light_links && g->light_first;
 }
 
-static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base, uint32_t leaf_base)
+static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
+			     uint32_t leaf_base)
 {
 	memcpy(g->rest + node_base, h->geometry, sizeof *g->rest * h->node_count);
 	if (h->spread)
@@ -150,7 +155,8 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 {
 	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
 	for (uint32_t k = 0; k < o->bvh.node_count; k++)
-		g->bvh[o->bvh_base + k] = gi_pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
+		g->bvh[o->bvh_base + k] =
+		    gi_pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
 	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
 		gi_primitive p = o->bvh.primitives[k];
 		p.a.w = add_bits(p.a.w, o->leaf_base);
@@ -167,7 +173,8 @@ static bool is_plane(const gi_hierarchy *h)
 		return false;
 	for (uint32_t k = 0; k < h->vertex_count; k++) {
 		const gi_vec4 v = h->vertices[k];
-		const double height = (double)axis.x * ((double)v.x - centre.x) + (double)axis.y * ((double)v.y - centre.y) +
+		const double height = (double)axis.x * ((double)v.x - centre.x) +
+				      (double)axis.y * ((double)v.y - centre.y) +
 				      (double)axis.z * ((double)v.z - centre.z);
 		if (fabs(height) > 1e-6 * centre.w)
 			return false;
@@ -295,8 +302,8 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const carried *ol
 		const uint64_t vec = sizeof(gi_vec4);
 		gpu_buffer_copy(&before->radiosity, vec * old[k].node_base, &gi->solver.radiosity, vec * o->node_base,
 				vec * o->hierarchy.node_count);
-		gpu_buffer_copy(&before->leaf_radiosity, vec * old[k].leaf_base, &gi->solver.leaf_radiosity, vec * o->leaf_base,
-				vec * o->hierarchy.leaf_count);
+		gpu_buffer_copy(&before->leaf_radiosity, vec * old[k].leaf_base, &gi->solver.leaf_radiosity,
+				vec * o->leaf_base, vec * o->hierarchy.leaf_count);
 	}
 }
 
@@ -320,7 +327,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	count_all(gi, g);
 	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use fewer levels or "
+			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use "
+			       "fewer levels or "
 			       "a larger leaf_size",
 			       g->next.leaf_count, g->next.slot_count, (unsigned)(gi->gpu.max_block_bytes >> 20));
 	const bool ready = allocate_all(g);

@@ -122,8 +122,8 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 						   {4, false, offsetof(draw_vertex, weight)},
 						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &shade->mesh, attributes, sizeof *vertices, vertex_count, vertices, index_count,
-					 indices);
+		result = gpu_mesh_create(&gi->gpu, &shade->mesh, attributes, sizeof *vertices, vertex_count, vertices,
+					 index_count, indices);
 	free(order);
 	free(vertices);
 	free(indices);
@@ -193,7 +193,8 @@ static void combine(const gi_view *view, float out[16])
 		for (int row = 0; row < 4; row++) {
 			double sum = 0;
 			for (int k = 0; k < 4; k++)
-				sum += (double)view->clip_from_view[4 * k + row] * view->view_from_world[4 * column + k];
+				sum +=
+				    (double)view->clip_from_view[4 * k + row] * view->view_from_world[4 * column + k];
 			out[4 * column + row] = (float)sum;
 		}
 }

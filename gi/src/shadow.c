@@ -127,12 +127,13 @@ gi_result shadow_create(gi_context *gi, gi_shadow *shadow)
 	bool ok = shadow->casters && shadow->drawn_rows && vertices && indices;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE)
-			ok = add_caster(&s->objects[s->slots[slot]], slot, &shadow->casters[slot], vertices, indices, &index_count);
+			ok = add_caster(&s->objects[s->slots[slot]], slot, &shadow->casters[slot], vertices, indices,
+					&index_count);
 	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
 	gi_result result = GI_OK;
 	if (ok)
-		result = gpu_mesh_create(&gi->gpu, &shadow->mesh, attributes, sizeof *vertices, s->vertex_count, vertices,
-					 index_count, indices);
+		result = gpu_mesh_create(&gi->gpu, &shadow->mesh, attributes, sizeof *vertices, s->vertex_count,
+					 vertices, index_count, indices);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	free(vertices);
@@ -185,7 +186,8 @@ static void place_box(const gi_object_data *d, gi_vec3d box[8])
 {
 	const float *lower = &d->lower.x, *upper = &d->upper.x;
 	for (int k = 0; k < 8; k++) {
-		const float p[3] = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1], k & 4 ? upper[2] : lower[2]};
+		const float p[3] = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1],
+				    k & 4 ? upper[2] : lower[2]};
 		box[k] = to_world(d, p);
 	}
 }

@@ -1,9 +1,10 @@
 /* How the light of the leaves reaches what is drawn.
  *
- *   leaf irradiance --(light vertices: weighted mean of adjacent leaves)--> light vertex --(up to 4, weights)--> draw vertex
+ *   leaf irradiance --(light vertices: weighted mean of adjacent leaves)--> light vertex --(up to 4, weights)--> draw
+ *   vertex
  *
- * Light vertices are the corners of the leaves, split where the surface has an edge (the leaves' normals differ by more than
- * 40 degrees, or one side is not connected to the other): light does not bleed round a corner of a box.
+ * Light vertices are the corners of the leaves, split where the surface has an edge (the leaves' normals differ by more
+ * than 40 degrees, or one side is not connected to the other): light does not bleed round a corner of a box.
  */
 #ifndef GI_SKIN_H
 #define GI_SKIN_H
@@ -29,15 +30,17 @@ typedef struct gi_skin {
 	uint32_t *indices;
 } gi_skin;
 
-/* Draws the surface itself. `fine` is the same cage refined `extra` >= 0 levels further than the hierarchy's (NULL: extra 0,
- * `fine` is the refined the hierarchy came from). Flat leaves are drawn as four triangles round their centre, so that
- * interpolation has no diagonal; curved ones as the quads of the finer level on the limit surface with limit normals. */
+/* Draws the surface itself. `fine` is the same cage refined `extra` >= 0 levels further than the hierarchy's (NULL:
+ * extra 0, `fine` is the refined the hierarchy came from). Flat leaves are drawn as four triangles round their centre,
+ * so that interpolation has no diagonal; curved ones as the quads of the finer level on the limit surface with limit
+ * normals. */
 bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
 			  gi_skin *out);
 
 /* Draws a detailed mesh lit through the hierarchy (a scan and its cage): each vertex takes the light of the closest
- * point of a leaf whose normal agrees with its own (within 90 degrees; else the closest at all). positions 3 * vertex_count in the rest
- * frame, indices three a triangle. Normals are area weighted over the mesh. 100,000 triangles take about a second. */
+ * point of a leaf whose normal agrees with its own (within 90 degrees; else the closest at all). positions 3 *
+ * vertex_count in the rest frame, indices three a triangle. Normals are area weighted over the mesh. 100,000 triangles
+ * take about a second. */
 bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count, const uint32_t *indices,
 		       uint32_t index_count, gi_skin *out);
 

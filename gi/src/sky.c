@@ -1,5 +1,5 @@
-/* The sky as an object at infinity: the faces of a cube, each cut four by four levels down, seen as directions. Its rows' entries
- * are what closes a row of an open scene, and the light of a sky that shines.
+/* The sky as an object at infinity: the faces of a cube, each cut four by four levels down, seen as directions. Its
+ * rows' entries are what closes a row of an open scene, and the light of a sky that shines.
  */
 #include "context.h"
 
@@ -12,7 +12,8 @@ typedef struct vec {
 	double x, y, z;
 } vec;
 
-/* Corner (i, j) of the grid of a face; seen from inside, i then j run counter-clockwise. Equal angles, so that patches are alike. */
+/* Corner (i, j) of the grid of a face; seen from inside, i then j run counter-clockwise. Equal angles, so that patches
+ * are alike. */
 static vec direction_of(int face, int i, int j)
 {
 	const double pi = 3.14159265358979323846;
@@ -36,7 +37,8 @@ static double distance(vec a, vec b)
 /* Solid angle of the triangle a b c of unit vectors (van Oosterom and Strackee, 1983). */
 static double solid_angle(vec a, vec b, vec c)
 {
-	const double triple = a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
+	const double triple =
+	    a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
 	const double ab = a.x * b.x + a.y * b.y + a.z * b.z, bc = b.x * c.x + b.y * c.y + b.z * c.z,
 		     ca = c.x * a.x + c.y * a.y + c.z * a.z;
 	return fabs(2 * atan2(triple, 1 + ab + bc + ca));
@@ -44,9 +46,10 @@ static double solid_angle(vec a, vec b, vec c)
 
 static void place_node(gi_hierarchy *h, uint32_t n, int face, int i, int j, int size)
 {
-	const vec c[4] = {direction_of(face, i, j), direction_of(face, i + size, j), direction_of(face, i + size, j + size),
-			  direction_of(face, i, j + size)};
-	vec m = {c[0].x + c[1].x + c[2].x + c[3].x, c[0].y + c[1].y + c[2].y + c[3].y, c[0].z + c[1].z + c[2].z + c[3].z};
+	const vec c[4] = {direction_of(face, i, j), direction_of(face, i + size, j),
+			  direction_of(face, i + size, j + size), direction_of(face, i, j + size)};
+	vec m = {c[0].x + c[1].x + c[2].x + c[3].x, c[0].y + c[1].y + c[2].y + c[3].y,
+		 c[0].z + c[1].z + c[2].z + c[3].z};
 	const double s = 1 / sqrt(m.x * m.x + m.y * m.y + m.z * m.z);
 	m = (vec){m.x * s, m.y * s, m.z * s};
 	double radius = 0;

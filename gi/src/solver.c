@@ -1,7 +1,7 @@
 /* The solve: Jacobi from last frame's B until the certified bound meets the tolerance, then the light of what is drawn.
  *
- * A sweep is gather (leaves), pull (ancestors as area means) and check, which ends the solve on the GPU by zeroing the group counts of
- * the sweeps that are still queued: no read-back in the frame.
+ * A sweep is gather (leaves), pull (ancestors as area means) and check, which ends the solve on the GPU by zeroing the
+ * group counts of the sweeps that are still queued: no read-back in the frame.
  */
 #include "context.h"
 
@@ -54,7 +54,8 @@ static void sweep(gi_context *gi)
 	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
 }
 
-/* Does anything shine? Without light B is 0, which Jacobi from a bright start would near for ever: it starts from B = E, the solution. */
+/* Does anything shine? Without light B is 0, which Jacobi from a bright start would near for ever: it starts from B =
+ * E, the solution. */
 static bool is_lit(const gi_scene *s)
 {
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {

@@ -1,6 +1,7 @@
 /* The benchmark: what a frame of the moving Buddha costs on this machine, an update against a rebuild, a scene at rest.
  *
- * Prints figures, never passes or fails on one. Both sides of a comparison run in turn in the same loop, ratios are of medians.
+ * Prints figures, never passes or fails on one. Both sides of a comparison run in turn in the same loop, ratios are of
+ * medians.
  */
 #include "context.h"
 #include "gi/gi.h"
@@ -137,11 +138,12 @@ static void collect(frame_figures *f, const gi_report *r)
 
 static void print_frames(const frame_figures *f, const gi_report *r)
 {
-	printf("| leaves | entries per leaf | links per leaf | entries cut anew | flagged | rays | sweeps | GPU memory |\n");
+	printf("| leaves | entries per leaf | links per leaf | entries cut anew | flagged | rays | sweeps | GPU memory "
+	       "|\n");
 	printf("|---|---|---|---|---|---|---|---|\n");
-	printf("| %u | %.1f | %.1f | %.1f %% | %.1f %% | %.0f | %.0f | %.1f MB |\n\n", r->leaves, (double)r->entries / r->leaves,
-	       (double)r->links / r->leaves, 100 * median(&f->new_share), 100 * median(&f->flagged_share), median(&f->rays),
-	       median(&f->sweeps), 1e-6 * (double)r->gpu_bytes);
+	printf("| %u | %.1f | %.1f | %.1f %% | %.1f %% | %.0f | %.0f | %.1f MB |\n\n", r->leaves,
+	       (double)r->entries / r->leaves, (double)r->links / r->leaves, 100 * median(&f->new_share),
+	       100 * median(&f->flagged_share), median(&f->rays), median(&f->sweeps), 1e-6 * (double)r->gpu_bytes);
 	printf("| pass |");
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		printf(" %s |", gi_pass_name((gi_pass)k));
@@ -152,8 +154,8 @@ static void print_frames(const frame_figures *f, const gi_report *r)
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		printf(" %.2f |", median(&f->passes[k]));
 	printf(" %.1f |\n\n", median(&f->total));
-	printf("frames a second: median %.1f, best %.1f, worst %.1f\n\n", 1e3 / median(&f->total), 1e3 / quantile(&f->total, 0),
-	       1e3 / quantile(&f->total, 1));
+	printf("frames a second: median %.1f, best %.1f, worst %.1f\n\n", 1e3 / median(&f->total),
+	       1e3 / quantile(&f->total, 0), 1e3 / quantile(&f->total, 1));
 }
 
 static void run_frames(engine_context *context, const options *o)
@@ -180,13 +182,13 @@ static void run_frames(engine_context *context, const options *o)
 		add(&f.total, ms);
 		collect(&f, &report);
 	}
-	printf("## Moving Buddha, %d x %d, row tolerance %g, emitter refinement %g, one ray an indirect entry\n\n", o->size, o->size,
-	       (double)o->row_tolerance, (double)o->emitter_refinement);
+	printf("## Moving Buddha, %d x %d, row tolerance %g, emitter refinement %g, one ray an indirect entry\n\n",
+	       o->size, o->size, (double)o->row_tolerance, (double)o->emitter_refinement);
 	print_frames(&f, &report);
 	report = step(gi);
 	report = step(gi);
-	printf("at rest: outcome %d, %u dispatches, %llu bytes uploaded, gi_update %.3f ms\n\n", report.outcome, report.dispatches,
-	       (unsigned long long)report.uploaded_bytes, (double)report.update_ms);
+	printf("at rest: outcome %d, %u dispatches, %llu bytes uploaded, gi_update %.3f ms\n\n", report.outcome,
+	       report.dispatches, (unsigned long long)report.uploaded_bytes, (double)report.update_ms);
 	gi_context_destroy(gi);
 	engine_target_destroy(target);
 }
@@ -246,9 +248,10 @@ static void run_update_and_rebuild(engine_context *context, const options *o, fl
 	}
 	gi_report report;
 	check(gi_get_report(sides[0], &report));
-	printf("| %s | %g | %.0f | %.1f %% | %.1f | %.1f | %.2f |", ball ? "small ball" : "Buddha", (double)row_tolerance,
-	       (double)report.entries / report.leaves, 100.0 * (double)report.dirty_entries / (double)report.entries, median(&times[0]),
-	       median(&times[1]), median(&times[1]) / median(&times[0]));
+	printf("| %s | %g | %.0f | %.1f %% | %.1f | %.1f | %.2f |", ball ? "small ball" : "Buddha",
+	       (double)row_tolerance, (double)report.entries / report.leaves,
+	       100.0 * (double)report.dirty_entries / (double)report.entries, median(&times[0]), median(&times[1]),
+	       median(&times[1]) / median(&times[0]));
 	if (restart.count)
 		printf(" %.0f | %.1f |\n", median(&restart), median(&restart) / median(&times[0]));
 	else
@@ -304,7 +307,8 @@ int main(int argc, char **argv)
 		{"wall-levels", 'w', "N", 0, "refinement of the walls, default 3: 4,124 leaves in all", 0},
 		{0},
 	};
-	const struct argp argp = {list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
+	const struct argp argp = {
+	    list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
 	options o = {.frames = 40, .size = 512, .row_tolerance = 0.1f, .emitter_refinement = 4, .wall_levels = 3};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 
@@ -320,7 +324,8 @@ int main(int argc, char **argv)
 	printf("# gi_bench on %s\n\nbuilt from %s\n\n", engine_context_describe(context), RELUME_COMMIT);
 	run_frames(context, &o);
 	printf("## Update against rebuild, the same frames in turn\n\n");
-	printf("| mover | row tolerance | entries per leaf | dirty | update ms | rebuild ms | ratio | from nothing ms | ratio |\n");
+	printf("| mover | row tolerance | entries per leaf | dirty | update ms | rebuild ms | ratio | from nothing ms "
+	       "| ratio |\n");
 	printf("|---|---|---|---|---|---|---|---|---|\n");
 	run_update_and_rebuild(context, &o, o.row_tolerance, false);
 	run_update_and_rebuild(context, &o, 0.01f, false);

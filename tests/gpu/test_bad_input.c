@@ -721,7 +721,8 @@ static void commit_that_fails(void **state)
 	unload(&l);
 }
 
-/* Rows too large for a storage block: an error from the first update and from every one after it, never a converged picture. */
+/* Rows too large for a storage block: an error from the first update and from every one after it, never a converged
+ * picture. */
 static void rows_that_do_not_fit(void **state)
 {
 	(void)state;
@@ -732,7 +733,9 @@ static void rows_that_do_not_fit(void **state)
 		engine_mesh mesh;
 		const float a[3] = {1, 0, 0}, b[3] = {0, 0, 1};
 		assert_true(shape_quad((float[]){0, (float)k, 0}, k ? a : b, k ? b : a, 1, 1, &mesh));
-		harness_add(gi, &(harness_object){.name = "square", .levels = 7, .rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}}, &mesh);
+		harness_add(
+		    gi, &(harness_object){.name = "square", .levels = 7, .rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}},
+		    &mesh);
 	}
 	assert_gi(gi_commit(gi));
 	const gi_result first = gi_update(gi);

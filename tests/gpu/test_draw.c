@@ -91,7 +91,8 @@ static void add_floor(gi_context *gi, float rho, uint32_t faces)
 static void add_lamp(gi_context *gi, float exitance, uint32_t faces)
 {
 	engine_mesh mesh;
-	const float corner[3] = {LAMP_LOWER[0], LAMP_HEIGHT, LAMP_LOWER[1]}, u[3] = {LAMP_UPPER[0] - LAMP_LOWER[0], 0, 0};
+	const float corner[3] = {LAMP_LOWER[0], LAMP_HEIGHT, LAMP_LOWER[1]},
+		    u[3] = {LAMP_UPPER[0] - LAMP_LOWER[0], 0, 0};
 	const float v[3] = {0, 0, LAMP_UPPER[1] - LAMP_LOWER[1]};
 	assert_true(shape_quad(corner, u, v, faces, faces, &mesh));
 	harness_add(gi, &(harness_object){.name = "lamp", .exitance = {exitance, exitance / 2, 0}}, &mesh);
@@ -100,8 +101,10 @@ static void add_lamp(gi_context *gi, float exitance, uint32_t faces)
 static gi_object add_box(gi_context *gi, float x, float y, float z, float half)
 {
 	engine_mesh mesh;
-	assert_true(shape_box((const float[]){-half, -half, -half}, (const float[]){half, half, half}, 2, false, &mesh));
-	return harness_add(gi, &(harness_object){.name = "box", .rho = {0.5f, 0.5f, 0.5f}, .position = {x, y, z}}, &mesh);
+	assert_true(
+	    shape_box((const float[]){-half, -half, -half}, (const float[]){half, half, half}, 2, false, &mesh));
+	return harness_add(gi, &(harness_object){.name = "box", .rho = {0.5f, 0.5f, 0.5f}, .position = {x, y, z}},
+			   &mesh);
 }
 
 static void commit(gi_context *gi)
@@ -150,12 +153,15 @@ static void check_open_floor(uint32_t faces)
 	draw(gi, &t, &view);
 	for (int y = 0; y < SIZE; y += 7)
 		for (int x = 0; x < SIZE; x += 7) {
-			const double expected = rho * exitance *
-						rectangle_factor(pixel_x(x), pixel_z(y), LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
+			const double expected =
+			    rho * exitance *
+			    rectangle_factor(pixel_x(x), pixel_z(y), LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
 			const float *got = pixel(&t, x, y);
 			/* The contour's angles are a fit of relative error 2e-4. */
-			if (fabs(got[0] - expected) > 0.005 * expected || fabs(got[1] - expected / 2) > 0.005 * expected)
-				fail_msg("pixel %d %d: %g %g, expected %g", x, y, (double)got[0], (double)got[1], expected);
+			if (fabs(got[0] - expected) > 0.005 * expected ||
+			    fabs(got[1] - expected / 2) > 0.005 * expected)
+				fail_msg("pixel %d %d: %g %g, expected %g", x, y, (double)got[0], (double)got[1],
+					 expected);
 			assert_float_equal(got[2], 0, 0);
 			assert_float_equal(got[3], 1, 0);
 		}
@@ -316,7 +322,8 @@ static void test_lamps_beyond_the_cap(void **state)
 		for (int x = 8; x < SIZE - 4; x += 8) {
 			double sum = 0;
 			for (int k = 0; k < SIDE * SIDE; k++) {
-				const float lower[2] = {-1.8f + 0.5f * (float)(k % SIDE), -1.8f + 0.5f * (float)(k / SIDE)};
+				const float lower[2] = {-1.8f + 0.5f * (float)(k % SIDE),
+							-1.8f + 0.5f * (float)(k / SIDE)};
 				const float upper[2] = {lower[0] + 0.3f, lower[1] + 0.3f};
 				sum += rectangle_factor(pixel_x(x), pixel_z(y), lower, upper, 1.5);
 			}

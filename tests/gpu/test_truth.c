@@ -1,5 +1,5 @@
-/* Form factors and radiosity against closed forms (Howell's catalogue), through the whole pipeline: cage, hierarchy, cut, factor, rays,
- * closing, links.
+/* Form factors and radiosity against closed forms (Howell's catalogue), through the whole pipeline: cage, hierarchy,
+ * cut, factor, rays, closing, links.
  */
 #include "harness.h"
 
@@ -129,7 +129,8 @@ static void scale_to_area(engine_mesh *mesh, double area)
 				a[c] = p[t + 1][c] - p[0][c];
 				b[c] = p[t + 2][c] - p[0][c];
 			}
-			const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+			const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+					     a[0] * b[1] - a[1] * b[0]};
 			sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 		}
 	}
@@ -172,7 +173,8 @@ static void one_leaf_cube(void **state)
 		engine_mesh mesh;
 		assert_true(shape_quad(corners[k][0], corners[k][1], corners[k][2], 1, 1, &mesh));
 		const float e = k == 0 ? 1.0f : 0.0f;
-		harness_add(gi, &(harness_object){.name = "side", .rho = {rho, rho, rho}, .exitance = {e, e, e}}, &mesh);
+		harness_add(gi, &(harness_object){.name = "side", .rho = {rho, rho, rho}, .exitance = {e, e, e}},
+			    &mesh);
 	}
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
@@ -196,7 +198,8 @@ static void one_leaf_pair(void **state)
 		const float corner[3] = {0, (float)k, 0}, a[3] = {1, 0, 0}, b[3] = {0, 0, 1};
 		assert_true(shape_quad(corner, k ? a : b, k ? b : a, 1, 1, &mesh));
 		const float e = k == 0 ? 1.0f : 0.0f;
-		harness_add(gi, &(harness_object){.name = "side", .rho = {.5f, .5f, .5f}, .exitance = {e, e, e}}, &mesh);
+		harness_add(gi, &(harness_object){.name = "side", .rho = {.5f, .5f, .5f}, .exitance = {e, e, e}},
+			    &mesh);
 	}
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
@@ -239,7 +242,8 @@ static void furnace_case(float rho, bool block)
 		sum_high = fmax(sum_high, leaves[k].row_sum);
 	}
 	printf("  furnace rho %.3f %s: worst leaf %.2e off, row sums %.7f .. %.7f, q %.6f, %u sweeps\n", (double)rho,
-	       block ? "with a ball" : "empty      ", worst, sum_low, sum_high, (double)report.contraction, report.sweeps);
+	       block ? "with a ball" : "empty      ", worst, sum_low, sum_high, (double)report.contraction,
+	       report.sweeps);
 	assert_true(worst <= 1e-4);
 	assert_true(sum_high <= 1.0);
 	gi_context_destroy(gi);

@@ -4,8 +4,9 @@
  *
  *     B_i = E_i + rho_i * sum_j F_ij V_ij B_j
  *
- * B radiosity and E exitance in W/m2 per RGB channel, rho reflectance in [0,1), F_ij the fraction of what leaves patch i that
- * would arrive at patch j with nothing in between, V_ij in [0,1] how much of j patch i sees. H = B - E over rho is irradiance.
+ * B radiosity and E exitance in W/m2 per RGB channel, rho reflectance in [0,1), F_ij the fraction of what leaves patch
+ * i that would arrive at patch j with nothing in between, V_ij in [0,1] how much of j patch i sees. H = B - E over rho
+ * is irradiance.
  *
  * How to use it:
  *
@@ -16,15 +17,15 @@
  *     ... gi_create_object() for everything, gi_commit() once ...
  *     every frame:  gi_set_pose() on what moves;  gi_update();  gi_draw();  gi_get_report();
  *
- * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these pieces of OpenGL
- * state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31, texture unit 0..3, the
- * GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and viewport. Framebuffer bindings are restored.
- * Matrices are column-major float[16] as OpenGL and cglm have them, clip space z in [-1,1]. Lengths are metres, but any
- * unit does if it is the same everywhere. Surfaces emit and reflect on the side their normal points to (corners counter-clockwise
- * seen from there); their back is black and opaque.
+ * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31,
+ * texture unit 0..3, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
+ * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
+ * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere. Surfaces emit and reflect on
+ * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
- * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to do
- * about it went to the message callback.
+ * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to
+ * do about it went to the message callback.
  */
 #ifndef GI_GI_H
 #define GI_GI_H
@@ -93,16 +94,17 @@ typedef struct gi_context_def {
 	void *user;                               /* handed to message */
 	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here */
 
-	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1], default 0.01.
-	 * Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
+	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
+	 * default 0.01. Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
 	float row_tolerance;
 	float emitter_refinement;  /* emitters are cut at row_tolerance / this; >= 1, default 20 */
 	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
 
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
 
-	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4. Single precision
-	 * ends at about 1e-7 / (1 - q): below that the solve rests where steps no longer shrink, and the report has the bound. */
+	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4.
+	 * Single precision ends at about 1e-7 / (1 - q): below that the solve rests where steps no longer shrink, and
+	 * the report has the bound. */
 	float solve_tolerance;
 	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
 
@@ -147,7 +149,8 @@ typedef enum gi_boundary {
 	GI_BOUNDARY_EDGE_ONLY,       /* corners are rounded */
 } gi_boundary;
 
-/* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object returns. */
+/* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
+ * returns. */
 typedef struct gi_object_def {
 	const char *name; /* default NULL; copied; for messages and exports */
 
@@ -175,7 +178,8 @@ typedef struct gi_object_def {
 	float scale[3]; /* default 1 1 1; not zero, not negative */
 	gi_pose pose;
 
-	/* A detailed mesh to draw instead of the cage's surface, lit through it (a scan and its simplified cage); NULL: none. */
+	/* A detailed mesh to draw instead of the cage's surface, lit through it (a scan and its simplified cage); NULL:
+	 * none. */
 	const float *draw_positions; /* 3 * draw_vertex_count, object space */
 	uint32_t draw_vertex_count;
 	const uint32_t *draw_indices; /* draw_index_count, three a triangle */
@@ -199,14 +203,14 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 
-/* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of objects that
- * stay is kept as the start of the next solve. An empty scene is fine: it is black. */
+/* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of
+ * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black. */
 gi_result gi_commit(gi_context *gi);
 
 /* ---- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed and
- * converged: no dispatch, no upload. GI_ERROR_NOT_COMMITTED after creating or destroying without gi_commit. */
+/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed
+ * and converged: no dispatch, no upload. GI_ERROR_NOT_COMMITTED after creating or destroying without gi_commit. */
 gi_result gi_update(gi_context *gi);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
@@ -215,7 +219,8 @@ void gi_invalidate(gi_context *gi);
 /* Makes the next solve start from B = E (a cold start). */
 void gi_reset_radiosity(gi_context *gi);
 
-/* Waits for the GPU; afterwards gi_get_report is about the last gi_update. For tests, benchmarks and loading screens. */
+/* Waits for the GPU; afterwards gi_get_report is about the last gi_update. For tests, benchmarks and loading screens.
+ */
 gi_result gi_finish(gi_context *gi);
 
 /* Why the solve ended: > 0 usable, 0 not run, < 0 failed. */
@@ -302,12 +307,13 @@ typedef struct gi_view {
 gi_view gi_view_default(void);
 
 /* Draws the committed objects into the bound framebuffer: linear radiance (W/m2/sr) in RGB, alpha 1; needs a depth
- * attachment. Does not clear: the host clears colour and depth and draws its own things before or after. Direct light per
- * pixel with soft shadows of area emitters, indirect light interpolated from the leaves. Back faces are not drawn: one looks
- * into a room through its walls from behind.
+ * attachment. Does not clear: the host clears colour and depth and draws its own things before or after. Direct light
+ * per pixel with soft shadows of area emitters, indirect light interpolated from the leaves. Back faces are not drawn:
+ * one looks into a room through its walls from behind.
  *
- * At most 32 polygons emit per pixel (an emitting object is cut into as few as tile it); objects beyond that, the weakest, light
- * through the leaves. One or two of them cost least. Shadow maps are drawn again only after something moved. */
+ * At most 32 polygons emit per pixel (an emitting object is cut into as few as tile it); objects beyond that, the
+ * weakest, light through the leaves. One or two of them cost least. Shadow maps are drawn again only after something
+ * moved. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
@@ -334,7 +340,8 @@ typedef struct gi_leaf {
 /* Copies up to `capacity` leaves; *count is how many there are. leaves may be NULL to ask for the count. */
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
-/* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf + leaf_count). */
+/* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +
+ * leaf_count). */
 typedef struct gi_entry {
 	uint32_t leaf, node;
 	uint32_t first_leaf, leaf_count; /* 0, 0 for a patch of sky */
@@ -355,7 +362,8 @@ typedef struct gi_link {
 
 gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);
 
-/* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row sum). */
+/* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row
+ * sum). */
 gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
 
 /* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
