@@ -145,6 +145,7 @@ bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
 gi_result rows_update(gi_context *gi);
+void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
 void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */

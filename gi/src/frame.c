@@ -55,16 +55,15 @@ static void collect_reports(gi_context *gi, bool wait)
 		gpu_timer_poll(&gi->timers[k], wait);
 }
 
+/* rows: more than the start of the solve; a material's values go the way of the rows too, which cost little then. */
 static bool anything_changed(const gi_context *gi, bool *rows)
 {
-	bool values = false;
 	*rows = gi->rows.rebuild;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		const scene_object *o = &gi->scene.objects[k];
-		*rows = *rows || o->moved || o->relit;
-		values = values || o->material_changed;
+		*rows = *rows || o->moved || o->relit || o->material_changed;
 	}
-	return *rows || values || gi->solver.cold;
+	return *rows || gi->solver.cold;
 }
 
 static void changes_done(gi_context *gi)
@@ -75,25 +74,15 @@ static void changes_done(gi_context *gi)
 	}
 }
 
-/* What the report counts of the rows, for a frame that leaves them alone. */
-static void count_no_rows(gi_context *gi)
-{
-	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-}
-
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, bool rows)
 {
 	gi_result result = GI_OK;
-	bool values = false;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++)
-		values = values || gi->scene.objects[k].material_changed;
-	if (rows || values)
+	if (rows)
 		result = rows_update(gi);
 	else
-		count_no_rows(gi);
-	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !values && !gi->solver.cold;
+		rows_clear_counts(gi);
+	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !gi->solver.cold;
 	if (result)
 		return result;
 	solver_update(gi);

@@ -262,10 +262,18 @@ static gi_result link_program(const gpu *g, const char *file, const GLuint *shad
 	return GI_ERROR_SHADER;
 }
 
-gi_result gpu_program_compute(gpu *g, const char *file, uint32_t *out)
+static gi_result program_compute(gpu *g, const char *file, uint32_t *out)
 {
 	GLuint shader = compile_shader(g, GL_COMPUTE_SHADER, file);
 	return link_program(g, file, &shader, 1, out);
+}
+
+gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count)
+{
+	gi_result result = GI_OK;
+	for (size_t k = 0; !result && k < count; k++)
+		result = program_compute(g, files[k].file, files[k].program);
+	return result;
 }
 
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out)

@@ -64,7 +64,12 @@ void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer);
 
 /* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host.
  */
-gi_result gpu_program_compute(gpu *g, const char *file, uint32_t *out);
+typedef struct gpu_program_file {
+	const char *file;
+	uint32_t *program;
+} gpu_program_file;
+
+gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
 void gpu_program_free(uint32_t *program);
 void gpu_set_uint(uint32_t program, int location, uint32_t value);

@@ -26,19 +26,12 @@ static const float BLACK_SKY_COARSENESS = 14.0f;
 gi_result rows_init(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const struct {
-		const char *file;
-		uint32_t *program;
-	} programs[] = {{"pose.comp", &r->pose_program},     {"cut.comp", &r->cut_program},
+	const gpu_program_file programs[] = {{"pose.comp", &r->pose_program},     {"cut.comp", &r->cut_program},
 			{"factor.comp", &r->factor_program}, {"flag.comp", &r->flag_program},
 			{"trace.comp", &r->trace_program},   {"close.comp", &r->close_program},
 			{"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
-	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
-		gi_result result = gpu_program_compute(&gi->gpu, programs[k].file, programs[k].program);
-		if (result)
-			return result;
-	}
-	return gpu_buffer_allocate(&gi->gpu, &r->frame, sizeof(gi_frame), NULL);
+	const gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
+	return result ? result : gpu_buffer_allocate(&gi->gpu, &r->frame, sizeof(gi_frame), NULL);
 }
 
 /* Free lists of all classes of a pool together, in words. */
@@ -313,11 +306,16 @@ static void upload_frame(gi_context *gi, const plan *p)
 
 /* ---- the passes ---- */
 
+void rows_clear_counts(gi_context *gi)
+{
+	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+}
+
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+	rows_clear_counts(gi);
 	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);

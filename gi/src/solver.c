@@ -8,19 +8,11 @@
 gi_result solver_init(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
-	const struct {
-		const char *file;
-		uint32_t *program;
-	} programs[] = {{"gather.comp", &s->gather_program}, {"pull.comp", &s->pull_program},
+	const gpu_program_file programs[] = {{"gather.comp", &s->gather_program}, {"pull.comp", &s->pull_program},
 			{"pull_wide.comp", &s->wide_program}, {"check.comp", &s->check_program},
 			{"start.comp", &s->start_program},   {"indirect.comp", &s->indirect_program},
 			{"light.comp", &s->light_program}};
-	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
-		gi_result result = gpu_program_compute(&gi->gpu, programs[k].file, programs[k].program);
-		if (result)
-			return result;
-	}
-	return GI_OK;
+	return gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
 }
 
 gi_result solver_allocate(gi_context *gi)
