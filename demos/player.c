@@ -167,7 +167,7 @@ static bool light(player *p)
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
-	return succeeded(p, gi_update(p->gi)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
+	return succeeded(p, gi_update(p->gi, NULL)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
 }
 
 bool player_draw(player *p, gi_mode mode)

@@ -99,6 +99,16 @@ layout(std430, binding = GI_BIND_TOUCHED) restrict buffer touched_block { uint t
 layout(std430, binding = GI_BIND_LIGHT) restrict buffer light_block { vec4 light[]; };
 #endif
 
+#ifdef USE_CHOICES
+layout(std430, binding = GI_BIND_CHOICES) restrict buffer choice_block { uint choices[]; };
+#endif
+#ifdef USE_PENDING
+layout(std430, binding = GI_BIND_PENDING) restrict buffer pending_block { gi_pending pending[]; };
+#endif
+#ifdef USE_SHINE
+layout(std430, binding = GI_BIND_SHINE) restrict buffer shine_block { uint shine[]; };
+#endif
+
 #ifdef USE_OBJECTS
 vec3 world_from_rest(uint object, vec3 p)
 {

@@ -13,8 +13,10 @@
 #define USE_STATE
 #define USE_TOUCHED
 #define USE_LINK_POOL
+#define USE_CHOICES
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "chosen.glsl"
 #define POOL link_pool
 #include "pool.glsl"
 
@@ -34,17 +36,25 @@ const float BELOW_ONE = 1.0 - 2.5e-7;
 const float FACTOR_ERROR_POLYGON = 0.001;
 const float FACTOR_ERROR_DISC = 0.1;
 
-// Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what
-// a Beta(0.1, 0.1) prior gives for one sample).
-const float UNSEEN = 0.3;
+// Of the visibility of an entry all of whose samples agree, times their number: visibility is mostly all or nothing.
+const float UNSEEN = 0.12;
 
-// How often the correction is adjusted for entries that reached their limits; the last remainder goes to all alike.
-const uint CLOSE_STEPS = 4u;
-const float CLOSE_ENOUGH = 1e-4;
+// Newton's steps on the correction; each ends at an entry's limit or at the sum, so they are few.
+const uint CLOSE_STEPS = 16u;
+const float CLOSE_ENOUGH = 1e-5;
 
 struct visible_entry {
 	float weight;   // F V
 	float variance; // of F V
+	bool emitter;
+};
+
+// What is given back for each unit of variance: to emitters, which have many rays, only when the others are at their
+// limits. Both have one sign, so that all entries of a row go the same way: what a part of the row can change of the
+// rest is bounded by that (assess.comp).
+struct correction {
+	float others;
+	float emitters;
 };
 
 // A sum that keeps what rounding takes from it (Kahan): thousands of links must add up to 1 within 1e-7.
@@ -62,44 +72,40 @@ void add(inout kahan s, float value)
 	s.sum = t;
 }
 
-uint samples_of(uvec4 e)
-{
-	return (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
-}
-
 uvec2 range_of(uvec4 segment)
 {
 	return uvec2(segment.x, segment.x + (segment.y & GI_BLOCK_COUNT_MASK));
 }
 
 // Squared relative error of an entry's form factor.
-float factor_variance(uint node)
+float factor_variance(uint flags)
 {
-	float error = (topology[node].range.w & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
+	float error = (flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
 	return error * error;
 }
 
-// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
-// `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
-float visibility_variance(float seen, float taken, float share)
+float visibility_variance(float seen, float taken)
 {
-	float v = seen / taken;
-	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
+	float v = seen / taken, unseen = UNSEEN / taken;
+	return v * (1.0 - v) / taken + unseen * unseen;
 }
 
-visible_entry read_entry(uvec4 e, float share)
+visible_entry read_entry(uvec4 e)
 {
-	float f = uintBitsToFloat(e.y);
-	float taken = float(samples_of(e)), seen = float(bitCount(e.z & 0xFFFFu));
+	float taken = float((e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK), seen = float(bitCount(e.z & 0xFFFFu));
 	if (seen == 0.0)
-		return visible_entry(0.0, 0.0);
-	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken, share) + factor_variance(e.x)));
+		return visible_entry(0.0, 0.0, false);
+	float f = uintBitsToFloat(e.y);
+	uint flags = topology[e.x].range.w;
+	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken) + factor_variance(flags)),
+			     (flags & GI_NODE_EMITTER) != 0u);
 }
 
-float corrected(visible_entry v, float per_variance)
+float corrected(visible_entry v, correction c)
 {
 	if (v.weight <= 0.0)
 		return 0.0;
+	float per_variance = v.emitter ? c.emitters : c.others;
 	return v.weight * clamp(1.0 + per_variance * v.variance / v.weight, CLOSE_LOWER, CLOSE_RAISE);
 }
 
@@ -113,72 +119,43 @@ bool carries_light(uvec4 e)
 }
 
 struct row_sums {
-	float weight;   // of all visible entries, corrected
-	float variance; // of those the correction can still move the way it has to go
-	uint lit;       // how many carry light
+	float weight;      // of all visible entries, corrected
+	correction free;   // variance of those that the correction can still move the way it has to go
+	uint lit;          // how many carry light
 };
 
-// The row as it came from the rays; leaves each segment's share of seen samples with it.
-row_sums sum_samples(uint leaf)
+row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
-	row_sums row = row_sums(0.0, 0.0, 0u);
+	row_sums row = row_sums(0.0, correction(0.0, 0.0), 0u);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uint slot = leaf * frame.counts.z + s;
-		uvec2 range = range_of(segments[slot]);
-		uint all_seen = 0u, all_taken = 0u;
-		float own = 0.0, shared_part = 0.0;
+		uvec2 range = range_of(segments[leaf * frame.counts.z + s]);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
-			uint seen = uint(bitCount(e.z & 0xFFFFu)), taken = samples_of(e);
-			all_seen += seen;
-			all_taken += taken;
-			if (seen == 0u)
+			visible_entry v = read_entry(e);
+			if (v.weight <= 0.0)
 				continue;
-			float f = uintBitsToFloat(e.y), n = float(taken);
-			add(weight, f * float(seen) / n);
-			own += f * f * (visibility_variance(float(seen), n, 0.0) + factor_variance(e.x));
-			shared_part += f * f / (n * n);
+			float w = corrected(v, c);
+			add(weight, w);
 			row.lit += carries_light(e) ? 1u : 0u;
+			if (raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight)
+				continue;
+			row.free.others += v.emitter ? 0.0 : v.variance;
+			row.free.emitters += v.emitter ? v.variance : 0.0;
 		}
-		float share = all_taken > 0u ? float(all_seen) / float(all_taken) : 0.0;
-		segments[slot].z = floatBitsToUint(share);
-		row.variance += own + UNSEEN * share * (1.0 - share) * shared_part;
 	}
 	row.weight = weight.sum;
 	return row;
 }
 
-// The row with a correction; raise: which way it goes on.
-row_sums sum_corrected(uint leaf, float per_variance, bool raise)
-{
-	kahan weight = kahan(0.0, 0.0);
-	float variance = 0.0;
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec4 segment = segments[leaf * frame.counts.z + s];
-		uvec2 range = range_of(segment);
-		for (uint k = range.x; k < range.y; k++) {
-			visible_entry v = read_entry(entries[k], uintBitsToFloat(segment.z));
-			if (v.weight <= 0.0)
-				continue;
-			float w = corrected(v, per_variance);
-			add(weight, w);
-			bool at_limit = raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight;
-			variance += at_limit ? 0.0 : v.variance;
-		}
-	}
-	return row_sums(weight.sum, variance, 0u);
-}
-
-float write_links(uint leaf, uint at, float per_variance, float scale)
+float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec4 segment = segments[leaf * frame.counts.z + s];
-		uvec2 range = range_of(segment);
+		uvec2 range = range_of(segments[leaf * frame.counts.z + s]);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
-			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), per_variance);
+			float weight = scale * corrected(read_entry(e), c);
 			if (weight <= 0.0 || !carries_light(e))
 				continue;
 			links[at++] = uvec2(e.x, floatBitsToUint(weight));
@@ -203,28 +180,33 @@ uvec2 fit_block(uvec2 block, uint needed)
 
 void main()
 {
-	uint leaf = thread_number();
-	if (leaf >= frame.counts.x || touched[leaf] == 0u)
+	uint leaf = chosen_leaf(thread_number());
+	if (leaf == GI_NONE || touched[leaf] == 0u)
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
-	float per_variance = 0.0;
-	row_sums sums = sum_samples(leaf);
-	uint lit = sums.lit;
+	correction c = correction(0.0, 0.0);
+	row_sums sums = sum_corrected(leaf, c, true);
 	bool raise = sums.weight < 1.0;
-	for (uint step = 0u; step < CLOSE_STEPS && sums.variance > 0.0 && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
-		per_variance += (1.0 - sums.weight) / sums.variance;
-		sums = sum_corrected(leaf, per_variance, raise);
+	for (uint step = 0u; step < CLOSE_STEPS && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
+		float lack = 1.0 - sums.weight;
+		if (sums.free.others > 0.0)
+			c.others += lack / sums.free.others;
+		else if (sums.free.emitters > 0.0)
+			c.emitters += lack / sums.free.emitters;
+		else
+			break;
+		sums = sum_corrected(leaf, c, raise);
 	}
 	float scale = sums.weight > 1.0 - CLOSE_SHARE ? BELOW_ONE / sums.weight : 1.0;
 
 	uvec4 row = rows[leaf];
-	uint old_count = row.y & GI_BLOCK_COUNT_MASK;
+	uint old_count = row.y & GI_BLOCK_COUNT_MASK, lit = sums.lit;
 	uvec2 block = fit_block(row.xy, lit);
 	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && lit > 0u;
-	float row_sum = room ? write_links(leaf, block.x, per_variance, scale) : 0.0;
+	float row_sum = room ? write_links(leaf, block.x, c, scale) : 0.0;
 	uint count = room ? lit : 0u;
-	rows[leaf] = uvec4(block.x, count | (block.y & ~GI_BLOCK_COUNT_MASK), 0u, floatBitsToUint(row_sum));
+	rows[leaf] = uvec4(block.x, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_LINKS], count - old_count);
 }

@@ -1,7 +1,7 @@
 #version 450 core
 // The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse
-// where they subtend little. A thread walks one (leaf, object) pair of a run: x first thread, y receiving object, z
-// source object, w first leaf.
+// where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
+// source object, w first leaf), or under a budget of the chosen leaves times all objects.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_SPREAD
@@ -16,8 +16,13 @@
 #define USE_RUNS
 #define USE_TOUCHED
 #define USE_ENTRY_POOL
+#define USE_ROWS
+#define USE_CHOICES
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "changed.glsl"
+#include "chosen.glsl"
+#include "facing.glsl"
 #include "spread.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
@@ -28,9 +33,6 @@ const float PI = 3.14159265358979;
 
 const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 
-// Heights below this share of the distance are rounding: coplanar patches do not see each other.
-const float HORIZON_SLACK = 1e-5;
-
 gi_node_geometry geometry_of(uint node, bool same)
 {
 	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the
@@ -38,17 +40,6 @@ gi_node_geometry geometry_of(uint node, bool same)
 	if (same)
 		return rest[node];
 	return world[node];
-}
-
-float sine_of(float cosine)
-{
-	return cosine >= 1.0 ? 0.0 : sqrt(max(0.0, 1.0 - cosine * cosine));
-}
-
-// How far a surface of radius r whose normals lie in a cone reaches along a direction: a flat one only by its tilt.
-float reach_along(float r, float cosine, float cone)
-{
-	return r * (cone < 0.0 ? 1.0 : min(1.0, sine_of(abs(cosine)) + sine_of(cone)));
 }
 
 uint classify_sky(gi_node_geometry p, gi_node_geometry g, uint flags)
@@ -64,40 +55,21 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 {
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags);
-	vec3 to = g.sphere.xyz - p.sphere.xyz;
-	float d2 = dot(to, to), d = sqrt(d2);
-	float slack = HORIZON_SLACK * (d + g.sphere.w + p.sphere.w);
-	float cosine = dot(p.axis.xyz, g.axis.xyz);
-
-	float height = dot(p.axis.xyz, to) + reach_along(g.sphere.w, cosine, g.axis.w) + (d + p.sphere.w) * sine_of(p.axis.w);
-	if (height <= slack)
+	facing f = facing_of(p, g, flags);
+	if (f.unseen)
 		return CUT_SKIP;
-
-	// The best any normal of the cone can face any point of the receiver.
-	float faced = d;
-	if (g.axis.w >= 0.0) {
-		float away = -dot(g.axis.xyz, to);
-		float across = sqrt(max(0.0, d2 - away * away));
-		float tilted = away >= d * g.axis.w ? d : away * g.axis.w + across * sine_of(g.axis.w);
-		faced = tilted + g.sphere.w * sine_of(g.axis.w) + reach_along(p.sphere.w, cosine, p.axis.w);
-	}
-	bool back = (flags & GI_NODE_BACK) != 0u;
-	if (faced <= slack) {
-		if (!back)
-			return CUT_SKIP;
-		faced = d;
-	}
 	if ((flags & GI_NODE_LEAF) != 0u)
 		return CUT_TAKE;
+	float d = f.d;
 	if (d < g.sphere.w)
 		return CUT_REFINE;
-	float shown = g.moment.w * min(1.0, faced / d);
+	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
-		vec3 view = to / -d;
+		vec3 view = f.to / -d;
 		vec2 sides = shown_area(spread[node], g.moment, view, same ? view : rest_direction_from_world(object, view));
-		shown = back ? max(sides.x, sides.y) : sides.x;
+		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
 	}
-	float estimate = shown * min(1.0, height / d) / (PI * d2 + shown);
+	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
 	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
@@ -127,15 +99,29 @@ uvec2 grow(uvec2 block, uint count)
 	return uvec2(offset, (c + 1u) << 24u);
 }
 
+// Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
+uvec2 pair_of(uint t)
+{
+	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
+		uint count = state[GI_STATE_CHOSEN];
+		return t < count * frame.counts.z ? uvec2(chosen_leaf(t % count), t / count) : uvec2(GI_NONE);
+	}
+	if (t >= frame.work.w)
+		return uvec2(GI_NONE);
+	uvec4 run = find_run(frame.work.x, frame.work.z, t);
+	return uvec2(run.w + (t - run.x), run.z);
+}
+
 void main()
 {
-	uint t = thread_number();
-	if (t >= frame.work.w)
+	uvec2 pair = pair_of(thread_number());
+	uint leaf = pair.x, source = pair.y;
+	if (leaf == GI_NONE)
 		return;
-	uvec4 run = find_run(frame.work.x, frame.work.z, t);
-	uint leaf = run.w + (t - run.x);
-	uint source = run.z;
-	bool same = run.y == source;
+	uint mine = leaves[leaf].y;
+	if ((frame.update.w & GI_UPDATE_REBUILD) == 0u && !pair_is_dirty(mine, source, rows[leaf].z))
+		return;
+	bool same = mine == source;
 	gi_node_geometry p = geometry_of(leaves[leaf].x, same);
 	uvec4 nodes = objects[source].nodes;
 	uint slot = leaf * frame.counts.z + source;

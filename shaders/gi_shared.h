@@ -122,11 +122,12 @@ GI_STRUCT(gi_primitive) {
  *   grid.xyz  where the grid of its packed BVH begins    cells.xyz  cells per metre
  *   sphere.xyz  centre of the world bounding sphere    sphere.w radius
  *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
- *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first suspect
- *   extra.x end suspect    extra.y first vertex    extra.z end vertex    extra.w 0
+ *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
+ *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w 0
+ *   changed.x update that last moved it    changed.y update that last lit or put it out
  *
- * Suspects are the objects that may have changed what this object's entries see: the movers for one at rest, those
- * whose boxes overlap its own for a mover.
+ * Neighbours are the objects whose boxes overlap its own, listed for movers only: they alone may have changed what its
+ * entries see of itself.
  */
 GI_STRUCT(gi_object_data) {
 	GI_VEC4 row0;
@@ -140,9 +141,9 @@ GI_STRUCT(gi_object_data) {
 	GI_UVEC4 nodes;
 	GI_UVEC4 bvh;
 	GI_UVEC4 extra;
+	GI_UVEC4 changed;
 } GI_END(gi_object_data)
 
-#define GI_OBJECT_MOVED 1u
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
@@ -166,6 +167,10 @@ GI_STRUCT(gi_material_data) {
  *   work: pose runs, pose threads, cut runs, cut threads
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
+ *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
+ *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, W/m2... of the largest B
+ *
+ * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
 GI_STRUCT(gi_frame) {
 	GI_UVEC4 counts;
@@ -175,7 +180,31 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 misc;
 	GI_VEC4 grid;
 	GI_VEC4 cells;
+	GI_UVEC4 update;
+	GI_VEC4 limit;
 } GI_END(gi_frame)
+
+#define GI_UPDATE_REBUILD 1u /* every row from nothing */
+#define GI_UPDATE_PART 2u    /* only the rows in the list of the chosen */
+
+/* A row under a budget (assess.comp).
+ *
+ *   //--------------- 16B ---------------
+ *   key.x bucket of its priority, 0: need not be refreshed    key.y rays it takes    key.z dirty entries    key.w 0
+ *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve
+ *   bound.w   bound on the share of the row's weight that moves
+ *   before.xyz B before the solve
+ */
+GI_STRUCT(gi_pending) {
+	GI_UVEC4 key;
+	GI_VEC4 bound;
+	GI_VEC4 before;
+} GI_END(gi_pending)
+
+#define GI_BUCKETS 1024u
+#define GI_BUCKETS_PER_OCTAVE 16u
+
+/* The buffer of choices: rays by bucket, then the chosen leaves. */
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
  *   x node
@@ -190,8 +219,7 @@ GI_STRUCT(gi_frame) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
-/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their
- * object as float bits (close.comp), w 0.
+/* A segment, the cut of one object in one row: x and y a block of entries, z and w 0.
  *
  * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
  */
@@ -200,7 +228,8 @@ GI_STRUCT(gi_frame) {
 #define GI_BLOCK_CLASSES 22u
 #define GI_BLOCK_SMALLEST 4u
 
-/* Row header of a leaf: x link offset, y count and class as a block, z 0, w row sum bits. */
+/* Row header of a leaf: x link offset, y count and class as a block, z update that last
+ * refreshed it, w row sum bits. */
 
 /* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
  * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
@@ -230,7 +259,17 @@ GI_STRUCT(gi_frame) {
 #define GI_STATE_ARGS_WIDE 36u
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
-#define GI_STATE_WORDS 48u
+/* Rows under a budget. */
+#define GI_STATE_WAITING_ROWS 80u    /* not refreshed although something of them may have changed */
+#define GI_STATE_WAITING_ENTRIES 81u /* their dirty entries */
+#define GI_STATE_LATE_ROWS 82u       /* those of them that wait for lack of budget alone */
+#define GI_STATE_STALE_BITS 83u      /* largest bound on what a waiting row is off by */
+#define GI_STATE_STEP_BITS 84u       /* largest |B - B before the solve| */
+#define GI_STATE_CHOSEN 85u          /* rows to refresh */
+#define GI_STATE_THRESHOLD 86u       /* lowest bucket that is refreshed */
+#define GI_STATE_ARGS_CHOSEN 87u     /* group counts, 3 words: a thread a chosen row */
+#define GI_STATE_ARGS_PAIRS 90u      /* 3 words: a thread a chosen row and object */
+#define GI_STATE_WORDS 96u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u
@@ -265,7 +304,7 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24
+#define GI_BIND_SUSPECTS 24        /* uint: the movers, then each mover's neighbours */
 #define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
@@ -273,6 +312,9 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
 #define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
 #define GI_BIND_SPREAD 31
+#define GI_BIND_CHOICES 32         /* uint: GI_BUCKETS, then leaves */
+#define GI_BIND_PENDING 33         /* gi_pending per leaf */
+#define GI_BIND_SHINE 34           /* 4 uint per object slot: largest B of its leaves, rgb as float bits */
 
 #define GI_WIDE_LEAVES 64u
 

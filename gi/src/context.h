@@ -3,6 +3,7 @@
  *   gi.c, frame.c
  *     -> scene.c, scene_upload.c, sky.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
  *        -> rows.c             cuts, factors, visibility, closing
+ *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
  *        -> shade.c            the picture
  *             all -> gpu.c     OpenGL
@@ -24,6 +25,7 @@ typedef struct scene_object {
 	bool moved;          /* since the last update */
 	bool relit;          /* emission began or ended, or black became not black: its cut changes */
 	bool material_changed;
+	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
@@ -65,6 +67,8 @@ typedef struct gi_scene {
 /* ---- rows ---- */
 
 typedef struct gi_rows {
+	uint32_t update;   /* number of the last update of the rows, from 1 */
+	uint32_t current;  /* every row has seen all that changed up to this one */
 	bool rebuild;      /* everything is to be cut anew */
 	bool fitted;       /* the pools held the rows at least once since the commit */
 	uint64_t entry_limit, link_limit;
@@ -74,6 +78,20 @@ typedef struct gi_rows {
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 		prepare_program;
 } gi_rows;
+
+/* ---- budget ---- */
+
+/* Made by the first update that has a budget. */
+typedef struct gi_rations {
+	bool made;         /* programs */
+	bool in_force;     /* some rows may wait: bounds on them are kept up with B */
+	bool late;         /* some wait for lack of budget alone, as of the newest report: the next update goes on */
+	float ms_per_ray;  /* of cut, factor, flag, trace and close together; 0: not known yet */
+	uint64_t learned;  /* frame that ms_per_ray is from */
+	float error;       /* of the last budget */
+	gpu_buffer choices, pending, shine;
+	uint32_t shine_program, assess_program, choose_program, enlist_program, stale_program;
+} gi_rations;
 
 /* ---- solver ---- */
 
@@ -91,6 +109,7 @@ struct gi_context {
 	gpu gpu;
 	gi_scene scene;
 	gi_rows rows;
+	gi_rations rations;
 	gi_solver solver;
 	gi_lamps lamps;
 	gi_shade *shade; /* made by the first gi_draw */
@@ -106,6 +125,7 @@ struct gi_context {
 		uint32_t dispatches;
 		uint64_t uploaded_bytes;
 		float update_ms;
+		uint32_t rows_update; /* number of the rows' update that it ended with */
 		bool solve_only; /* the rows, the materials and the start were those of the frame before */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
@@ -144,12 +164,25 @@ gi_result rows_init(gi_context *gi);
 bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
-gi_result rows_update(gi_context *gi);
+gi_result rows_update(gi_context *gi, const gi_budget *budget);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
 void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
 void rows_free(gi_context *gi);
+
+/* budget.c */
+bool budget_is_exact(const gi_budget *budget);
+gi_result budget_check(const gi_context *gi, const gi_budget *budget);
+/* Programs and buffers, where they are not there yet. */
+gi_result budget_allocate(gi_context *gi);
+void budget_limits(gi_context *gi, const gi_budget *budget, gi_vec4 *limit);
+void budget_choose(gi_context *gi);  /* the rows to refresh; the movers' poses must be in the world */
+void budget_bound(gi_context *gi);   /* after the solve: what waiting rows may be off by */
+void budget_report(const gi_context *gi, const uint32_t *state, gi_report *out);
+void budget_learn(gi_context *gi);   /* what a ray costs, from the newest report */
+void budget_bind(const gi_context *gi);
+void budget_free(gi_context *gi);
 
 /* solver.c */
 gi_result solver_init(gi_context *gi);

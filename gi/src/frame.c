@@ -30,9 +30,19 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->solve_bound = gi_float_from_bits(state[GI_STATE_BOUND_BITS]);
 	r->solve_relative = gi_float_from_bits(state[GI_STATE_BOUND_RELATIVE_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
+	budget_report(gi, state, r);
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
 	r->update_ms = gi->issued[ring].update_ms;
+}
+
+/* Rows of the newest report: may the next update be at rest, and how far back must it look? */
+static void take_waiting(gi_context *gi, const uint32_t *state, uint64_t frame)
+{
+	const uint32_t update = gi->issued[frame % GPU_READBACK_RING].rows_update;
+	gi->rations.late = state[GI_STATE_LATE_ROWS] > 0;
+	if (!state[GI_STATE_WAITING_ROWS] && !state[GI_STATE_OVERFLOW] && update > gi->rows.current)
+		gi->rows.current = update;
 }
 
 /* Takes in every finished read-back, or waits for all of them. */
@@ -43,6 +53,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		const float before = gi->report.residual;
 		fill_report(gi, state, frame);
+		take_waiting(gi, state, frame);
 		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing.
 		 */
 		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS &&
@@ -53,12 +64,20 @@ static void collect_reports(gi_context *gi, bool wait)
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_poll(&gi->timers[k], wait);
+	budget_learn(gi);
+}
+
+/* Do rows wait that this budget would not let wait? */
+static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
+{
+	const bool waiting = gi->rows.current < gi->rows.update;
+	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.error);
 }
 
 /* rows: more than the start of the solve; a material's values go the way of the rows too, which cost little then. */
-static bool anything_changed(const gi_context *gi, bool *rows)
+static bool anything_changed(const gi_context *gi, const gi_budget *budget, bool *rows)
 {
-	*rows = gi->rows.rebuild;
+	*rows = gi->rows.rebuild || rows_are_due(gi, budget);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		const scene_object *o = &gi->scene.objects[k];
 		*rows = *rows || o->moved || o->relit || o->material_changed;
@@ -75,17 +94,20 @@ static void changes_done(gi_context *gi)
 }
 
 /* A step of rows and solve; queues its report. */
-static gi_result issue(gi_context *gi, bool rows)
+static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
 	if (rows)
-		result = rows_update(gi);
+		result = rows_update(gi, budget);
 	else
 		rows_clear_counts(gi);
 	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !gi->solver.cold;
 	if (result)
 		return result;
 	solver_update(gi);
+	if (gi->rations.in_force)
+		budget_bound(gi);
+	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;
 	gpu_readback_queue(&gi->readback, &gi->state, gi->frame_number);
 	gi->issued_frame = gi->frame_number;
 	changes_done(gi);
@@ -100,7 +122,7 @@ static gi_result grow_until_it_fits(gi_context *gi)
 		if (result)
 			return result; /* and again by the next update */
 		gi->truncated = false;
-		result = issue(gi, true);
+		result = issue(gi, true, NULL);
 		if (result)
 			return result;
 		collect_reports(gi, true);
@@ -135,10 +157,12 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
-gi_result gi_update(gi_context *gi)
+gi_result gi_update(gi_context *gi, const gi_budget *budget)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
+	if (budget_check(gi, budget))
+		return GI_ERROR_INVALID_ARGUMENT;
 	if (gi->scene.uncommitted || !gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 			       "call gi_commit() after creating or destroying objects");
@@ -152,10 +176,10 @@ gi_result gi_update(gi_context *gi)
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
-	const bool changed = anything_changed(gi, &rows);
+	const bool changed = anything_changed(gi, budget, &rows);
 	const bool settled = gi->report.frame >= gi->issued_frame && !gi->solver.unconverged;
 	if (!result && (changed || (!settled && gi->report.frame >= gi->issued_frame)))
-		result = issue(gi, rows);
+		result = issue(gi, rows, budget);
 	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);
 	if (!result && first) {

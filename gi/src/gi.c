@@ -18,8 +18,8 @@ const char *gi_result_text(gi_result result)
 
 const char *gi_pass_name(gi_pass pass)
 {
-	static const char *const names[] = {"pose",  "cut",   "factor", "flag",   "trace",
-					    "close", "solve", "light",  "shadow", "draw"};
+	static const char *const names[] = {"pose",  "choose", "cut",   "factor", "flag", "trace",
+					    "close", "solve",  "light", "shadow", "draw"};
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -141,6 +141,7 @@ void gi_context_destroy(gi_context *gi)
 	shade_free(gi);
 	scene_free(gi);
 	rows_free(gi);
+	budget_free(gi);
 	solver_free(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);

@@ -77,7 +77,7 @@ static gi_result allocate_pools(gi_context *gi)
 /* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
 static void clear_rows(gi_rows *r)
 {
-	static const uint32_t no_row[4] = {0, GI_BLOCK_NO_CLASS << 24, 0, 0};
+	const uint32_t no_row[4] = {0, GI_BLOCK_NO_CLASS << 24, r->update, 0};
 	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
 	gpu_buffer_fill(&r->headers, no_row);
 }
@@ -132,7 +132,8 @@ gi_result rows_grow(gi_context *gi)
 /* ---- what has to be done ---- */
 
 typedef struct plan {
-	uint32_t pose_runs, pose_threads, cut_runs;
+	bool part; /* under a budget: the chosen rows alone */
+	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint64_t cut_threads;
 } plan;
 
@@ -150,15 +151,29 @@ static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
 	return true;
 }
 
+/* An object's changes that not every row has seen; the sky has none. */
 static bool slot_moved(const gi_context *gi, uint32_t slot)
 {
-	return gi->rows.rebuild || (gi->scene.object_data[slot].bvh.z & GI_OBJECT_MOVED);
+	return gi->rows.rebuild || gi->scene.object_data[slot].changed.x > gi->rows.current;
 }
 
 static bool slot_relit(const gi_context *gi, uint32_t slot)
 {
-	const uint32_t index = gi->scene.slots[slot];
-	return index != GI_NONE && gi->scene.objects[index].relit;
+	return gi->scene.object_data[slot].changed.y > gi->rows.current;
+}
+
+static void number_changes(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	const uint32_t update = ++gi->rows.update;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		if (s->slots[slot] == GI_NONE)
+			continue;
+		scene_object *o = &s->objects[s->slots[slot]];
+		o->moved_update = o->moved ? update : o->moved_update;
+		o->relit_update = o->relit ? update : o->relit_update;
+		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+	}
 }
 
 /* Does the cut of `source` for leaves of `receiver` have to be done again? */
@@ -172,9 +187,9 @@ static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t sour
 static bool plan_poses(gi_context *gi, plan *p)
 {
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
-		if (!slot_moved(gi, slot))
-			continue;
 		const gi_object_data *data = &gi->scene.object_data[slot];
+		if (!gi->rows.rebuild && data->changed.x != gi->rows.update)
+			continue;
 		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 0, data->nodes.x}))
 			return false;
 		p->pose_threads += data->nodes.y - data->nodes.x;
@@ -213,58 +228,68 @@ static bool boxes_overlap(const scene_object *a, const scene_object *b)
 	return true;
 }
 
-static bool is_suspect(const gi_context *gi, uint32_t observer, uint32_t slot)
+typedef struct slot_list {
+	uint32_t *slots, count, capacity;
+} slot_list;
+
+static bool append(slot_list *list, uint32_t slot)
 {
-	const gi_scene *s = &gi->scene;
-	if (slot == observer || s->slots[slot] == GI_NONE)
-		return false;
-	if (!slot_moved(gi, observer))
-		return slot_moved(gi, slot);
-	/* Segments within a mover stay inside its box. */
-	return boxes_overlap(&s->objects[s->slots[observer]], &s->objects[s->slots[slot]]);
+	if (list->count == list->capacity) {
+		const uint32_t capacity = 2 * list->capacity + 64;
+		uint32_t *grown = realloc(list->slots, sizeof *grown * capacity);
+		if (!grown)
+			return false;
+		list->slots = grown;
+		list->capacity = capacity;
+	}
+	list->slots[list->count++] = slot;
+	return true;
 }
 
-/* Objects that may have changed what each object's entries see (gi_object_data); all at rest share the movers. */
-static gi_result upload_suspects(gi_context *gi)
+static bool list_movers(const gi_context *gi, slot_list *list)
+{
+	bool ok = true;
+	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++)
+		if (gi->scene.slots[slot] != GI_NONE && (slot_moved(gi, slot) || slot_relit(gi, slot)))
+			ok = append(list, slot);
+	return ok;
+}
+
+/* Segments within a mover stay inside its box: only what is there too can hide them. */
+static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *list)
+{
+	const gi_scene *s = &gi->scene;
+	bool ok = true;
+	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
+		if (slot != mover && s->slots[slot] != GI_NONE &&
+		    boxes_overlap(&s->objects[s->slots[mover]], &s->objects[s->slots[slot]]))
+			ok = append(list, slot);
+	return ok;
+}
+
+/* Objects that may have changed what entries see (gi_object_data); returns how many movers come first. */
+static gi_result upload_suspects(gi_context *gi, uint32_t *movers)
 {
 	gi_scene *s = &gi->scene;
-	uint32_t *list = NULL, count = 0, capacity = 0, rest_first = GI_NONE, rest_end = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		gi_object_data *data = &s->object_data[slot];
-		const bool moved = slot_moved(gi, slot);
-		if (!moved && rest_first != GI_NONE) {
-			data->bvh.w = rest_first;
-			data->extra.x = rest_end;
-			continue;
-		}
-		data->bvh.w = count;
-		for (uint32_t other = 0; other < s->slot_count && s->slots[slot] != GI_NONE; other++) {
-			if (!is_suspect(gi, slot, other))
-				continue;
-			if (count == capacity) {
-				capacity = 2 * capacity + 64;
-				uint32_t *grown = realloc(list, sizeof *list * capacity);
-				if (!grown) {
-					free(list);
-					return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-				}
-				list = grown;
-			}
-			list[count++] = other;
-		}
-		data->extra.x = count;
-		if (!moved) {
-			rest_first = data->bvh.w;
-			rest_end = count;
-		}
+	gpu_buffer *buffer = &gi->rows.suspects;
+	slot_list list = {0};
+	bool ok = list_movers(gi, &list);
+	*movers = list.count;
+	for (uint32_t k = 0; ok && k < *movers; k++) {
+		gi_object_data *data = &s->object_data[list.slots[k]];
+		data->bvh.w = list.count;
+		ok = list_neighbours(gi, list.slots[k], &list);
+		data->extra.x = list.count;
 	}
 	gi_result result = GI_OK;
-	const uint64_t bytes = sizeof *list * count;
-	if (bytes > gi->rows.suspects.size || !gi->rows.suspects.name)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->rows.suspects, 2 * bytes, NULL);
+	const uint64_t bytes = sizeof *list.slots * list.count;
+	if (!ok)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	else if (bytes > buffer->size || !buffer->name)
+		result = gpu_buffer_allocate(&gi->gpu, buffer, 2 * bytes, NULL);
 	if (!result)
-		gpu_buffer_upload(&gi->gpu, &gi->rows.suspects, 0, bytes, list);
-	free(list);
+		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
+	free(list.slots);
 	return result;
 }
 
@@ -283,7 +308,7 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	return GI_OK;
 }
 
-static void upload_frame(gi_context *gi, const plan *p)
+static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_context_def *def = &gi->def;
@@ -301,6 +326,11 @@ static void upload_frame(gi_context *gi, const plan *p)
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
 	};
+	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
+	if (p->part) {
+		gi->frame.update.w |= GI_UPDATE_PART;
+		budget_limits(gi, budget, &gi->frame.limit);
+	}
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
 }
 
@@ -310,12 +340,15 @@ void rows_clear_counts(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, 2 * sizeof(uint32_t), 0);
 }
 
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -348,39 +381,66 @@ static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
-gi_result rows_update(gi_context *gi)
+static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
+{
+	gi_rows *r = &gi->rows;
+	p->part = !r->rebuild && !budget_is_exact(budget);
+	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
+	if (!result)
+		result = scene_upload_changes(gi);
+	if (result)
+		return result;
+	number_changes(gi);
+	if (!plan_poses(gi, p) || (!p->part && !plan_cuts(gi, p)))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	if (p->cut_threads > UINT32_MAX / 2)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
+			       gi->scene.leaf_count, gi->scene.slot_count);
+	result = upload_suspects(gi, &p->movers);
+	return result ? result : upload_plan(gi, p);
+}
+
+/* A pass with a thread a row: all rows, or those chosen. */
+static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t program)
+{
+	if (p->part)
+		run_indirect(gi, pass, program, GI_STATE_ARGS_CHOSEN);
+	else
+		run(gi, pass, program, gi->scene.leaf_count);
+}
+
+gi_result rows_update(gi_context *gi, const gi_budget *budget)
 {
 	gi_rows *r = &gi->rows;
 	plan p = {0};
-	gi_result result = scene_upload_changes(gi);
-	if (!result && (!plan_poses(gi, &p) || !plan_cuts(gi, &p)))
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (!result && p.cut_threads > UINT32_MAX / 2)
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
-				 gi->scene.leaf_count, gi->scene.slot_count);
-	if (!result)
-		result = upload_suspects(gi);
-	if (!result)
-		result = upload_plan(gi, &p);
+	gi_result result = make_plan(gi, budget, &p);
 	if (result)
 		return result;
-	upload_frame(gi, &p);
+	upload_frame(gi, &p, budget);
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
-	run(gi, GI_PASS_CUT, r->cut_program, p.cut_threads);
+	if (p.part) {
+		budget_choose(gi);
+		run_indirect(gi, GI_PASS_CUT, r->cut_program, GI_STATE_ARGS_PAIRS);
+	} else {
+		run(gi, GI_PASS_CUT, r->cut_program, p.cut_threads);
+	}
 	prepare(gi, 0);
 	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
 	if (!r->rebuild)
-		run(gi, GI_PASS_FLAG, r->flag_program, gi->scene.leaf_count);
+		run_rows(gi, &p, GI_PASS_FLAG, r->flag_program);
 	prepare(gi, 1);
 	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
-	run(gi, GI_PASS_CLOSE, r->close_program, gi->scene.leaf_count);
+	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
 	prepare(gi, 2);
 	gpu_dispatch_indirect(&gi->gpu, r->recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
 	r->rebuild = false;
+	if (!p.part)
+		r->current = r->update;
+	gi->rations.in_force = p.part;
 	return GI_OK;
 }
 
@@ -399,6 +459,7 @@ void rows_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_RUNS, &r->runs);
 	gpu_bind_storage(GI_BIND_SUSPECTS, &r->suspects);
 	gpu_bind_storage(GI_BIND_STATE, &gi->state);
+	budget_bind(gi);
 }
 
 /* The buffers that a commit makes anew; the frame's small ones stay. */

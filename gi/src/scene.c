@@ -168,10 +168,8 @@ gi_result scene_upload_changes(gi_context *gi)
 		data->bvh.z = o ? 0 : GI_OBJECT_SKY;
 		if (o && o->plane)
 			data->bvh.z |= GI_OBJECT_FLAT;
-		if (o && o->moved) {
+		if (o && o->moved)
 			scene_place_object(o, data);
-			data->bvh.z |= GI_OBJECT_MOVED;
-		}
 		if (o && o->material_changed)
 			upload_material(gi, o);
 		relit = relit || (o && o->material_changed);

@@ -104,7 +104,7 @@ static cornell open_cornell(gi_context *gi, uint32_t wall_levels)
 static gi_report step(gi_context *gi)
 {
 	gi_report report;
-	check(gi_update(gi));
+	check(gi_update(gi, NULL));
 	check(gi_finish(gi));
 	check(gi_get_report(gi, &report));
 	return report;
@@ -172,7 +172,7 @@ static void run_frames(engine_context *context, const options *o)
 	for (uint32_t k = 0; k < o->frames + 3; k++) {
 		const double began = now_ms();
 		check(gi_set_pose(gi, scene.buddha, cornell_buddha_pose(0.1f * (float)(k + 1))));
-		check(gi_update(gi));
+		check(gi_update(gi, NULL));
 		draw(gi, target, o->size);
 		check(gi_finish(gi));
 		const double ms = now_ms() - began;

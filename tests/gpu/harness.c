@@ -101,7 +101,7 @@ gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh
 gi_report harness_update(gi_context *gi)
 {
 	gi_report report = {0};
-	if (gi_update(gi) || gi_finish(gi) || gi_get_report(gi, &report))
+	if (gi_update(gi, NULL) || gi_finish(gi) || gi_get_report(gi, &report))
 		fail_msg("update: %s", last_message);
 	return report;
 }

@@ -477,7 +477,7 @@ static void null_pointers(void **state)
 	assert_int_equal(gi_set_material(NULL, l.ball, 0, good_material), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_destroy_object(NULL, l.ball), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_commit(NULL), GI_ERROR_INVALID_ARGUMENT);
-	assert_int_equal(gi_update(NULL), GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(gi_update(NULL, NULL), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_finish(NULL), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_get_report(NULL, &report), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_read_leaves(NULL, NULL, 0, &leaves), GI_ERROR_INVALID_ARGUMENT);
@@ -501,9 +501,9 @@ static void update_before_commit(void **state)
 	(void)state;
 	const gi_context_def def = loud_def();
 	gi_context *fresh = harness_context(&def);
-	expect_error(gi_update(fresh), GI_ERROR_NOT_COMMITTED);
+	expect_error(gi_update(fresh, NULL), GI_ERROR_NOT_COMMITTED);
 	add_light(fresh);
-	expect_error(gi_update(fresh), GI_ERROR_NOT_COMMITTED);
+	expect_error(gi_update(fresh, NULL), GI_ERROR_NOT_COMMITTED);
 	snapshot nothing = snapshot_take(fresh);
 	assert_int_equal(nothing.leaf_count + nothing.entry_count + nothing.link_count, 0);
 	snapshot_free(&nothing);
@@ -512,11 +512,11 @@ static void update_before_commit(void **state)
 	loaded l = load();
 	const gi_object extra = add_light(l.gi);
 	double f;
-	expect_error(gi_update(l.gi), GI_ERROR_NOT_COMMITTED);
+	expect_error(gi_update(l.gi, NULL), GI_ERROR_NOT_COMMITTED);
 	expect_error(gi_form_factor(l.gi, extra, l.floor, &f), GI_ERROR_INVALID_HANDLE);
 	expect_error(gi_form_factor(l.gi, l.floor, extra, &f), GI_ERROR_INVALID_HANDLE);
 	assert_gi(gi_destroy_object(l.gi, extra));
-	expect_error(gi_update(l.gi), GI_ERROR_NOT_COMMITTED);
+	expect_error(gi_update(l.gi, NULL), GI_ERROR_NOT_COMMITTED);
 	snapshot same = snapshot_take(l.gi);
 	snapshot_expect_same_rows(&l.before, &same, "before the commit");
 	snapshot_free(&same);
@@ -527,7 +527,7 @@ static void update_before_commit(void **state)
 	/* The scene that was uploaded can be read until the commit; handles of what is gone are null or stale, never
 	 * another's. */
 	assert_gi(gi_destroy_object(l.gi, l.ball));
-	expect_error(gi_update(l.gi), GI_ERROR_NOT_COMMITTED);
+	expect_error(gi_update(l.gi, NULL), GI_ERROR_NOT_COMMITTED);
 	same = snapshot_take(l.gi);
 	snapshot_expect_same_rows(&l.before, &same, "after destroying, before the commit");
 	for (uint32_t k = 0; k < same.leaf_count; k++)
@@ -738,13 +738,13 @@ static void rows_that_do_not_fit(void **state)
 		    &mesh);
 	}
 	assert_gi(gi_commit(gi));
-	const gi_result first = gi_update(gi);
+	const gi_result first = gi_update(gi, NULL);
 	if (first == GI_OK) {
 		gi_context_destroy(gi);
 		skip();
 	}
 	assert_int_equal(first, GI_ERROR_OUT_OF_MEMORY);
-	assert_int_equal(gi_update(gi), GI_ERROR_OUT_OF_MEMORY);
+	assert_int_equal(gi_update(gi, NULL), GI_ERROR_OUT_OF_MEMORY);
 	gi_context_destroy(gi);
 }
 

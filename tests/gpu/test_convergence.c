@@ -312,7 +312,7 @@ static void finish_reports_the_last_frame(void **state)
 	gi_report r;
 	for (uint64_t frame = 1; frame <= 9; frame++) {
 		assert_gi(gi_set_pose(gi, made.buddha, cornell_buddha_pose((float)frame * FRAME_SECONDS)));
-		assert_gi(gi_update(gi));
+		assert_gi(gi_update(gi, NULL));
 		if (frame % 3)
 			continue;
 		assert_gi(gi_finish(gi));

@@ -15,7 +15,7 @@
  *     gi_context *gi = NULL;
  *     gi_result result = gi_context_create(&def, &gi);
  *     ... gi_create_object() for everything, gi_commit() once ...
- *     every frame:  gi_set_pose() on what moves;  gi_update();  gi_draw();  gi_get_report();
+ *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
  * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31,
@@ -209,9 +209,23 @@ gi_result gi_commit(gi_context *gi);
 
 /* ---- frames ------------------------------------------------------------------------------------------------------- */
 
-/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed
- * and converged: no dispatch, no upload. GI_ERROR_NOT_COMMITTED after creating or destroying without gi_commit. */
-gi_result gi_update(gi_context *gi);
+/* What an update may cost, or how exact it has to be. All zero: exact, every row is that of a rebuild, bit for bit.
+ *
+ * A row (all that one leaf receives) is refreshed whole or waits. Rows that an update would change most go first, by a
+ * certified bound; a row that waits keeps the light of poses it knew, and gi_report counts it and bounds what all
+ * waiting rows are off by (stale_bound). None waits for more than some 70 updates for lack of budget. The first update
+ * after a commit and those after gi_invalidate build every row whatever the budget. */
+typedef struct gi_budget {
+	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
+	uint64_t rays; /* > 0: about so many rays */
+	float error;   /* > 0: rows wait while stale_relative stays at most this; they wait even when nothing moves, until
+			* an update asks for less. [0, 1] */
+} gi_budget;
+
+/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
+ * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. GI_ERROR_NOT_COMMITTED after creating
+ * or destroying without gi_commit. */
+gi_result gi_update(gi_context *gi, const gi_budget *budget);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
 void gi_invalidate(gi_context *gi);
@@ -235,6 +249,7 @@ typedef enum gi_outcome {
 
 typedef enum gi_pass {
 	GI_PASS_POSE,       /* moved nodes and vertices to the world */
+	GI_PASS_CHOOSE,     /* under a budget: which rows to refresh */
 	GI_PASS_CUT,        /* new cuts */
 	GI_PASS_FACTOR,     /* form factors of new entries */
 	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
@@ -262,6 +277,12 @@ typedef struct gi_report {
 	uint64_t dirty_entries;   /* new_entries + flagged_entries */
 	uint64_t dirty_rows;      /* rows with at least one of those */
 	uint64_t rays;
+
+	uint64_t waiting_rows;    /* under a budget: not refreshed although something of them may have changed */
+	uint64_t waiting_entries; /* their entries that may have */
+	float stale_bound;    /* certified: the solution of the rows as they are and that of the rows of an exact update differ
+			       * nowhere by more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
+	float stale_relative; /* stale_bound over the largest B */
 
 	uint32_t sweeps;
 	float residual;      /* largest |B_k+1 - B_k| of the last sweep, W/m2 */

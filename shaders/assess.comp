@@ -1,0 +1,205 @@
+#version 450 core
+// Under a budget: what has to be refreshed of each row, what that takes, and a bound on what it changes. One thread a
+// leaf.
+//
+// A closed row shares out a weight of 1. Entries that nothing touched keep F and V; closing moves them all the same
+// way, so together they move by no more than the touched part does. With x_old and x_new bounds on the closed weight
+// of the touched entries before and after, at most max(x_old, x_new) of the row's weight moves at all, and
+//
+//     H rises by at most  min(gain + x_old B_firm, max(x_old, x_new) max(B_firm, B_touched))
+//     H falls by at most  min(loss + x_new B_firm, the same, H)
+//
+// gain: what the touched entries can bring, loss: what they bring now, B_firm: the brightest untouched entry that
+// closing may move. Where the row may not close, everything counts as touched.
+#define USE_FRAME
+#define USE_OBJECTS
+#define USE_TOPOLOGY
+#define USE_WORLD
+#define USE_LEAVES
+#define USE_MATERIALS
+#define USE_SEGMENTS
+#define USE_ENTRIES
+#define USE_STATE
+#define USE_SUSPECTS
+#define USE_ROWS
+#define USE_RADIOSITY
+#define USE_LEAF_RADIOSITY
+#define USE_CHOICES
+#define USE_PENDING
+#define USE_SHINE
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "changed.glsl"
+#include "flag.glsl"
+#include "facing.glsl"
+#include "reach.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+// As closing has them (close.comp): no entry more than doubles, rows that lack more stay open, sums end this close to 1.
+const float CLOSE_RAISE = 2.0;
+const float CLOSES_ABOVE = 0.41;
+const float CLOSE_SLACK = 4e-5;
+
+// Emitters of more weight than this may have to be lowered for a row to close.
+const float EMITTERS_MOVE_ABOVE = 0.9;
+
+// After so many updates (and up to half as many more) a row goes first, whatever its bound.
+const float OLDEST = 48.0;
+
+struct part {
+	float weight;
+	float emitters; // part of weight
+	vec3 brightest; // B of those that are no emitters
+	vec3 brightest_emitter;
+};
+
+struct sums {
+	part firm;            // untouched: F V
+	part touched;         // what they may weigh afterwards: F, or the most that a new cut may have
+	float weight_before;  // F V of the touched
+	vec3 gain, loss;      // touched: F B, and F V B now
+	uint rays, entries;
+};
+
+void add(inout part p, float weight, vec3 b, bool emitter)
+{
+	p.weight += weight;
+	if (emitter) {
+		p.emitters += weight;
+		p.brightest_emitter = max(p.brightest_emitter, b);
+	} else {
+		p.brightest = max(p.brightest, b);
+	}
+}
+
+vec3 brightest(part p)
+{
+	return max(p.brightest, p.brightest_emitter);
+}
+
+vec3 shine_of(uint object)
+{
+	return vec3(uintBitsToFloat(shine[4u * object]), uintBitsToFloat(shine[4u * object + 1u]), uintBitsToFloat(shine[4u * object + 2u]));
+}
+
+void add_entry(inout sums s, uvec4 e, bool touched, bool stays)
+{
+	uint taken = samples_of(e);
+	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
+	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	bool emitter = (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
+	if (!touched) {
+		if (v > 0.0)
+			add(s.firm, v, b, emitter);
+		return;
+	}
+	s.weight_before += v;
+	s.loss += v * b;
+	s.rays += max(taken, 1u);
+	s.entries++;
+	if (stays) {
+		add(s.touched, f, b, emitter);
+		s.gain += f * b;
+	}
+}
+
+// What a new cut of a source may bring.
+void add_cut(inout sums s, gi_node_geometry p, uint source, uint count)
+{
+	bool sky = (objects[source].bvh.z & GI_OBJECT_SKY) != 0u;
+	float f = sky ? 1.0 : reach(p, source);
+	if (f == 0.0)
+		return;
+	uint root = objects[source].nodes.x;
+	vec3 b = sky ? radiosity[root].xyz : shine_of(source);
+	add(s.touched, f, b, (topology[root].range.w & GI_NODE_EMITTER) != 0u);
+	s.gain += f * b;
+	s.rays += count == 0u ? 1u : 0u;
+	s.entries += count == 0u ? 1u : 0u;
+}
+
+sums sum_row(uint leaf, watch w)
+{
+	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
+	sums s = sums(none, none, 0.0, vec3(0.0), vec3(0.0), 0u, 0u);
+	gi_node_geometry p = world[leaves[leaf].x];
+	for (uint source = 0u; source < frame.counts.z; source++) {
+		uvec4 block = segments[leaf * frame.counts.z + source];
+		uint count = block.y & GI_BLOCK_COUNT_MASK;
+		bool cut = pair_is_dirty(w.mine, source, w.since);
+		for (uint k = 0u; k < count; k++) {
+			uvec4 e = entries[block.x + k];
+			add_entry(s, e, cut || is_flagged(w, p, e), !cut);
+		}
+		if (cut)
+			add_cut(s, p, source, count);
+	}
+	return s;
+}
+
+// xyz: bound on what refreshing the row changes of H; w: on the share of its weight that moves.
+vec4 bound_of(sums s, vec3 h)
+{
+	float before = s.firm.weight + s.weight_before;
+	vec3 all = max(brightest(s.firm), brightest(s.touched));
+	if (s.firm.weight < CLOSES_ABOVE || before < CLOSES_ABOVE)
+		return vec4(max(all, h), 1.0);
+	float others = s.firm.weight - s.firm.emitters;
+	bool emitters_move = CLOSE_RAISE * others + s.firm.emitters < 1.0 || s.firm.emitters + s.touched.emitters > EMITTERS_MOVE_ABOVE;
+	vec3 firm = emitters_move ? brightest(s.firm) : s.firm.brightest;
+	vec3 touched = emitters_move ? brightest(s.touched) : s.touched.brightest;
+	float x_old = min(CLOSE_RAISE * s.weight_before, s.weight_before + max(0.0, 1.0 - before));
+	float x_new = min(CLOSE_RAISE * s.touched.weight, s.touched.weight + max(0.0, 1.0 - s.firm.weight));
+	float moved = min(1.0, max(x_old, x_new) + CLOSE_SLACK);
+	vec3 gain = s.gain + max(0.0, x_new - s.touched.weight) * touched;
+	vec3 loss = s.loss + max(0.0, x_old - s.weight_before) * all;
+	vec3 rise = min(gain + (x_old + CLOSE_SLACK) * firm, moved * all);
+	vec3 fall = min(min(loss + (min(1.0, x_new) + CLOSE_SLACK) * firm, moved * all), h);
+	return vec4(max(rise, fall), moved);
+}
+
+// Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go first.
+uint bucket_of(uint leaf, float bound, uint since)
+{
+	float age = float(frame.update.x - since);
+	float random = unit_float(hash(leaf ^ hash(since)));
+	if (age > OLDEST * (1.0 + 0.5 * random))
+		return GI_BUCKETS - 1u;
+	float largest = max(uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]), 1e-30);
+	float octave = log2(max(bound / largest, exp2(-40.0))) + log2(age) + 2.0 * random;
+	return uint(clamp(int(float(GI_BUCKETS_PER_OCTAVE) * (octave + 41.0)), 1, int(GI_BUCKETS) - 2));
+}
+
+void main()
+{
+	uint leaf = thread_number();
+	if (leaf >= frame.counts.x)
+		return;
+	watch w = watch_of(leaf);
+	vec3 b = leaf_radiosity[leaf].xyz;
+	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), vec4(b, 0.0));
+	bool changed = false;
+	for (uint k = frame.update.y; k < frame.update.z; k++)
+		changed = changed || max(objects[suspects[k]].changed.x, objects[suspects[k]].changed.y) > w.since;
+	if (changed) {
+		sums s = sum_row(leaf, w);
+		gi_material_data m = materials[leaves[leaf].z];
+		vec3 h = mix(vec3(0.0), (b - m.exitance.xyz) / m.rho.xyz, greaterThan(m.rho.xyz, vec3(0.0)));
+		vec4 bound = bound_of(s, max(h, vec3(0.0)));
+		bound.xyz *= m.rho.xyz;
+		float largest = max(bound.x, max(bound.y, bound.z));
+		if (s.entries == 0u) {
+			rows[leaf].z = frame.update.x; // nothing of it can have changed
+		} else {
+			row.bound = bound;
+			row.key.yz = uvec2(s.rays, s.entries);
+			bool wanted = frame.limit.y == 0.0 || largest > frame.limit.y * uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]);
+			row.key.x = wanted ? bucket_of(leaf, largest, w.since) : 0u;
+			if (wanted)
+				atomicAdd(choices[row.key.x], s.rays);
+		}
+	}
+	pending[leaf] = row;
+}

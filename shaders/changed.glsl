@@ -1,0 +1,13 @@
+// What changed since a row was refreshed, by the numbers of the updates (rows[leaf].z and gi_object_data.changed).
+
+bool moved_since(uint object, uint update)
+{
+	return objects[object].changed.x > update;
+}
+
+// Does the cut of `source` in a row of object `mine` have to be done again?
+bool pair_is_dirty(uint mine, uint source, uint update)
+{
+	bool relit = objects[source].changed.y > update;
+	return relit || (mine != source && (moved_since(mine, update) || moved_since(source, update)));
+}

@@ -1,0 +1,14 @@
+// The rows that an update refreshes: all, or under a budget those in the list that enlist.comp made.
+
+uint chosen_count()
+{
+	return (frame.update.w & GI_UPDATE_PART) != 0u ? state[GI_STATE_CHOSEN] : frame.counts.x;
+}
+
+// The leaf of the k-th of them; GI_NONE past the last.
+uint chosen_leaf(uint k)
+{
+	if (k >= chosen_count())
+		return GI_NONE;
+	return (frame.update.w & GI_UPDATE_PART) != 0u ? choices[GI_BUCKETS + k] : k;
+}

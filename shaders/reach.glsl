@@ -1,0 +1,39 @@
+// An upper bound on the sum of the form factors that a row's entries of one object can have, however it is cut.
+
+const float PI = 3.14159265358979;
+
+// A walk that visits more nodes is near enough for anything.
+const uint REACH_VISITS = 48u;
+
+// Of a node all of which is at least `near` away: F <= area cos / (pi r^2), whichever of its descendants stand for it.
+float reach_of_node(gi_node_geometry p, gi_node_geometry g, facing f, float near)
+{
+	float height = f.height + g.sphere.w + (g.sphere.w + p.sphere.w) * sine_of(p.axis.w) + p.sphere.w;
+	return min(1.0, g.moment.w * min(1.0, height / near) / (PI * near * near));
+}
+
+float reach(gi_node_geometry p, uint object)
+{
+	uvec4 nodes = objects[object].nodes;
+	float sum = 0.0;
+	uint visits = 0u;
+	for (uint n = nodes.x; n < nodes.y; visits++) {
+		uvec4 range = topology[n].range;
+		gi_node_geometry g = world[n];
+		facing f = facing_of(p, g, range.w);
+		float near = f.d - g.sphere.w - p.sphere.w;
+		if (f.unseen) {
+			n = range.x;
+		} else if (near > 0.0 && (near >= g.sphere.w || range.z == 1u)) {
+			sum += reach_of_node(p, g, f, near);
+			n = range.x;
+		} else if ((range.w & GI_NODE_LEAF) != 0u || visits > REACH_VISITS) {
+			return 1.0;
+		} else {
+			// A cut may take the node whole all the same, when it is below the tolerance.
+			sum += frame.tolerance.x;
+			n++;
+		}
+	}
+	return min(1.0, sum);
+}

@@ -1,0 +1,38 @@
+#version 450 core
+// After the solve under a budget: the largest bound on what a waiting row is off by. STAGE 0: how far B went from what
+// the bounds were made with; STAGE 1: the bounds, each entry's B taken that much brighter. One thread a leaf.
+#define USE_FRAME
+#define USE_LEAVES
+#define USE_MATERIALS
+#define USE_LEAF_RADIOSITY
+#define USE_STATE
+#define USE_PENDING
+#include "buffers.glsl"
+#include "dispatch.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint stage;
+
+// More than the rounding of sums of a row's entries.
+const float OUTWARD = 1.0001;
+
+float largest(vec3 v)
+{
+	return max(v.x, max(v.y, v.z));
+}
+
+void main()
+{
+	uint leaf = thread_number();
+	if (leaf >= frame.counts.x)
+		return;
+	gi_pending row = pending[leaf];
+	if (stage == 0u) {
+		float went = largest(abs(leaf_radiosity[leaf].xyz - row.before.xyz));
+		atomicMax(state[GI_STATE_STEP_BITS], floatBitsToUint(OUTWARD * went));
+	} else if (row.key.z > 0u) {
+		// A share of weight leaves one place and comes to another.
+		float more = 2.0 * row.bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * largest(materials[leaves[leaf].z].rho.xyz);
+		atomicMax(state[GI_STATE_STALE_BITS], floatBitsToUint(OUTWARD * (largest(row.bound.xyz) + more)));
+	}
+}
