@@ -6,11 +6,11 @@
 // way, so together they move by no more than the touched part does. With x_old and x_new bounds on the closed weight
 // of the touched entries before and after, at most max(x_old, x_new) of the row's weight moves at all, and
 //
-//     H rises by at most  min(gain + x_old B_firm, max(x_old, x_new) max(B_firm, B_touched))
-//     H falls by at most  min(loss + x_new B_firm, the same, H)
+//     H rises by at most  gain + x_old B_firm + what emitters are raised by
+//     H falls by at most  loss + x_new B_firm + what emitters are raised or lowered by, and by no more than H
 //
-// gain: what the touched entries can bring, loss: what they bring now, B_firm: the brightest untouched entry that
-// closing may move. Where the row may not close, everything counts as touched.
+// gain: what the touched entries can bring, loss: what they bring now, B_firm: the brightest untouched entry but for
+// emitters, which closing hardly moves. Where the row may not close, everything counts as touched.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
@@ -39,6 +39,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 
 // As closing has them (close.comp): no entry more than doubles, rows that lack more stay open, sums end this close to 1.
 const float CLOSE_RAISE = 2.0;
+const float OPEN_RAISE = 2.5; // and is scaled to what is missing of 1
 const float CLOSES_ABOVE = 0.41;
 const float CLOSE_SLACK = 4e-5;
 
@@ -99,10 +100,8 @@ void add_entry(inout sums s, uvec4 e, bool touched, bool stays)
 	s.loss += v * b;
 	s.rays += max(taken, 1u);
 	s.entries++;
-	if (stays) {
-		add(s.touched, f, b, emitter);
-		s.gain += f * b;
-	}
+	add(s.touched, stays ? f : 0.0, b, emitter);
+	s.gain += stays ? f * b : vec3(0.0);
 }
 
 // What a new cut of a source may bring.
@@ -143,21 +142,27 @@ sums sum_row(uint leaf, watch w)
 vec4 bound_of(sums s, vec3 h)
 {
 	float before = s.firm.weight + s.weight_before;
-	vec3 all = max(brightest(s.firm), brightest(s.touched));
+	// Whatever the row becomes: weights of 1 in sum, of which emitters have no more than raised and scaled.
+	vec3 emitted = OPEN_RAISE * (s.firm.emitters * s.firm.brightest_emitter + s.touched.emitters * s.touched.brightest_emitter);
+	vec3 dim = max(s.firm.brightest, s.touched.brightest);
+	vec3 all = min(dim + emitted, max(brightest(s.firm), brightest(s.touched)));
 	if (s.firm.weight < CLOSES_ABOVE || before < CLOSES_ABOVE)
 		return vec4(max(all, h), 1.0);
-	float others = s.firm.weight - s.firm.emitters;
-	bool emitters_move = CLOSE_RAISE * others + s.firm.emitters < 1.0 || s.firm.emitters + s.touched.emitters > EMITTERS_MOVE_ABOVE;
-	vec3 firm = emitters_move ? brightest(s.firm) : s.firm.brightest;
-	vec3 touched = emitters_move ? brightest(s.touched) : s.touched.brightest;
+	// Closed weights of the touched entries; none more than doubles, together they gain no more than the row lacks.
 	float x_old = min(CLOSE_RAISE * s.weight_before, s.weight_before + max(0.0, 1.0 - before));
 	float x_new = min(CLOSE_RAISE * s.touched.weight, s.touched.weight + max(0.0, 1.0 - s.firm.weight));
 	float moved = min(1.0, max(x_old, x_new) + CLOSE_SLACK);
-	vec3 gain = s.gain + max(0.0, x_new - s.touched.weight) * touched;
-	vec3 loss = s.loss + max(0.0, x_old - s.weight_before) * all;
-	vec3 rise = min(gain + (x_old + CLOSE_SLACK) * firm, moved * all);
-	vec3 fall = min(min(loss + (min(1.0, x_new) + CLOSE_SLACK) * firm, moved * all), h);
-	return vec4(max(rise, fall), moved);
+	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
+	float others = s.firm.weight - s.firm.emitters;
+	float lack = max(0.0, 1.0 - CLOSE_RAISE * others - s.firm.emitters);
+	bool full = s.firm.emitters + s.touched.emitters > EMITTERS_MOVE_ABOVE;
+	vec3 raised = min(lack, s.firm.emitters) * s.firm.brightest_emitter + min(lack, s.touched.emitters) * s.touched.brightest_emitter;
+	vec3 lowered = (full ? s.firm.emitters : 0.0) * s.firm.brightest_emitter;
+	vec3 gain = s.gain + max(0.0, x_new - s.touched.weight) * s.touched.brightest;
+	vec3 loss = s.loss + max(0.0, x_old - s.weight_before) * s.touched.brightest;
+	vec3 rise = min(gain + x_old * s.firm.brightest + raised, all);
+	vec3 fall = min(loss + min(1.0, x_new) * s.firm.brightest + raised + lowered, h);
+	return vec4(max(rise, fall) + CLOSE_SLACK * all, moved);
 }
 
 // Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go first.
@@ -189,7 +194,8 @@ void main()
 		vec3 h = mix(vec3(0.0), (b - m.exitance.xyz) / m.rho.xyz, greaterThan(m.rho.xyz, vec3(0.0)));
 		vec4 bound = bound_of(s, max(h, vec3(0.0)));
 		bound.xyz *= m.rho.xyz;
-		float largest = max(bound.x, max(bound.y, bound.z));
+		float rho = max(m.rho.x, max(m.rho.y, m.rho.z));
+		float largest = max(bound.x, max(bound.y, bound.z)) / (1.0 - rho); // as it counts in the end (stale.comp)
 		if (s.entries == 0u) {
 			rows[leaf].z = frame.update.x; // nothing of it can have changed
 		} else {

@@ -5,11 +5,15 @@ const float PI = 3.14159265358979;
 // A walk that visits more nodes is near enough for anything.
 const uint REACH_VISITS = 48u;
 
-// Of a node all of which is at least `near` away: F <= area cos / (pi r^2), whichever of its descendants stand for it.
-float reach_of_node(gi_node_geometry p, gi_node_geometry g, facing f, float near)
+// Of a node all of which is at least `near` away, whichever of its descendants stand for it: F <= A cos / (pi r^2) with
+// the area A that it shows, sum of a max(0, n.d) = sum of a (|n.d| + n.d) / 2 <= (area + moment.d) / 2 for one direction d
+// to the receiver, and no more than area radius / (2 near) more for directions that differ.
+float reach_of_node(gi_node_geometry p, gi_node_geometry g, facing f, float near, bool back)
 {
 	float height = f.height + g.sphere.w + (g.sphere.w + p.sphere.w) * sine_of(p.axis.w) + p.sphere.w;
-	return min(1.0, g.moment.w * min(1.0, height / near) / (PI * near * near));
+	float net = back ? abs(dot(g.moment.xyz, f.to)) : -dot(g.moment.xyz, f.to);
+	float shown = min(g.moment.w, 0.5 * (g.moment.w * (1.0 + (g.sphere.w + p.sphere.w) / near) + net / f.d));
+	return min(1.0, shown * min(1.0, height / near) / (PI * near * near));
 }
 
 float reach(gi_node_geometry p, uint object)
@@ -25,7 +29,7 @@ float reach(gi_node_geometry p, uint object)
 		if (f.unseen) {
 			n = range.x;
 		} else if (near > 0.0 && (near >= g.sphere.w || range.z == 1u)) {
-			sum += reach_of_node(p, g, f, near);
+			sum += reach_of_node(p, g, f, near, (range.w & GI_NODE_BACK) != 0u);
 			n = range.x;
 		} else if ((range.w & GI_NODE_LEAF) != 0u || visits > REACH_VISITS) {
 			return 1.0;

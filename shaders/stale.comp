@@ -1,6 +1,8 @@
 #version 450 core
-// After the solve under a budget: the largest bound on what a waiting row is off by. STAGE 0: how far B went from what
-// the bounds were made with; STAGE 1: the bounds, each entry's B taken that much brighter. One thread a leaf.
+// After the solve under a budget: what B may be off by since rows wait. STAGE 0: how far B went from what the bounds
+// were made with; STAGE 1: the bounds d, each entry's B taken that much brighter. One thread a leaf.
+//
+// No row sums to more than 1, so the leaf whose B is off most, by e, has e <= d + rho e: e <= max d / (1 - rho).
 #define USE_FRAME
 #define USE_LEAVES
 #define USE_MATERIALS
@@ -32,7 +34,9 @@ void main()
 		atomicMax(state[GI_STATE_STEP_BITS], floatBitsToUint(OUTWARD * went));
 	} else if (row.key.z > 0u) {
 		// A share of weight leaves one place and comes to another.
-		float more = 2.0 * row.bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * largest(materials[leaves[leaf].z].rho.xyz);
-		atomicMax(state[GI_STATE_STALE_BITS], floatBitsToUint(OUTWARD * (largest(row.bound.xyz) + more)));
+		float rho = largest(materials[leaves[leaf].z].rho.xyz);
+		float more = 2.0 * row.bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * rho;
+		float off = OUTWARD * (largest(row.bound.xyz) + more);
+		atomicMax(state[GI_STATE_STALE_BITS], floatBitsToUint(off / (1.0 - rho)));
 	}
 }

@@ -7,8 +7,9 @@
  *   (rows, solve)
  *   stale    the largest bound of a row that waits
  *
- * A bound d on what the rows that wait change of their leaves' B, and the residual r of the solve, bound what B is off by
- * as a whole: |B - B*| <= (d + r) / (1 - q) with q = max rho, since no row sums to more than 1, a refreshed one neither.
+ * Let B* solve the rows that an exact update would have. |B - B*| <= d + r + rho F* |B - B*| leaf by leaf, d bounding what
+ * refreshing the row changes at B and r the residual of the solve; since no row sums to more than 1, the leaf that is off
+ * most bounds them all: |B - B*| <= max d / (1 - rho) + max r / (1 - max rho).
  */
 #include "bits.h"
 #include "context.h"
@@ -112,7 +113,7 @@ void budget_limits(gi_context *gi, const gi_budget *budget, gi_vec4 *limit)
 	if (budget->ms > 0)
 		rays = fmin(rays, rays_in(gi, budget->ms));
 	gi->rations.error = budget->error;
-	*limit = (gi_vec4){(float)fmin(rays, 4e9), (float)((double)budget->error / amplification(gi)), 0, 0};
+	*limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
 }
 
 void budget_learn(gi_context *gi)
@@ -136,7 +137,7 @@ void budget_report(const gi_context *gi, const uint32_t *state, gi_report *out)
 	if (!out->waiting_rows)
 		return;
 	const double stale = (double)gi_float_from_bits(state[GI_STATE_STALE_BITS]);
-	out->stale_bound = (float)((stale + (double)out->residual) * amplification(gi) * 1.000001);
+	out->stale_bound = (float)((stale + (double)out->residual * amplification(gi)) * 1.000001);
 	out->stale_relative = out->radiosity_max > 0 ? out->stale_bound / out->radiosity_max : 0;
 }
 

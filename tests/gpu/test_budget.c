@@ -1,0 +1,312 @@
+/* Updates under a budget: rows that wait are counted and bounded, none waits for ever, and what is exact again is a
+ * rebuild's, to the bit.
+ *
+ * Two gi contexts get the same poses: one updates under a budget, the other exactly. The bound is tested against the
+ * exact one's B: |B - B'| <= solve_bound + stale_bound + solve_bound', all of it certified.
+ */
+#include "moving_scene.h"
+#include "snapshot.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static gi_context_def coarse_def(void)
+{
+	gi_context_def def = harness_def();
+	def.row_tolerance = 0.05f;
+	def.profile = false;
+	return def;
+}
+
+static gi_report update_under(gi_context *gi, const gi_budget *budget)
+{
+	gi_report report = {0};
+	if (gi_update(gi, budget) || gi_finish(gi) || gi_get_report(gi, &report))
+		fail_msg("update: %s", harness_last_message());
+	return report;
+}
+
+typedef void open_fn(scene *s, const gi_context_def *def);
+
+typedef struct pair {
+	scene bounded, exact;
+	motion motion;
+} pair;
+
+static void pose_both(pair *p, int mover, gi_pose pose)
+{
+	assert_gi(gi_set_pose(p->bounded.gi, p->bounded.mover[mover], pose));
+	assert_gi(gi_set_pose(p->exact.gi, p->exact.mover[mover], pose));
+}
+
+static pair open_pair(open_fn *open, const gi_context_def *def, uint32_t seed, bool stay_inside)
+{
+	pair p;
+	seed_motion(seed);
+	open(&p.bounded, def);
+	open(&p.exact, def);
+	p.motion = start_motion(stay_inside);
+	for (int k = 0; k < MOVERS; k++)
+		pose_both(&p, k, p.motion.pose[k]);
+	return p;
+}
+
+static void close_pair(pair *p)
+{
+	gi_context_destroy(p->bounded.gi);
+	gi_context_destroy(p->exact.gi);
+}
+
+static void move_both(pair *p)
+{
+	bool moved[MOVERS];
+	next_poses(&p->motion, moved);
+	for (int k = 0; k < MOVERS; k++)
+		if (moved[k])
+			pose_both(p, k, p->motion.pose[k]);
+}
+
+/* ---- certified ---- */
+
+enum { MOST_RATIOS = 4096 };
+
+typedef struct tally {
+	double ratios[MOST_RATIOS]; /* bound over distance, where rows wait */
+	uint32_t count, frames, with_waiting;
+	double waiting; /* sum of the share of rows */
+	double off, bound; /* sums, relative to the largest B */
+} tally;
+
+static int order_doubles(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+static void expect_bounded(const pair *p, const gi_report *a, const gi_report *b, const char *when, tally *t)
+{
+	snapshot bounded = snapshot_take(p->bounded.gi), exact = snapshot_take(p->exact.gi);
+	const double distance = snapshot_distance(&bounded, &exact);
+	const double bound = (double)a->solve_bound + (double)a->stale_bound;
+	/* Both B are stored in single precision: half a unit in the last place of the largest, each. */
+	const double rounding = 2 * snapshot_largest(&exact) / 16777216.0;
+	if (!(distance <= bound + (double)b->solve_bound + rounding))
+		fail_msg("%s: B is %.4g from the exact update's; solve_bound %.4g, stale_bound %.4g, %llu rows wait", when,
+			 distance, (double)a->solve_bound, (double)a->stale_bound, (unsigned long long)a->waiting_rows);
+	assert_true(a->waiting_rows == 0 || a->stale_bound > 0);
+	assert_true(a->waiting_rows > 0 || a->stale_bound == 0);
+	assert_true((a->waiting_rows > 0) == (a->waiting_entries > 0));
+	t->frames++;
+	t->with_waiting += a->waiting_rows > 0;
+	t->waiting += (double)a->waiting_rows / a->leaves;
+	t->off += distance / snapshot_largest(&exact);
+	t->bound += bound / snapshot_largest(&exact);
+	if (a->waiting_rows && distance > (double)b->solve_bound && t->count < MOST_RATIOS)
+		t->ratios[t->count++] = bound / distance;
+	snapshot_free(&bounded);
+	snapshot_free(&exact);
+}
+
+static void print_tally(const char *name, tally *t)
+{
+	qsort(t->ratios, t->count, sizeof *t->ratios, order_doubles);
+	printf("  %s: %u frames, %u with waiting rows, %.1f %% of the rows in the mean; bound over distance: median %.1f, "
+	       "least %.2f; mean %.2f %% and %.2f %% of the largest B\n",
+	       name, t->frames, t->with_waiting, 100 * t->waiting / t->frames, t->count ? t->ratios[t->count / 2] : 0,
+	       t->count ? t->ratios[0] : 0, 100 * t->bound / t->frames, 100 * t->off / t->frames);
+}
+
+/* Rows of the bounded scene against the exact one's, which waits for nothing. */
+static void expect_same_rows(const pair *p, const char *when)
+{
+	snapshot a = snapshot_take(p->bounded.gi), b = snapshot_take(p->exact.gi);
+	snapshot_expect_same_rows(&a, &b, when);
+	snapshot_free(&a);
+	snapshot_free(&b);
+}
+
+static void play(const char *name, open_fn *open, const gi_context_def *def, const gi_budget *budget, uint32_t frames)
+{
+	pair p = open_pair(open, def, 11, open == open_room);
+	static tally t;
+	t = (tally){0};
+	gi_report a = update_under(p.bounded.gi, budget);
+	harness_update(p.exact.gi);
+	assert_int_equal(a.waiting_rows, 0); /* the first rows are built whole */
+	for (uint32_t frame = 1; frame <= frames; frame++) {
+		char when[96];
+		snprintf(when, sizeof when, "%s, frame %u", name, frame);
+		move_both(&p);
+		a = update_under(p.bounded.gi, budget);
+		const gi_report b = harness_update(p.exact.gi);
+		expect_bounded(&p, &a, &b, when, &t);
+		if (budget->error > 0 && !budget->rays)
+			(void)0;
+		if (frame % 10 == 0) { /* and an exact update brings everything up to date */
+			a = update_under(p.bounded.gi, NULL);
+			assert_int_equal(a.waiting_rows, 0);
+			expect_same_rows(&p, when);
+		}
+	}
+	print_tally(name, &t);
+	assert_true(t.with_waiting > 0);
+	close_pair(&p);
+}
+
+static void rays(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	play("2,000 rays", open_box, &def, &(gi_budget){.rays = 2000}, 40);
+	play("10,000 rays", open_room, &def, &(gi_budget){.rays = 10000}, 40);
+}
+
+static void bright_sky(void **state)
+{
+	(void)state;
+	gi_context_def def = coarse_def();
+	def.sky = GI_SKY_ON;
+	for (int c = 0; c < 3; c++)
+		def.sky_exitance[c] = 3.0f + (float)c;
+	play("bright sky, 4,000 rays", open_box, &def, &(gi_budget){.rays = 4000}, 30);
+}
+
+static void error(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	play("error 0.2", open_box, &def, &(gi_budget){.error = .2f}, 30);
+	play("error 0.05", open_room, &def, &(gi_budget){.error = .05f}, 30);
+	play("error 0.05 and 3,000 rays", open_box, &def, &(gi_budget){.rays = 3000, .error = .05f}, 30);
+}
+
+/* ---- nothing waits for ever ---- */
+
+/* A budget of one ray, everything in motion: each row is refreshed within the promised number of updates, and once
+ * nothing moves all rows become those of an exact update. */
+static void nothing_waits_for_ever(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	const gi_budget least = {.rays = 1};
+	pair p = open_pair(open_box, &def, 5, false);
+	update_under(p.bounded.gi, &least);
+	harness_update(p.exact.gi);
+	for (int frame = 0; frame < 30; frame++) {
+		move_both(&p);
+		const gi_report r = update_under(p.bounded.gi, &least);
+		assert_true(r.dirty_rows > 0 && r.waiting_rows > 0);
+	}
+	harness_update(p.exact.gi);
+	uint32_t updates = 0;
+	gi_report r;
+	do
+		r = update_under(p.bounded.gi, &least);
+	while (++updates < 200 && r.waiting_rows > 0);
+	printf("  one ray an update: all rows current %u updates after the last move\n", updates);
+	assert_true(updates <= 75);
+	expect_same_rows(&p, "one ray an update");
+	r = update_under(p.bounded.gi, &least);
+	assert_int_equal(r.outcome, GI_OUTCOME_AT_REST);
+	close_pair(&p);
+}
+
+/* Rows whose change is bounded as small wait while nothing moves, for nothing; a smaller error or none brings them up. */
+static void small_changes_wait(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	pair p = open_pair(open_box, &def, 3, false);
+	const gi_budget loose = {.error = .5f}, tight = {.error = .01f};
+	update_under(p.bounded.gi, &loose);
+	harness_update(p.exact.gi);
+	gi_pose pose = HOME[BLOCK];
+	pose.position[0] += .05f;
+	pose_both(&p, BLOCK, pose);
+	harness_update(p.exact.gi);
+	gi_report r = update_under(p.bounded.gi, &loose);
+	const uint64_t waiting = r.waiting_rows;
+	assert_true(waiting > 0);
+	do
+		r = update_under(p.bounded.gi, &loose);
+	while (r.outcome != GI_OUTCOME_AT_REST);
+	assert_int_equal(r.waiting_rows, waiting);
+	assert_int_equal(r.dispatches, 0);
+	r = update_under(p.bounded.gi, &tight);
+	assert_true(r.dirty_rows > 0 && r.waiting_rows < waiting);
+	r = update_under(p.bounded.gi, NULL);
+	assert_int_equal(r.waiting_rows, 0);
+	expect_same_rows(&p, "an exact update after waiting");
+	close_pair(&p);
+}
+
+/* ---- edges ---- */
+
+static void no_budget_is_exact(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	pair p = open_pair(open_box, &def, 9, false);
+	for (int frame = 0; frame < 4; frame++) {
+		const gi_report a = update_under(p.bounded.gi, &(gi_budget){0}), b = harness_update(p.exact.gi);
+		assert_int_equal(a.dispatches, b.dispatches);
+		assert_int_equal(a.gpu_bytes, b.gpu_bytes);
+		assert_int_equal(a.waiting_rows, 0);
+		expect_same_rows(&p, "a budget of nothing");
+		move_both(&p);
+	}
+	close_pair(&p);
+}
+
+/* Lights switched and objects moved under a budget; then a commit, which builds everything. */
+static void switches_and_commits(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	const gi_budget budget = {.rays = 1500};
+	pair p = open_pair(open_box, &def, 21, false);
+	update_under(p.bounded.gi, &budget);
+	harness_update(p.exact.gi);
+	static tally t;
+	t = (tally){0};
+	for (int frame = 0; frame < 12; frame++) {
+		const gi_material m = frame % 3 ? (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {0, (float)(frame % 2) * 5, 5}}
+						: (gi_material){.rho = {.7f, .2f, .2f}};
+		assert_gi(gi_set_material(p.bounded.gi, p.bounded.mover[BLOCK], 0, m));
+		assert_gi(gi_set_material(p.exact.gi, p.exact.mover[BLOCK], 0, m));
+		move_both(&p);
+		const gi_report a = update_under(p.bounded.gi, &budget), b = harness_update(p.exact.gi);
+		expect_bounded(&p, &a, &b, "a switch", &t);
+	}
+	print_tally("switches", &t);
+	assert_gi(gi_commit(p.bounded.gi));
+	const gi_report r = update_under(p.bounded.gi, &budget);
+	assert_int_equal(r.waiting_rows, 0);
+	expect_same_rows(&p, "after a commit");
+	close_pair(&p);
+}
+
+static void bad_budgets(void **state)
+{
+	(void)state;
+	gi_context_def def = coarse_def();
+	pair p = open_pair(open_box, &def, 1, false);
+	const gi_budget bad[] = {{.ms = -1}, {.ms = NAN}, {.ms = INFINITY}, {.error = -.1f}, {.error = 1.5f},
+				 {.error = NAN}, {.ms = 5} /* without profile */};
+	for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+		assert_int_equal(gi_update(p.bounded.gi, &bad[k]), GI_ERROR_INVALID_ARGUMENT);
+		assert_non_null(harness_last_message()[0] ? harness_last_message() : NULL);
+	}
+	close_pair(&p);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(rays),		  cmocka_unit_test(bright_sky),		cmocka_unit_test(error),
+	    cmocka_unit_test(nothing_waits_for_ever), cmocka_unit_test(small_changes_wait),	cmocka_unit_test(no_budget_is_exact),
+	    cmocka_unit_test(switches_and_commits),   cmocka_unit_test(bad_budgets),
+	};
+	return cmocka_run_group_tests_name("budget", tests, harness_open, harness_close);
+}
