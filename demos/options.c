@@ -23,6 +23,10 @@ enum {
 	KEY_LEAF_SIZE,
 	KEY_SOLVE_TOLERANCE,
 	KEY_CAGE_FACES,
+	KEY_BUDGET_MS,
+	KEY_BUDGET_RAYS,
+	KEY_BUDGET_ERROR,
+	KEY_PIXEL_LAMPS,
 	KEY_EXPOSURE,
 	KEY_SKY,
 	KEY_IMAGES,
@@ -46,6 +50,10 @@ static const struct argp_option table[] = {
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
+    {"budget-ms", KEY_BUDGET_MS, "MS", 0, "aim for so many milliseconds an update; what does not fit waits", 1},
+    {"budget-rays", KEY_BUDGET_RAYS, "N", 0, "about so many rays an update", 1},
+    {"budget-error", KEY_BUDGET_ERROR, "E", 0, "rows whose change is bounded by this share of the largest radiosity wait, 0..1", 1},
+    {"pixel-lamps", KEY_PIXEL_LAMPS, "N", 0, "polygons that light per pixel, 0..32; others light through the leaves (32)", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
     {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
@@ -159,6 +167,18 @@ static void parse_fineness(options *o, int key, const char *text)
 	case KEY_CAGE_FACES:
 		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);
 		break;
+	case KEY_BUDGET_MS:
+		o->budget.ms = positive(o, "--budget-ms", text, 1e6);
+		break;
+	case KEY_BUDGET_RAYS:
+		o->budget.rays = options_count(o->program, "--budget-rays", text, 1, 2000000000);
+		break;
+	case KEY_BUDGET_ERROR:
+		o->budget.error = positive(o, "--budget-error", text, 1);
+		break;
+	case KEY_PIXEL_LAMPS:
+		o->pixel_lamps = options_count(o->program, "--pixel-lamps", text, 0, 32);
+		break;
 	}
 }
 
@@ -215,7 +235,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		o->rebuild = true;
 		return 0;
 	}
-	if (key >= KEY_ROW_TOLERANCE && key <= KEY_CAGE_FACES)
+	if (key >= KEY_ROW_TOLERANCE && key <= KEY_PIXEL_LAMPS)
 		parse_fineness(o, key, text);
 	else if (key >= KEY_IMAGES && key <= KEY_OUT)
 		parse_output(o, key, text);
@@ -228,7 +248,7 @@ const struct argp options_argp = {.options = table, .parser = parse};
 
 options options_default(const char *program)
 {
-	return (options){.program = program, .fps = 24, .width = 512, .height = 512};
+	return (options){.program = program, .fps = 24, .width = 512, .height = 512, .pixel_lamps = 32};
 }
 
 void options_parse(const struct argp *parser, int argc, char **argv, void *input)

@@ -61,6 +61,7 @@ static bool open_gi(player *p)
 		def.row_tolerance = p->o->row_tolerance;
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
+	def.pixel_lamps = p->o->pixel_lamps;
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;
@@ -167,7 +168,7 @@ static bool light(player *p)
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
-	return succeeded(p, gi_update(p->gi, NULL)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
+	return succeeded(p, gi_update(p->gi, &p->o->budget)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
 }
 
 bool player_draw(player *p, gi_mode mode)

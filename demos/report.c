@@ -38,6 +38,7 @@ static void write_header(FILE *file)
 	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_"
 	      "rows,rays,"
 	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,"
+	      "waiting_rows,waiting_entries,stale_bound_w_per_m2,stale_relative,"
 	      "dispatches,"
 	      "uploaded_bytes,gpu_bytes",
 	      file);
@@ -56,6 +57,8 @@ static void write_frame(FILE *file, const report_frame *f)
 		(unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
 	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction,
 		(double)g->solve_bound, (double)g->solve_relative, (double)g->radiosity_max);
+	fprintf(file, ",%llu,%llu,%.9g,%.9g", (unsigned long long)g->waiting_rows,
+		(unsigned long long)g->waiting_entries, (double)g->stale_bound, (double)g->stale_relative);
 	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes,
 		(unsigned long long)g->gpu_bytes);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
@@ -119,6 +122,8 @@ static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 	columns[REPORT_RAYS] = (float)f->gi.rays;
 	columns[REPORT_RESIDUAL] = f->gi.residual;
 	columns[REPORT_BOUND] = f->gi.solve_bound;
+	columns[REPORT_WAITING_PERCENT] = f->gi.leaves ? 100.0f * (float)f->gi.waiting_rows / (float)f->gi.leaves : 0;
+	columns[REPORT_STALE_BOUND] = f->gi.stale_bound;
 	memcpy(columns + REPORT_PASS_MS, f->gi.pass_ms, sizeof f->gi.pass_ms);
 }
 
@@ -213,6 +218,14 @@ static void print_sizes(const report *r, FILE *to)
 	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps\n", "first frame", r->first_ms, r->first.sweeps);
 }
 
+static bool rows_waited(const report *r)
+{
+	for (uint32_t f = 0; f < r->count; f++)
+		if (r->values[f][REPORT_WAITING_PERCENT] > 0)
+			return true;
+	return false;
+}
+
 void report_print(const report *r, FILE *to)
 {
 	if (!r->count)
@@ -229,6 +242,10 @@ void report_print(const report *r, FILE *to)
 	print_row(r, to, "sweeps", REPORT_SWEEPS, 0);
 	print_row(r, to, "residual, W/m2", REPORT_RESIDUAL, -1);
 	print_row(r, to, "certified bound, W/m2", REPORT_BOUND, -1);
+	if (rows_waited(r)) {
+		print_row(r, to, "waiting rows, %", REPORT_WAITING_PERCENT, 1);
+		print_row(r, to, "stale bound, W/m2", REPORT_STALE_BOUND, -1);
+	}
 }
 
 void report_free(report *r)

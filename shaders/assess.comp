@@ -194,8 +194,10 @@ void main()
 		vec3 h = mix(vec3(0.0), (b - m.exitance.xyz) / m.rho.xyz, greaterThan(m.rho.xyz, vec3(0.0)));
 		vec4 bound = bound_of(s, max(h, vec3(0.0)));
 		bound.xyz *= m.rho.xyz;
+		// As it will count in the end (stale.comp), if B goes about as far as it went in the update before.
 		float rho = max(m.rho.x, max(m.rho.y, m.rho.z));
-		float largest = max(bound.x, max(bound.y, bound.z)) / (1.0 - rho); // as it counts in the end (stale.comp)
+		float more = 2.0 * bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * rho;
+		float largest = (max(bound.x, max(bound.y, bound.z)) + more) / (1.0 - rho);
 		if (s.entries == 0u) {
 			rows[leaf].z = frame.update.x; // nothing of it can have changed
 		} else {

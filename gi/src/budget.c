@@ -163,6 +163,7 @@ void budget_choose(gi_context *gi)
 void budget_bound(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
 	for (uint32_t stage = 0; stage < 2; stage++) {
 		gpu_set_uint(r->stale_program, 0, stage);
 		gpu_dispatch(&gi->gpu, r->stale_program, gi->scene.leaf_count);

@@ -32,6 +32,7 @@ gi_context_def gi_context_def_default(void)
 		.near_samples = 4,
 		.solve_tolerance = 1e-4f,
 		.max_sweeps = 100,
+		.pixel_lamps = GI_LAMP_MAX,
 		.profile = true,
 		.internal = CONTEXT_COOKIE,
 	};
@@ -84,6 +85,9 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       (double)def->solve_tolerance);
 	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
+	if (def->pixel_lamps > GI_LAMP_MAX)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
+			       GI_LAMP_MAX);
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)

@@ -272,7 +272,7 @@ static uint32_t next_emitter(const gi_context *gi, double *power, uint32_t after
 static void take_object(const gi_context *gi, gi_lamps *next, uint32_t slot)
 {
 	static _Thread_local candidates cut;
-	if (!cut_object(&gi->scene.objects[gi->scene.slots[slot]], &cut) || next->count + cut.count > GI_LAMP_MAX)
+	if (!cut_object(&gi->scene.objects[gi->scene.slots[slot]], &cut) || next->count + cut.count > gi->def.pixel_lamps)
 		return;
 	for (uint32_t k = 0; k < cut.count; k++) {
 		cut.list[k].polygon.slot = slot;
@@ -295,7 +295,7 @@ void lamps_select(gi_context *gi, bool upload)
 	double power = INFINITY;
 	uint32_t slot = GI_NONE;
 	/* Nobody looks at more emitters than there may be polygons. */
-	for (uint32_t k = 0; k < GI_LAMP_MAX && (slot = next_emitter(gi, &power, slot)) != GI_NONE; k++)
+	for (uint32_t k = 0; k < gi->def.pixel_lamps && (slot = next_emitter(gi, &power, slot)) != GI_NONE; k++)
 		take_object(gi, &next, slot);
 	for (slot = 0; slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE)

@@ -340,7 +340,7 @@ void rows_clear_counts(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, 2 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
 }
 
 static void begin(gi_context *gi)

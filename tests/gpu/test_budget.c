@@ -141,8 +141,6 @@ static void play(const char *name, open_fn *open, const gi_context_def *def, con
 		a = update_under(p.bounded.gi, budget);
 		const gi_report b = harness_update(p.exact.gi);
 		expect_bounded(&p, &a, &b, when, &t);
-		if (budget->error > 0 && !budget->rays)
-			(void)0;
 		if (frame % 10 == 0) { /* and an exact update brings everything up to date */
 			a = update_under(p.bounded.gi, NULL);
 			assert_int_equal(a.waiting_rows, 0);
@@ -179,6 +177,42 @@ static void error(void **state)
 	play("error 0.2", open_box, &def, &(gi_budget){.error = .2f}, 30);
 	play("error 0.05", open_room, &def, &(gi_budget){.error = .05f}, 30);
 	play("error 0.05 and 3,000 rays", open_box, &def, &(gi_budget){.rays = 3000, .error = .05f}, 30);
+}
+
+/* ---- many frames ---- */
+
+/* Another budget every frame; every 20th an exact update, which has to find everything that waited. */
+static void any_budget(void **state)
+{
+	(void)state;
+	enum { EXACT_EVERY = 20 };
+	static const gi_budget budgets[] = {{.rays = 500}, {.rays = 3000}, {.error = .3f}, {.rays = 20000, .error = .02f}, {.ms = 0}};
+	const gi_context_def def = coarse_def();
+	const char *text = getenv("RELUME_FRAMES");
+	const uint32_t frames = text ? (uint32_t)atoi(text) : 60;
+	pair p = open_pair(open_box, &def, 77, false);
+	harness_update(p.bounded.gi);
+	static tally t;
+	t = (tally){0};
+	for (uint32_t frame = 1; frame <= frames; frame++) {
+		char when[64];
+		snprintf(when, sizeof when, "any budget, frame %u", frame);
+		move_both(&p);
+		if (frame % EXACT_EVERY) {
+			const gi_report a = update_under(p.bounded.gi, &budgets[(frame * 2654435761u >> 16) % 5]);
+			if (frame % EXACT_EVERY == EXACT_EVERY / 2) {
+				const gi_report b = harness_update(p.exact.gi);
+				expect_bounded(&p, &a, &b, when, &t);
+			}
+			continue;
+		}
+		update_under(p.bounded.gi, NULL);
+		gi_invalidate(p.exact.gi);
+		harness_update(p.exact.gi);
+		expect_same_rows(&p, when);
+	}
+	print_tally("any budget", &t);
+	close_pair(&p);
 }
 
 /* ---- nothing waits for ever ---- */
@@ -304,7 +338,7 @@ static void bad_budgets(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(rays),		  cmocka_unit_test(bright_sky),		cmocka_unit_test(error),
+	    cmocka_unit_test(any_budget),cmocka_unit_test(rays),		  cmocka_unit_test(bright_sky),		cmocka_unit_test(error),
 	    cmocka_unit_test(nothing_waits_for_ever), cmocka_unit_test(small_changes_wait),	cmocka_unit_test(no_budget_is_exact),
 	    cmocka_unit_test(switches_and_commits),   cmocka_unit_test(bad_budgets),
 	};

@@ -111,6 +111,10 @@ typedef struct gi_context_def {
 	gi_sky sky;
 	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; >= 0, default 0 */
 
+	/* Lamp polygons that gi_draw lights per pixel, with soft shadows; 0..32, default 32. The rest lights through the
+	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
+	uint32_t pixel_lamps;
+
 	bool profile; /* measure ms per pass with GPU timers; default true */
 	uint32_t internal; /* set by gi_context_def_default */
 } gi_context_def;
@@ -218,8 +222,8 @@ gi_result gi_commit(gi_context *gi);
 typedef struct gi_budget {
 	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
 	uint64_t rays; /* > 0: about so many rays */
-	float error;   /* > 0: rows wait while stale_relative stays at most this; they wait even when nothing moves, until
-			* an update asks for less. [0, 1] */
+	float error;   /* > 0: rows wait whose part in stale_relative is at most this, if B changes about as much as in the
+			* update before; they wait even when nothing moves, until an update asks for less. [0, 1] */
 } gi_budget;
 
 /* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
@@ -332,8 +336,8 @@ gi_view gi_view_default(void);
  * per pixel with soft shadows of area emitters, indirect light interpolated from the leaves. Back faces are not drawn:
  * one looks into a room through its walls from behind.
  *
- * At most 32 polygons emit per pixel (an emitting object is cut into as few as tile it); objects beyond that, the
- * weakest, light through the leaves. One or two of them cost least. Shadow maps are drawn again only after something
+ * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it); objects
+ * beyond that, the weakest, light through the leaves. One or two of them cost least. Shadow maps are drawn again only after something
  * moved. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
