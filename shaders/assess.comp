@@ -57,7 +57,7 @@ struct part {
 };
 
 struct sums {
-	part firm;            // untouched: F V
+	part firm;            // untouched: F V, each taken as bright as the brightest of its object
 	part touched;         // what they may weigh afterwards: F, or the most that a new cut may have
 	float weight_before;  // F V of the touched
 	vec3 gain, loss;      // touched: F B, and F V B now
@@ -85,17 +85,36 @@ vec3 shine_of(uint object)
 	return vec3(uintBitsToFloat(shine[4u * object]), uintBitsToFloat(shine[4u * object + 1u]), uintBitsToFloat(shine[4u * object + 2u]));
 }
 
-void add_entry(inout sums s, uvec4 e, bool touched, bool stays)
+// What a row has of one source object.
+struct source_part {
+	uint object;
+	vec3 shine;   // the largest B that may come from it
+	bool emits;   // some of it
+};
+
+source_part load_source(uint object)
+{
+	uint root = objects[object].nodes.x;
+	bool sky = (objects[object].bvh.z & GI_OBJECT_SKY) != 0u;
+	return source_part(object, sky ? radiosity[root].xyz : shine_of(object), (topology[root].range.w & GI_NODE_EMITTER) != 0u);
+}
+
+bool is_emitter(source_part from, uint node)
+{
+	return from.emits && (topology[node].range.w & GI_NODE_EMITTER) != 0u;
+}
+
+void add_entry(inout sums s, source_part from, uvec4 e, bool touched, bool stays)
 {
 	uint taken = samples_of(e);
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
-	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
-	bool emitter = (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
+	bool emitter = is_emitter(from, e.x);
 	if (!touched) {
 		if (v > 0.0)
-			add(s.firm, v, b, emitter);
+			add(s.firm, v, from.shine, emitter);
 		return;
 	}
+	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
 	s.weight_before += v;
 	s.loss += v * b;
 	s.rays += max(taken, 1u);
@@ -104,17 +123,15 @@ void add_entry(inout sums s, uvec4 e, bool touched, bool stays)
 	s.gain += stays ? f * b : vec3(0.0);
 }
 
-// What a new cut of a source may bring.
-void add_cut(inout sums s, gi_node_geometry p, uint source, uint count)
+// What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
+void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
 {
-	bool sky = (objects[source].bvh.z & GI_OBJECT_SKY) != 0u;
-	float f = sky ? 1.0 : reach(p, source);
+	bool sky = (objects[from.object].bvh.z & GI_OBJECT_SKY) != 0u;
+	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
-	uint root = objects[source].nodes.x;
-	vec3 b = sky ? radiosity[root].xyz : shine_of(source);
-	add(s.touched, f, b, (topology[root].range.w & GI_NODE_EMITTER) != 0u);
-	s.gain += f * b;
+	add(s.touched, f, from.shine, from.emits);
+	s.gain += f * from.shine;
 	s.rays += count == 0u ? 1u : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -128,12 +145,13 @@ sums sum_row(uint leaf, watch w)
 		uvec4 block = segments[leaf * frame.counts.z + source];
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		bool cut = pair_is_dirty(w.mine, source, w.since);
+		source_part from = load_source(source);
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = entries[block.x + k];
-			add_entry(s, e, cut || is_flagged(w, p, e), !cut);
+			add_entry(s, from, e, cut || is_flagged(w, p, e), !cut);
 		}
 		if (cut)
-			add_cut(s, p, source, count);
+			add_cut(s, from, p, w.moved, count);
 	}
 	return s;
 }

@@ -3,7 +3,7 @@
 const float PI = 3.14159265358979;
 
 // A walk that visits more nodes is near enough for anything.
-const uint REACH_VISITS = 48u;
+const uint REACH_VISITS = 24u;
 
 // Of a node all of which is at least `near` away, whichever of its descendants stand for it: F <= A cos / (pi r^2) with
 // the area A that it shows, sum of a max(0, n.d) = sum of a (|n.d| + n.d) / 2 <= (area + moment.d) / 2 for one direction d
