@@ -26,6 +26,8 @@ const char *report_outcome_name(gi_outcome outcome)
 		return "sweeps spent";
 	case GI_OUTCOME_AT_REST:
 		return "at rest";
+	case GI_OUTCOME_ROUNDING:
+		return "rounding";
 	}
 	return "unknown";
 }

@@ -8,7 +8,15 @@ static gi_outcome outcome_of(const uint32_t *state)
 		return GI_OUTCOME_NOT_FINITE;
 	if (state[GI_STATE_OVERFLOW])
 		return GI_OUTCOME_TRUNCATED;
-	return state[GI_STATE_ACTIVE] ? GI_OUTCOME_SWEEPS : GI_OUTCOME_CONVERGED;
+	if (state[GI_STATE_VERDICT] == GI_SOLVE_ROUNDING)
+		return GI_OUTCOME_ROUNDING;
+	return state[GI_STATE_VERDICT] == GI_SOLVE_CONVERGED ? GI_OUTCOME_CONVERGED : GI_OUTCOME_SWEEPS;
+}
+
+static gi_method method_of(const uint32_t *state)
+{
+	const uint32_t manner = state[GI_STATE_MANNER];
+	return manner == GI_MANNER_CHEBYSHEV || manner == GI_MANNER_POLISH ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
 }
 
 static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
@@ -25,10 +33,14 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->dirty_rows = state[GI_STATE_DIRTY_ROWS];
 	r->rays = state[GI_STATE_RAYS];
 	r->sweeps = state[GI_STATE_SWEEPS];
+	r->jacobi_sweeps = state[GI_STATE_JACOBI_SWEEPS];
+	r->method = method_of(state);
 	r->residual = gi_float_from_bits(state[GI_STATE_DONE_RESIDUAL_BITS]);
 	r->contraction = gi_float_from_bits(state[GI_STATE_DONE_Q_BITS]);
 	r->solve_bound = gi_float_from_bits(state[GI_STATE_BOUND_BITS]);
 	r->solve_relative = gi_float_from_bits(state[GI_STATE_BOUND_RELATIVE_BITS]);
+	r->rounding_bound = gi_float_from_bits(state[GI_STATE_ROUNDING_BITS]);
+	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
@@ -41,13 +53,8 @@ static void collect_reports(gi_context *gi, bool wait)
 	uint32_t state[GI_STATE_WORDS];
 	uint64_t frame;
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
-		const float before = gi->report.residual;
 		fill_report(gi, state, frame);
-		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing.
-		 */
-		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS &&
-				   gi->issued[frame % GPU_READBACK_RING].solve_only && gi->report.residual >= before;
-		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && !stuck;
+		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && gi->report.outcome != GI_OUTCOME_ROUNDING;
 		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
 			gi->truncated = true;
 	}
@@ -82,10 +89,9 @@ static gi_result issue(gi_context *gi, bool rows)
 		result = rows_update(gi);
 	else
 		rows_clear_counts(gi);
-	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !gi->solver.cold;
 	if (result)
 		return result;
-	solver_update(gi);
+	solver_update(gi, rows);
 	gpu_readback_queue(&gi->readback, &gi->state, gi->frame_number);
 	gi->issued_frame = gi->frame_number;
 	changes_done(gi);
