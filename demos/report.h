@@ -26,7 +26,9 @@ typedef enum report_column {
 	REPORT_DIRTY_PERCENT,
 	REPORT_RAYS,
 	REPORT_RESIDUAL,
+	REPORT_AMPLIFICATION,
 	REPORT_BOUND,
+	REPORT_ROUNDING,
 	REPORT_PASS_MS, /* and the other passes */
 	REPORT_COLUMNS = REPORT_PASS_MS + GI_PASS_COUNT
 } report_column;
@@ -61,5 +63,8 @@ void report_free(report *r);
 
 /* "converged" etc. */
 const char *report_outcome_name(gi_outcome outcome);
+
+/* "Jacobi" or "Chebyshev". */
+const char *report_method_name(gi_method method);
 
 #endif

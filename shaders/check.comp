@@ -54,7 +54,8 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// Times FLOOR. Near: errors of rounding as Chebyshev collects them. There: nothing is left to gain but a factor of two.
+// Times FLOOR. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T B + B) / 2, take them away, those of
+// eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
 const float NEAR_FLOOR = 64.0, AT_FLOOR = 2.0;
 const uint POLISH_SWEEPS = 16u;
 
@@ -110,6 +111,7 @@ void begin()
 	if (stage == STAGE_BEGIN) {
 		state[GI_STATE_MANNER] = GI_MANNER_JACOBI;
 		state[GI_STATE_WINDOW] = 0u;
+		state[GI_STATE_REACH_BITS] = 0u;
 		store(GI_STATE_OMEGA_BITS, 1.0);
 		store(GI_STATE_AMPLIFICATION_BITS, 3e38);
 		// The sign says: of rows that were.
@@ -183,7 +185,7 @@ void open_window(float residual)
 void settle_for(uint manner, float residual)
 {
 	state[GI_STATE_MANNER] = manner;
-	store(GI_STATE_OMEGA_BITS, 1.0);
+	store(GI_STATE_OMEGA_BITS, manner == GI_MANNER_POLISH ? 0.5 : 1.0);
 	open_window(residual);
 }
 
@@ -225,14 +227,15 @@ uint foretell_jacobi(float amplified, float residual, float tolerance)
 	return uint(clamp(ceil(log(tolerance / bound) / log(1.0 - 1.0 / amplified)), 1.0, 1e6));
 }
 
-// Exact sweeps shrink the residual: those that no longer do are rounding.
-bool is_stuck(float amplified, float residual, bool certified, bool near_floor)
+// Exact sweeps shrink the residual, in as many as the amplification by e: those that do not are rounding. Polishing takes away
+// noise, or has nothing to take.
+bool is_stuck(float amplified, float residual, bool certified, bool polished)
 {
 	state[GI_STATE_WINDOW] += 1u;
-	uint enough = near_floor ? POLISH_SWEEPS : POLISH_SWEEPS + uint(min(amplified, 1e6));
+	uint enough = polished ? POLISH_SWEEPS : POLISH_SWEEPS + uint(min(amplified, 1e6));
 	if (certified && state[GI_STATE_WINDOW] < enough)
 		return false;
-	bool stuck = certified && residual > (near_floor ? 0.5 : 0.9) * load(GI_STATE_WINDOW_BITS);
+	bool stuck = certified && residual > (polished ? 0.5 : 0.9) * load(GI_STATE_WINDOW_BITS);
 	open_window(residual);
 	return stuck;
 }
@@ -260,9 +263,12 @@ void judge(bool certified, float last_residual, float residual, float b_max)
 		step_chebyshev(amplified, residual, near_floor);
 	} else if (manner == GI_MANNER_JACOBI && steady && more > JACOBI_MOST) {
 		start_chebyshev(amplified, 0u, residual);
-	} else if (is_stuck(amplified, residual, certified, near_floor)) {
-		stop(GI_SOLVE_ROUNDING);
-		return;
+	} else if (is_stuck(amplified, residual, certified, near_floor && manner == GI_MANNER_POLISH)) {
+		if (manner == GI_MANNER_POLISH) {
+			stop(GI_SOLVE_ROUNDING);
+			return;
+		}
+		settle_for(GI_MANNER_POLISH, residual);
 	}
 	// What the next sweep would certify: by the last one's progress, or the theory's.
 	float left = 1.0 - 1.0 / amplified;

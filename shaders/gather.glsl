@@ -1,8 +1,9 @@
 // A sweep, the gather: T B of every leaf, T B_i = E_i + rho_i * sum over links of weight * B_node, and the next B from
 // it. One thread a leaf.
 //
-// Next is omega (T B - B_before) + B_before: T B for omega 1 (Jacobi), else a step of Chebyshev's (check.comp). Never
-// below 0, which no solution is, so that sums have terms of one sign only and rounding is relative to them.
+// Next is T B for omega 1 (Jacobi), for more a step of Chebyshev's, omega (T B - B_before) + B_before, for less a damped one,
+// omega (T B - B) + B (check.comp). Never below 0, which no solution is, so that sums have terms of one sign only and
+// rounding is relative to them.
 //
 // The fourth channel solves u = 1 + rho_max * sum of weight * u_node along with B: how much the scene amplifies.
 #define USE_FRAME
@@ -120,7 +121,7 @@ void sweep(uint leaf)
 	REAL omega = REAL(uintBitsToFloat(state[GI_STATE_OMEGA_BITS]));
 	REAL4 step_to = image;
 	if (omega != REAL(1.0)) {
-		REAL4 earlier = REAL4(leaf_radiosity[frame.counts.x + leaf]);
+		REAL4 earlier = omega < REAL(1.0) ? REAL4(before) : REAL4(leaf_radiosity[frame.counts.x + leaf]);
 		step_to = omega * (image - earlier) + earlier;
 	}
 	vec4 next = to_single(max(step_to, REAL4(0.0)));

@@ -215,8 +215,8 @@ GI_STRUCT(gi_frame) {
 #define GI_STATE_SWEEPS 8u
 #define GI_STATE_VERDICT 9u        /* GI_SOLVE_ */
 /* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves (check.comp). */
-#define GI_STATE_OMEGA_BITS 10u    /* of the next sweep; 1 is Jacobi */
-#define GI_STATE_REACH_BITS 11u    /* amplification Chebyshev is set up for */
+#define GI_STATE_OMEGA_BITS 10u    /* of the next sweep (gather.glsl); 1 is Jacobi */
+#define GI_STATE_REACH_BITS 11u    /* amplification Chebyshev is set up for; 0 before it is */
 #define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened */
 #define GI_STATE_WINDOW 13u        /* sweeps since the progress was last judged */
 #define GI_STATE_WINDOW_BITS 14u   /* the residual then */
@@ -259,7 +259,7 @@ GI_STRUCT(gi_frame) {
 /* GI_STATE_MANNER. */
 #define GI_MANNER_JACOBI 0u
 #define GI_MANNER_CHEBYSHEV 1u
-#define GI_MANNER_POLISH 2u        /* Chebyshev came near to what rounding leaves; Jacobi takes its noise away */
+#define GI_MANNER_POLISH 2u        /* near to what rounding leaves: damped sweeps take its noise away */
 #define GI_MANNER_GIVEN_UP 3u      /* no ellipse did for these rows: Jacobi to the end */
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */

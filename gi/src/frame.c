@@ -15,8 +15,9 @@ static gi_outcome outcome_of(const uint32_t *state)
 
 static gi_method method_of(const uint32_t *state)
 {
-	const uint32_t manner = state[GI_STATE_MANNER];
-	return manner == GI_MANNER_CHEBYSHEV || manner == GI_MANNER_POLISH ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
+	/* Polishing belongs to what came before it. */
+	const bool chebyshev = state[GI_STATE_REACH_BITS] && state[GI_STATE_MANNER] != GI_MANNER_GIVEN_UP;
+	return chebyshev ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
 }
 
 static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
