@@ -26,8 +26,15 @@ const char *report_outcome_name(gi_outcome outcome)
 		return "sweeps spent";
 	case GI_OUTCOME_AT_REST:
 		return "at rest";
+	case GI_OUTCOME_ROUNDING:
+		return "rounding";
 	}
 	return "unknown";
+}
+
+const char *report_method_name(gi_method method)
+{
+	return method == GI_METHOD_CHEBYSHEV ? "Chebyshev" : "Jacobi";
 }
 
 /* ---- the file ------------------------------------------------------------------------------------------------------
@@ -37,7 +44,8 @@ static void write_header(FILE *file)
 {
 	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_"
 	      "rows,rays,"
-	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,"
+	      "sweeps,jacobi_sweeps,method,residual_w_per_m2,contraction,amplification,solve_bound_w_per_m2,solve_relative,"
+	      "rounding_bound_w_per_m2,radiosity_max_w_per_m2,"
 	      "waiting_rows,waiting_entries,stale_bound_w_per_m2,stale_relative,"
 	      "dispatches,"
 	      "uploaded_bytes,gpu_bytes",
@@ -55,8 +63,10 @@ static void write_frame(FILE *file, const report_frame *f)
 	fprintf(file, ",%llu,%llu,%llu,%llu,%llu", (unsigned long long)g->new_entries,
 		(unsigned long long)g->flagged_entries, (unsigned long long)g->dirty_entries,
 		(unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
-	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction,
-		(double)g->solve_bound, (double)g->solve_relative, (double)g->radiosity_max);
+	fprintf(file, ",%u,%u,%s,%.9g,%.9g,%.9g", g->sweeps, g->jacobi_sweeps, report_method_name(g->method),
+		(double)g->residual, (double)g->contraction, (double)g->amplification);
+	fprintf(file, ",%.9g,%.9g,%.9g,%.9g", (double)g->solve_bound, (double)g->solve_relative,
+		(double)g->rounding_bound, (double)g->radiosity_max);
 	fprintf(file, ",%llu,%llu,%.9g,%.9g", (unsigned long long)g->waiting_rows,
 		(unsigned long long)g->waiting_entries, (double)g->stale_bound, (double)g->stale_relative);
 	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes,
@@ -121,7 +131,9 @@ static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 	columns[REPORT_DIRTY_PERCENT] = f->gi.entries ? 100.0f * (float)f->gi.dirty_entries / (float)f->gi.entries : 0;
 	columns[REPORT_RAYS] = (float)f->gi.rays;
 	columns[REPORT_RESIDUAL] = f->gi.residual;
+	columns[REPORT_AMPLIFICATION] = f->gi.amplification;
 	columns[REPORT_BOUND] = f->gi.solve_bound;
+	columns[REPORT_ROUNDING] = f->gi.rounding_bound;
 	columns[REPORT_WAITING_PERCENT] = f->gi.leaves ? 100.0f * (float)f->gi.waiting_rows / (float)f->gi.leaves : 0;
 	columns[REPORT_STALE_BOUND] = f->gi.stale_bound;
 	memcpy(columns + REPORT_PASS_MS, f->gi.pass_ms, sizeof f->gi.pass_ms);
@@ -241,7 +253,9 @@ void report_print(const report *r, FILE *to)
 	print_row(r, to, "rays", REPORT_RAYS, 0);
 	print_row(r, to, "sweeps", REPORT_SWEEPS, 0);
 	print_row(r, to, "residual, W/m2", REPORT_RESIDUAL, -1);
+	print_row(r, to, "amplification", REPORT_AMPLIFICATION, 1);
 	print_row(r, to, "certified bound, W/m2", REPORT_BOUND, -1);
+	print_row(r, to, "  of it rounding, W/m2", REPORT_ROUNDING, -1);
 	if (rows_waited(r)) {
 		print_row(r, to, "waiting rows, %", REPORT_WAITING_PERCENT, 1);
 		print_row(r, to, "stale bound, W/m2", REPORT_STALE_BOUND, -1);

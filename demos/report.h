@@ -26,7 +26,9 @@ typedef enum report_column {
 	REPORT_DIRTY_PERCENT,
 	REPORT_RAYS,
 	REPORT_RESIDUAL,
+	REPORT_AMPLIFICATION,
 	REPORT_BOUND,
+	REPORT_ROUNDING,
 	REPORT_WAITING_PERCENT,
 	REPORT_STALE_BOUND,
 	REPORT_PASS_MS, /* and the other passes */
@@ -63,5 +65,8 @@ void report_free(report *r);
 
 /* "converged" etc. */
 const char *report_outcome_name(gi_outcome outcome);
+
+/* "Jacobi" or "Chebyshev". */
+const char *report_method_name(gi_method method);
 
 #endif

@@ -242,13 +242,20 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_LINKS 6u          /* likewise */
 #define GI_STATE_NOT_FINITE 7u
 #define GI_STATE_SWEEPS 8u
-#define GI_STATE_ACTIVE 9u         /* 1 while the solve has to go on */
-#define GI_STATE_RESIDUAL_BITS 10u /* 3: rgb, of the last sweep */
-#define GI_STATE_Q_BITS 13u        /* 3 */
-#define GI_STATE_B_MAX_BITS 16u    /* 3 */
+#define GI_STATE_VERDICT 9u        /* GI_SOLVE_ */
+/* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves (check.comp). */
+#define GI_STATE_OMEGA_BITS 10u    /* of the next sweep (gather.glsl); 1 is Jacobi */
+#define GI_STATE_REACH_BITS 11u    /* amplification Chebyshev is set up for; 0 before it is */
+#define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened */
+#define GI_STATE_WINDOW 13u        /* sweeps since the progress was last judged */
+#define GI_STATE_WINDOW_BITS 14u   /* the residual then */
+#define GI_STATE_ESTIMATE_BITS 15u /* least amplification any sweep over these rows saw, in float */
+#define GI_STATE_AMPLIFICATION_BITS 16u /* the same of certifying sweeps alone, rounded up */
+#define GI_STATE_JACOBI_SWEEPS 17u /* those Jacobi would take for this frame, as last foretold */
+#define GI_STATE_ROUNDING_BITS 18u
 #define GI_STATE_BOUND_BITS 19u    /* largest of rgb */
 #define GI_STATE_BOUND_RELATIVE_BITS 20u
-#define GI_STATE_DONE_RESIDUAL_BITS 21u /* largest of rgb, when the solve ended */
+#define GI_STATE_DONE_RESIDUAL_BITS 21u /* largest of rgb, of the last sweep */
 #define GI_STATE_DONE_Q_BITS 22u
 #define GI_STATE_DONE_B_MAX_BITS 23u
 /* Group counts for indirect dispatches, 3 words each. */
@@ -259,6 +266,18 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ARGS_WIDE 36u
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
+#define GI_STATE_ARGS_CERTIFY 45u
+/* What the sweep now running found: largest values, then least ones. */
+#define GI_STATE_RESIDUAL_BITS 48u /* 3: rgb */
+#define GI_STATE_B_MAX_BITS 51u    /* 3 */
+#define GI_STATE_U_MAX_BITS 54u
+#define GI_STATE_WRITE_BITS 55u    /* 3: |B' - T B|, of certifying sweeps, as is the next */
+#define GI_STATE_FLOOR_BITS 58u    /* what rounding alone can leave of the residual */
+#define GI_STATE_GAP_BITS 59u      /* 3: 1 - rho * row sum */
+#define GI_STATE_DESCENT_BITS 62u  /* (M u)_i */
+#define GI_STATE_MANNER 63u        /* GI_MANNER_ */
+#define GI_STATE_LARGEST 11u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
+#define GI_STATE_LEAST 4u          /* words of least values, from GI_STATE_GAP_BITS on */
 /* Rows under a budget. */
 #define GI_STATE_WAITING_ROWS 80u    /* not refreshed although something of them may have changed */
 #define GI_STATE_WAITING_ENTRIES 81u /* their dirty entries */
@@ -270,6 +289,17 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ARGS_CHOSEN 87u     /* group counts, 3 words: a thread a chosen row */
 #define GI_STATE_ARGS_PAIRS 90u      /* 3 words: a thread a chosen row and object */
 #define GI_STATE_WORDS 96u
+
+/* GI_STATE_VERDICT. */
+#define GI_SOLVE_CONVERGED 0u
+#define GI_SOLVE_GOES_ON 1u
+#define GI_SOLVE_ROUNDING 2u       /* more sweeps in single precision bring nothing */
+
+/* GI_STATE_MANNER. */
+#define GI_MANNER_JACOBI 0u
+#define GI_MANNER_CHEBYSHEV 1u
+#define GI_MANNER_POLISH 2u        /* near to what rounding leaves: damped sweeps take its noise away */
+#define GI_MANNER_GIVEN_UP 3u      /* no ellipse did for these rows: Jacobi to the end */
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u
@@ -299,8 +329,8 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_ROWS 16
 #define GI_BIND_LINKS 17
 #define GI_BIND_LINK_POOL 18
-#define GI_BIND_RADIOSITY 19       /* vec4 per node */
-#define GI_BIND_LEAF_RADIOSITY 20  /* vec4 per leaf: rgb, largest step of the last sweep */
+#define GI_BIND_RADIOSITY 19       /* vec4 per node: area means of B, u */
+#define GI_BIND_LEAF_RADIOSITY 20  /* vec4 per leaf: B, u; then all of them once more, before the last sweep */
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */

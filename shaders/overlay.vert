@@ -38,7 +38,9 @@ float dirty_share()
 
 float residual_decade()
 {
-	float largest = uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]), step = leaf_radiosity[leaf].w;
+	float largest = uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]);
+	vec3 change = abs(leaf_radiosity[leaf].xyz - leaf_radiosity[frame.counts.x + leaf].xyz);
+	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))
 		return 0.0;
 	return clamp((log2(step / largest) * 0.30103 - RESIDUAL_TOP) / RESIDUAL_DECADES + 1.0, 0.0, 1.0);

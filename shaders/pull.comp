@@ -1,5 +1,8 @@
 #version 450 core
 // The second half of a sweep: B of every node that covers few leaves, as their area mean. One thread a node.
+//
+// Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for one
+// rounding.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_REST
@@ -8,6 +11,7 @@
 #define USE_LEAF_RADIOSITY
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "solve.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -20,15 +24,15 @@ void main()
 	if (range.z > GI_WIDE_LEAVES || (range.w & GI_NODE_SKY) != 0u)
 		return;
 	if (range.z == 1u) {
-		radiosity[n] = vec4(leaf_radiosity[range.y].xyz, 0.0);
+		radiosity[n] = leaf_radiosity[range.y];
 		return;
 	}
-	vec3 sum = vec3(0.0);
-	float area = 0.0;
+	dvec4 sum = dvec4(0.0lf);
+	double area = 0.0lf;
 	for (uint leaf = range.y; leaf < range.y + range.z; leaf++) {
-		float a = rest[leaves[leaf].x].moment.w;
-		sum += a * leaf_radiosity[leaf].xyz;
+		double a = double(rest[leaves[leaf].x].moment.w);
+		sum += a * dvec4(leaf_radiosity[leaf]);
 		area += a;
 	}
-	radiosity[n] = vec4(sum / area, 0.0);
+	radiosity[n] = to_single(sum / area);
 }

@@ -1,5 +1,5 @@
 #version 450 core
-// B = E everywhere: a cold start. One thread a node.
+// B = E and u = 1 everywhere: a cold start. One thread a node. The sky's B is known: nothing amplifies it, and u is 0.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_RADIOSITY
@@ -16,8 +16,9 @@ void main()
 	if (n >= frame.counts.y)
 		return;
 	uvec4 range = topology[n].range;
-	vec3 e = node_exitance[n].xyz;
-	radiosity[n] = vec4(e, 0.0);
-	if ((range.w & GI_NODE_LEAF) != 0u && (range.w & GI_NODE_SKY) == 0u)
-		leaf_radiosity[range.y] = vec4(e, 0.0);
+	bool sky = (range.w & GI_NODE_SKY) != 0u;
+	vec4 start = vec4(node_exitance[n].xyz, sky ? 0.0 : 1.0);
+	radiosity[n] = start;
+	if ((range.w & GI_NODE_LEAF) != 0u && !sky)
+		leaf_radiosity[range.y] = leaf_radiosity[frame.counts.x + range.y] = start;
 }

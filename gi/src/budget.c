@@ -22,6 +22,9 @@ static const float LEARNING = 0.3f;
 /* Fewer rays tell the price of dispatches, not of rays. */
 static const uint64_t RAYS_TO_LEARN = 2000;
 
+/* More than a few units in the last place of single precision. */
+static const double ROUNDING = 1e-6;
+
 /* However little time is left, some rows are refreshed. */
 static const float LEAST_SHARE = 0.1f;
 
@@ -136,8 +139,10 @@ void budget_report(const gi_context *gi, const uint32_t *state, gi_report *out)
 	out->stale_bound = out->stale_relative = 0;
 	if (!out->waiting_rows)
 		return;
+	/* The residual is that of the B before the last sweep, which contracts it but for rounding. */
 	const double stale = (double)gi_float_from_bits(state[GI_STATE_STALE_BITS]);
-	out->stale_bound = (float)((stale + (double)out->residual * amplification(gi)) * 1.000001);
+	const double residual = (double)out->residual + ROUNDING * (double)out->radiosity_max;
+	out->stale_bound = (float)((stale + residual * amplification(gi)) * (1 + ROUNDING));
 	out->stale_relative = out->radiosity_max > 0 ? out->stale_bound / out->radiosity_max : 0;
 }
 

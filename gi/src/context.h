@@ -97,9 +97,9 @@ typedef struct gi_rations {
 
 typedef struct gi_solver {
 	bool cold;         /* start from B = E */
-	bool unconverged;  /* the newest report did not meet the tolerance */
+	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
-	uint32_t gather_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
+	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
 } gi_solver;
 
 typedef struct gi_shade gi_shade;
@@ -126,7 +126,6 @@ struct gi_context {
 		uint64_t uploaded_bytes;
 		float update_ms;
 		uint32_t rows_update; /* number of the rows' update that it ended with */
-		bool solve_only; /* the rows, the materials and the start were those of the frame before */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 
@@ -187,7 +186,8 @@ void budget_free(gi_context *gi);
 /* solver.c */
 gi_result solver_init(gi_context *gi);
 gi_result solver_allocate(gi_context *gi);
-void solver_update(gi_context *gi);
+/* anew: the rows or materials are not those of the solve before. */
+void solver_update(gi_context *gi, bool anew);
 void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);

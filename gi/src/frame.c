@@ -8,7 +8,16 @@ static gi_outcome outcome_of(const uint32_t *state)
 		return GI_OUTCOME_NOT_FINITE;
 	if (state[GI_STATE_OVERFLOW])
 		return GI_OUTCOME_TRUNCATED;
-	return state[GI_STATE_ACTIVE] ? GI_OUTCOME_SWEEPS : GI_OUTCOME_CONVERGED;
+	if (state[GI_STATE_VERDICT] == GI_SOLVE_ROUNDING)
+		return GI_OUTCOME_ROUNDING;
+	return state[GI_STATE_VERDICT] == GI_SOLVE_CONVERGED ? GI_OUTCOME_CONVERGED : GI_OUTCOME_SWEEPS;
+}
+
+static gi_method method_of(const uint32_t *state)
+{
+	/* Polishing belongs to what came before it. */
+	const bool chebyshev = state[GI_STATE_REACH_BITS] && state[GI_STATE_MANNER] != GI_MANNER_GIVEN_UP;
+	return chebyshev ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
 }
 
 static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
@@ -25,10 +34,14 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->dirty_rows = state[GI_STATE_DIRTY_ROWS];
 	r->rays = state[GI_STATE_RAYS];
 	r->sweeps = state[GI_STATE_SWEEPS];
+	r->jacobi_sweeps = state[GI_STATE_JACOBI_SWEEPS];
+	r->method = method_of(state);
 	r->residual = gi_float_from_bits(state[GI_STATE_DONE_RESIDUAL_BITS]);
 	r->contraction = gi_float_from_bits(state[GI_STATE_DONE_Q_BITS]);
 	r->solve_bound = gi_float_from_bits(state[GI_STATE_BOUND_BITS]);
 	r->solve_relative = gi_float_from_bits(state[GI_STATE_BOUND_RELATIVE_BITS]);
+	r->rounding_bound = gi_float_from_bits(state[GI_STATE_ROUNDING_BITS]);
+	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
 	budget_report(gi, state, r);
 	r->dispatches = gi->issued[ring].dispatches;
@@ -51,14 +64,9 @@ static void collect_reports(gi_context *gi, bool wait)
 	uint32_t state[GI_STATE_WORDS];
 	uint64_t frame;
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
-		const float before = gi->report.residual;
 		fill_report(gi, state, frame);
 		take_waiting(gi, state, frame);
-		/* Exact steps shrink by q each: those that no longer do are rounding, and more of them bring nothing.
-		 */
-		const bool stuck = gi->report.outcome == GI_OUTCOME_SWEEPS &&
-				   gi->issued[frame % GPU_READBACK_RING].solve_only && gi->report.residual >= before;
-		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && !stuck;
+		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && gi->report.outcome != GI_OUTCOME_ROUNDING;
 		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
 			gi->truncated = true;
 	}
@@ -101,10 +109,9 @@ static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
 		result = rows_update(gi, budget);
 	else
 		rows_clear_counts(gi);
-	gi->issued[gi->frame_number % GPU_READBACK_RING].solve_only = !rows && !gi->solver.cold;
 	if (result)
 		return result;
-	solver_update(gi);
+	solver_update(gi, rows);
 	if (gi->rations.in_force)
 		budget_bound(gi);
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;

@@ -25,8 +25,8 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const c
 	for (int c = 0; c < 3; c++) {
 		if (!(m->rho[c] >= 0.0f && m->rho[c] < 1.0f)) {
 			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: rho %g is outside [0,1): a surface that reflects all light "
-				"never settles",
+				"object '%s', material %u: rho %g is outside [0,1): a closed scene that reflects "
+				"all light has no finite solution",
 				object, index, (double)m->rho[c]);
 			return false;
 		}

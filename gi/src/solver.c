@@ -1,18 +1,54 @@
-/* The solve: Jacobi from last frame's B until the certified bound meets the tolerance, then the light of what is drawn.
+/* The solve: Jacobi, or Chebyshev where that would be slow, from last frame's B until the certified bound meets the
+ * tolerance; then the light of what is drawn.
  *
- * A sweep is gather (leaves), pull (ancestors as area means) and check, which ends the solve on the GPU by zeroing the
- * group counts of the sweeps that are still queued: no read-back in the frame.
+ * A sweep is gather (leaves; in single precision, or certify in double), pull (ancestors as area means) and check, which
+ * chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued but not wanted:
+ * no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound relies on.
  */
 #include "context.h"
+
+#include <stdlib.h>
+
+/* check.comp's uniforms, and what its stage may be. */
+enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
+enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
 gi_result solver_init(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
-	const gpu_program_file programs[] = {{"gather.comp", &s->gather_program}, {"pull.comp", &s->pull_program},
-			{"pull_wide.comp", &s->wide_program}, {"check.comp", &s->check_program},
-			{"start.comp", &s->start_program},   {"indirect.comp", &s->indirect_program},
-			{"light.comp", &s->light_program}};
+	const gpu_program_file programs[] = {{"gather.comp", &s->gather_program}, {"certify.comp", &s->certify_program},
+			{"pull.comp", &s->pull_program},     {"pull_wide.comp", &s->wide_program},
+			{"check.comp", &s->check_program},   {"start.comp", &s->start_program},
+			{"indirect.comp", &s->indirect_program}, {"light.comp", &s->light_program}};
 	return gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
+}
+
+/* What start.comp writes, for nodes (to_leaves false) or for leaves, twice as their buffer has them. */
+static void fill_start(const gi_scene *s, bool to_leaves, gi_vec4 *out)
+{
+	for (uint32_t n = 0; n < s->node_count; n++) {
+		const gi_uvec4 range = s->topology[n].range;
+		const bool sky = range.w & GI_NODE_SKY;
+		gi_vec4 start = s->node_exitance[n];
+		start.w = sky ? 0 : 1;
+		if (!to_leaves)
+			out[n] = start;
+		else if (!sky && (range.w & GI_NODE_LEAF))
+			out[range.y] = out[s->leaf_count + range.y] = start;
+	}
+}
+
+static gi_result allocate_start(gi_context *gi, gpu_buffer *buffer, bool to_leaves)
+{
+	const gi_scene *s = &gi->scene;
+	const uint64_t count = to_leaves ? 2 * (uint64_t)s->leaf_count : s->node_count;
+	gi_vec4 *start = calloc(count + 1, sizeof *start);
+	if (!start)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	fill_start(s, to_leaves, start);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, buffer, sizeof *start * count, start);
+	free(start);
+	return result;
 }
 
 gi_result solver_allocate(gi_context *gi)
@@ -20,16 +56,15 @@ gi_result solver_allocate(gi_context *gi)
 	gi_solver *s = &gi->solver;
 	const gi_scene *scene = &gi->scene;
 	const uint64_t vec = sizeof(gi_vec4);
-	gi_result result = gpu_buffer_allocate(&gi->gpu, &s->radiosity, vec * scene->node_count, scene->node_exitance);
+	gi_result result = allocate_start(gi, &s->radiosity, false);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &s->leaf_radiosity, vec * scene->leaf_count, NULL);
+		result = allocate_start(gi, &s->leaf_radiosity, true);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &s->leaf_indirect, vec * scene->leaf_count, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &s->light, vec * scene->light_count, NULL);
 	if (result)
 		return result;
-	gpu_buffer_clear(&s->leaf_radiosity, 0, s->leaf_radiosity.size, 0);
 	gpu_buffer_clear(&s->leaf_indirect, 0, s->leaf_indirect.size, 0);
 	gpu_buffer_clear(&s->light, 0, s->light.size, 0);
 	return GI_OK;
@@ -40,6 +75,7 @@ static void sweep(gi_context *gi)
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
 	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
+	gpu_dispatch_indirect(&gi->gpu, s->certify_program, &gi->state, word * GI_STATE_ARGS_CERTIFY);
 	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
 	if (gi->scene.wide_count)
 		gpu_dispatch_indirect(&gi->gpu, s->wide_program, &gi->state, word * GI_STATE_ARGS_WIDE);
@@ -58,19 +94,21 @@ static bool is_lit(const gi_scene *s)
 	return false;
 }
 
-void solver_update(gi_context *gi)
+void solver_update(gi_context *gi, bool anew)
 {
 	gi_solver *s = &gi->solver;
+	const bool start = s->cold || !is_lit(&gi->scene);
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
-	if (s->cold || !is_lit(&gi->scene))
+	if (start)
 		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
 	s->cold = false;
-	gpu_set_uint(s->check_program, 0, 1);
+	gpu_set_uint(s->check_program, CHECK_STAGE, anew || start ? STAGE_BEGIN : STAGE_GO_ON);
+	gpu_set_uint(s->check_program, CHECK_MAX_SWEEPS, gi->def.max_sweeps);
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
-	gpu_set_uint(s->check_program, 0, 0);
+	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < gi->def.max_sweeps; k++)
 		sweep(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
@@ -106,8 +144,8 @@ void solver_free(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
 	solver_release(gi, s);
-	uint32_t *programs[] = {&s->gather_program, &s->pull_program,	  &s->wide_program, &s->check_program,
-				&s->start_program,  &s->indirect_program, &s->light_program};
+	uint32_t *programs[] = {&s->gather_program, &s->certify_program, &s->pull_program,     &s->wide_program,
+				&s->check_program,  &s->start_program,	 &s->indirect_program, &s->light_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }

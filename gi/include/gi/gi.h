@@ -103,8 +103,8 @@ typedef struct gi_context_def {
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
 
 	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4.
-	 * Single precision ends at about 1e-7 / (1 - q): below that the solve rests where steps no longer shrink, and
-	 * the report has the bound. */
+	 * Single precision ends at about 1e-7 times gi_report.amplification: below that the solve ends with
+	 * GI_OUTCOME_ROUNDING, and the report has the bound. */
 	float solve_tolerance;
 	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
 
@@ -249,7 +249,14 @@ typedef enum gi_outcome {
 	GI_OUTCOME_CONVERGED = 1,   /* the bound meets the tolerance */
 	GI_OUTCOME_SWEEPS = 2,      /* max_sweeps spent; the next frame goes on from here */
 	GI_OUTCOME_AT_REST = 3,     /* nothing had changed: no work */
+	GI_OUTCOME_ROUNDING = 4,    /* single precision ends here, above the tolerance: the next frame is at rest */
 } gi_outcome;
+
+/* How the solve went on from sweep to sweep. */
+typedef enum gi_method {
+	GI_METHOD_JACOBI,
+	GI_METHOD_CHEBYSHEV, /* takes about the square root of the sweeps; from 25 of Jacobi's on */
+} gi_method;
 
 typedef enum gi_pass {
 	GI_PASS_POSE,       /* moved nodes and vertices to the world */
@@ -289,10 +296,14 @@ typedef struct gi_report {
 	float stale_relative; /* stale_bound over the largest B */
 
 	uint32_t sweeps;
-	float residual;      /* largest |B_k+1 - B_k| of the last sweep, W/m2 */
+	uint32_t jacobi_sweeps; /* Jacobi alone: sweeps so far and those it would still have taken, when last foretold */
+	gi_method method;    /* the last one used; GI_METHOD_CHEBYSHEV where jacobi_sweeps were too many */
+	float residual;      /* largest |E + rho H - B| the last sweep found, and what rounding may hide of it, W/m2 */
 	float contraction;   /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
-	float solve_bound;   /* certified: |B - B*|max <= residual * q / (1 - q) for the rows as they are, exact arithmetic, W/m2 */
+	float amplification; /* A >= 1: |B - B*|max <= A * residual, whatever B; at most 1 / (1 - q), and often far less */
+	float solve_bound;   /* certified: |B - B*|max for the B stored and the rows as they are, rounding included, W/m2 */
 	float solve_relative; /* solve_bound over the largest B */
+	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest B, W/m2 */
 	float radiosity_max; /* largest B, W/m2 */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
@@ -343,7 +354,7 @@ gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
 typedef struct gi_buffers {
-	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2 */
+	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2; what follows, and w, are the solver's */
 	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
 	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
 } gi_buffers;

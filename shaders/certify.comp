@@ -1,0 +1,6 @@
+#version 450 core
+// The gather of a certifying sweep, in double precision: what it says of residuals bounds them, rounding included.
+#define CERTIFY
+#define REAL double
+#define REAL4 dvec4
+#include "gather.glsl"

@@ -1,0 +1,121 @@
+/* The certified bound on thousands of random scenes and moves: |B - B*| is never above it, B as stored in single
+ * precision, B* the double-precision solution of the same links. No rounding allowance on top: the bound has it in it.
+ *
+ * RELUME_SCENES=N: as many scenes of four frames each. The default takes about twenty seconds.
+ */
+#include "exact_rows.h"
+#include "random_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { DEFAULT_SCENES = 75, FRAMES = 4, CONTEXTS = 3 };
+
+/* Bound over true distance; 1 or more, or the bound is wrong. */
+typedef struct tally {
+	double *ratios;
+	uint32_t count, capacity, by_outcome[8], by_chebyshev;
+	double least;
+	uint64_t least_seed, sweeps;
+} tally;
+
+/* The default, one that cuts solves short, and one that single precision often cannot meet; each under another sky. */
+static gi_context_def def_of(uint32_t which)
+{
+	gi_context_def def = harness_def();
+	def.row_tolerance = 0.1f;
+	def.profile = false;
+	if (which == 1) {
+		def.max_sweeps = 3;
+		def.sky_exitance[0] = def.sky_exitance[1] = def.sky_exitance[2] = 2;
+	} else if (which == 2) {
+		def.max_sweeps = 1000;
+		def.solve_tolerance = 1e-6f;
+		def.sky_exitance[2] = 0.1f;
+	}
+	return def;
+}
+
+static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t seed, int frame, tally *t)
+{
+	const gi_report r = harness_update(gi);
+	if (r.outcome == GI_OUTCOME_AT_REST)
+		return;
+	assert_true(r.outcome == GI_OUTCOME_CONVERGED || r.outcome == GI_OUTCOME_SWEEPS || r.outcome == GI_OUTCOME_ROUNDING);
+	snapshot s = snapshot_take(gi);
+	const double bound = (double)r.solve_bound, distance = exact_distance(&s, &r, def->sky_exitance, bound);
+	if (!(distance <= bound))
+		fail_msg("scene %llu, frame %d: B is %.6g from the solution, and the certified bound says %.6g (outcome %d, "
+			 "amplification %g)",
+			 (unsigned long long)seed, frame, distance, bound, r.outcome, (double)r.amplification);
+	assert_true(r.rounding_bound <= r.solve_bound && r.amplification >= 1);
+	assert_true(r.outcome != GI_OUTCOME_CONVERGED || r.solve_relative <= def->solve_tolerance);
+	snapshot_free(&s);
+	t->by_outcome[r.outcome]++;
+	t->by_chebyshev += r.method == GI_METHOD_CHEBYSHEV;
+	t->sweeps += r.sweeps;
+	if (distance <= 0 || t->count == t->capacity)
+		return;
+	const double ratio = bound / distance;
+	t->ratios[t->count++] = ratio;
+	if (ratio < t->least) {
+		t->least = ratio;
+		t->least_seed = seed;
+	}
+}
+
+static int order_doubles(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+static void print_tally(tally *t)
+{
+	const uint32_t all = t->by_outcome[GI_OUTCOME_CONVERGED] + t->by_outcome[GI_OUTCOME_SWEEPS] +
+			     t->by_outcome[GI_OUTCOME_ROUNDING];
+	qsort(t->ratios, t->count, sizeof *t->ratios, order_doubles);
+	printf("  %u solves: %u met the tolerance, %u had no more sweeps, %u (%.0f %%) ended at rounding; %u by Chebyshev; %.1f "
+	       "sweeps a solve\n",
+	       all, t->by_outcome[GI_OUTCOME_CONVERGED], t->by_outcome[GI_OUTCOME_SWEEPS],
+	       t->by_outcome[GI_OUTCOME_ROUNDING], 100.0 * t->by_outcome[GI_OUTCOME_ROUNDING] / all, t->by_chebyshev,
+	       (double)t->sweeps / all);
+	printf("  bound over true distance: median %.2f, least %.4f (scene %llu)\n", t->ratios[t->count / 2], t->least,
+	       (unsigned long long)t->least_seed);
+}
+
+static void never_exceeded(void **state)
+{
+	(void)state;
+	const char *wanted = getenv("RELUME_SCENES");
+	const uint32_t scenes = wanted ? (uint32_t)strtoul(wanted, NULL, 10) : DEFAULT_SCENES;
+	tally t = {.capacity = scenes * FRAMES, .least = INFINITY};
+	t.ratios = calloc(t.capacity + 1, sizeof *t.ratios);
+	assert_non_null(t.ratios);
+	for (uint32_t which = 0; which < CONTEXTS; which++) {
+		const gi_context_def def = def_of(which);
+		gi_context *gi = harness_context(&def);
+		for (uint64_t seed = which; seed < scenes; seed += CONTEXTS) {
+			random_scene scene = random_scene_make(gi, seed);
+			for (int frame = 0; frame < FRAMES; frame++) {
+				if (frame)
+					random_scene_move(gi, &scene);
+				expect_certified(gi, &def, seed, frame, &t);
+			}
+			random_scene_clear(gi, &scene);
+		}
+		gi_context_destroy(gi);
+	}
+	print_tally(&t);
+	/* Every way a solve can end was seen. */
+	assert_true(t.by_outcome[GI_OUTCOME_CONVERGED] && t.by_outcome[GI_OUTCOME_SWEEPS] &&
+		    t.by_outcome[GI_OUTCOME_ROUNDING] && t.by_chebyshev);
+	free(t.ratios);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded)};
+	return cmocka_run_group_tests_name("certified", tests, harness_open, harness_close);
+}
