@@ -1,5 +1,6 @@
-/* The certified bound on thousands of random scenes and moves: |B - B*| is never above it, B as stored in single
- * precision, B* the double-precision solution of the same links. No rounding allowance on top: the bound has it in it.
+/* The certified bounds on thousands of random scenes and moves: |B - B*| is never above them, B as stored in single
+ * precision. Without a budget B* is the double-precision solution of the same links; with one it is that of the links an
+ * exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have it.
  *
  * RELUME_SCENES=N: as many scenes of four frames each. The default takes about twenty seconds.
  */
@@ -9,11 +10,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { DEFAULT_SCENES = 75, FRAMES = 4, CONTEXTS = 3 };
 
 /* Bound over true distance; 1 or more, or the bound is wrong. */
 typedef struct tally {
+	uint32_t waited; /* of the frames under a budget: some rows waited */
 	double *ratios;
 	uint32_t count, capacity, by_outcome[8], by_chebyshev;
 	double least;
@@ -65,6 +68,42 @@ static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t
 	}
 }
 
+/* Updates under a budget, then exactly, and holds the first B against the solution of the second rows. */
+static void expect_bounded(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame, tally *t)
+{
+	const double kind = random_scene_draw(scene);
+	const gi_budget budget = {.rays = kind < .6 ? 1 + (uint64_t)(random_scene_draw(scene) * 2000) : 0,
+				  .error = kind > .4 ? (float)(random_scene_draw(scene) * .5) : 0};
+	gi_report r = {0};
+	if (gi_update(gi, &budget) || gi_finish(gi) || gi_get_report(gi, &r))
+		fail_msg("update: %s", harness_last_message());
+	snapshot under = snapshot_take(gi);
+	const gi_report full = harness_update(gi);
+	assert_int_equal(full.waiting_rows, 0);
+	snapshot exact = snapshot_take(gi);
+	for (uint32_t k = 0; k < exact.leaf_count; k++)
+		memcpy(exact.leaves[k].radiosity, under.leaves[k].radiosity, sizeof exact.leaves[k].radiosity);
+	const double bound = (double)r.solve_bound + (double)r.stale_bound;
+	const double distance = exact_distance(&exact, &full, def->sky_exitance, bound);
+	if (!(distance <= bound))
+		fail_msg("scene %llu, frame %d: B is %.6g from the solution of the exact rows; solve_bound %.6g, stale_bound %.6g "
+			 "(%llu of %u rows wait)",
+			 (unsigned long long)seed, frame, distance, (double)r.solve_bound, (double)r.stale_bound,
+			 (unsigned long long)r.waiting_rows, r.leaves);
+	snapshot_free(&under);
+	snapshot_free(&exact);
+	t->by_outcome[r.outcome]++;
+	t->waited += r.waiting_rows > 0;
+	if (!r.waiting_rows || distance <= 0)
+		return;
+	const double ratio = bound / distance;
+	t->ratios[t->count++] = ratio;
+	if (ratio < t->least) {
+		t->least = ratio;
+		t->least_seed = seed;
+	}
+}
+
 static int order_doubles(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
@@ -85,14 +124,51 @@ static void print_tally(tally *t)
 	       (unsigned long long)t->least_seed);
 }
 
+static uint32_t scenes_wanted(void)
+{
+	const char *wanted = getenv("RELUME_SCENES");
+	return wanted ? (uint32_t)strtoul(wanted, NULL, 10) : DEFAULT_SCENES;
+}
+
+static tally new_tally(uint32_t capacity)
+{
+	tally t = {.capacity = capacity, .least = INFINITY};
+	t.ratios = calloc(t.capacity + 1, sizeof *t.ratios);
+	assert_non_null(t.ratios);
+	return t;
+}
+
+static void budgets_never_exceeded(void **state)
+{
+	(void)state;
+	const uint32_t scenes = scenes_wanted();
+	tally t = new_tally(scenes * FRAMES);
+	for (uint32_t which = 0; which < CONTEXTS; which++) {
+		const gi_context_def def = def_of(which);
+		gi_context *gi = harness_context(&def);
+		for (uint64_t seed = which; seed < scenes; seed += CONTEXTS) {
+			random_scene scene = random_scene_make(gi, seed);
+			harness_update(gi);
+			for (int frame = 1; frame < FRAMES; frame++) {
+				random_scene_move(gi, &scene);
+				expect_bounded(gi, &def, &scene, seed, frame, &t);
+			}
+			random_scene_clear(gi, &scene);
+		}
+		gi_context_destroy(gi);
+	}
+	qsort(t.ratios, t.count, sizeof *t.ratios, order_doubles);
+	printf("  %u of %u frames under a budget with waiting rows; bound over true distance: median %.1f, least %.3f (scene %llu)\n",
+	       t.waited, scenes * (FRAMES - 1), t.ratios[t.count / 2], t.least, (unsigned long long)t.least_seed);
+	assert_true(t.waited > scenes / 2);
+	free(t.ratios);
+}
+
 static void never_exceeded(void **state)
 {
 	(void)state;
-	const char *wanted = getenv("RELUME_SCENES");
-	const uint32_t scenes = wanted ? (uint32_t)strtoul(wanted, NULL, 10) : DEFAULT_SCENES;
-	tally t = {.capacity = scenes * FRAMES, .least = INFINITY};
-	t.ratios = calloc(t.capacity + 1, sizeof *t.ratios);
-	assert_non_null(t.ratios);
+	const uint32_t scenes = scenes_wanted();
+	tally t = new_tally(scenes * FRAMES);
 	for (uint32_t which = 0; which < CONTEXTS; which++) {
 		const gi_context_def def = def_of(which);
 		gi_context *gi = harness_context(&def);
@@ -116,6 +192,6 @@ static void never_exceeded(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded), cmocka_unit_test(budgets_never_exceeded)};
 	return cmocka_run_group_tests_name("certified", tests, harness_open, harness_close);
 }
