@@ -43,6 +43,9 @@ const float UNSEEN = 0.12;
 const uint CLOSE_STEPS = 16u;
 const float CLOSE_ENOUGH = 1e-5;
 
+// Corrected and scaled it must not round to zero: what is counted as a link is one.
+const float LEAST_FACTOR = 1e-30;
+
 struct visible_entry {
 	float weight;   // F V
 	float variance; // of F V
@@ -93,9 +96,9 @@ float visibility_variance(float seen, float taken)
 visible_entry read_entry(uvec4 e)
 {
 	float taken = float((e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK), seen = float(bitCount(e.z & 0xFFFFu));
-	if (seen == 0.0)
-		return visible_entry(0.0, 0.0, false);
 	float f = uintBitsToFloat(e.y);
+	if (seen == 0.0 || f < LEAST_FACTOR)
+		return visible_entry(0.0, 0.0, false);
 	uint flags = topology[e.x].range.w;
 	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken) + factor_variance(flags)),
 			     (flags & GI_NODE_EMITTER) != 0u);

@@ -43,6 +43,12 @@ vec3 corner_of(uint vertex, bool same)
 	return vertices_world[vertex].xyz;
 }
 
+// 1 / 2^e for x in [2^e, 2^(e+1)): scaling by it rounds nothing.
+float inverse_power_of_two(float x)
+{
+	return uintBitsToFloat((254u << 23) - (floatBitsToUint(x) & 0x7F800000u));
+}
+
 void main()
 {
 	uint t = thread_number();
@@ -55,6 +61,9 @@ void main()
 	gi_node_topology source = topology[entry.x];
 	uvec4 flags = source.range;
 	bool sky = (flags.w & GI_NODE_SKY) != 0u;
+	// What a folded leaf sees of itself is the other half; its whole contour, seen from within, is rounding. So are
+	// points on the edge between the halves: one point each.
+	bool self = entry.x == receiver;
 	bool same = !sky && leaves[leaf].y == leaves[source.range.y].y;
 
 	gi_node_geometry p, g;
@@ -65,18 +74,25 @@ void main()
 		p = world[receiver];
 		g = world[entry.x];
 	}
+	// Lengths in units of the largest: their fourth powers, which the contour sum takes, stay in the range of floats.
+	float unit = sky ? inverse_power_of_two(p.sphere.w)
+			 : inverse_power_of_two(max(length(g.sphere.xyz - p.sphere.xyz), max(g.sphere.w, p.sphere.w)));
+	p.sphere *= unit;
 	uvec4 mine = topology[receiver].corners;
-	vec3 a = corner_of(mine.x, same), b = corner_of(mine.y, same), c = corner_of(mine.z, same), d = corner_of(mine.w, same);
+	vec3 a = unit * corner_of(mine.x, same), b = unit * corner_of(mine.y, same), c = unit * corner_of(mine.z, same),
+	     d = unit * corner_of(mine.w, same);
 	// A folded leaf has two normals: the mean of what its halves see is not what their mean normal sees.
 	vec3 fold_abc = cross(b - a, c - a), fold_acd = cross(c - a, d - a);
 	float area_abc = length(fold_abc), area_acd = length(fold_acd);
-	bool folded = p.axis.w < FOLDED && mine.z != mine.w;
-	vec3 normal_abc = folded ? fold_abc / max(area_abc, 1e-30) : p.axis.xyz;
-	vec3 normal_acd = folded ? fold_acd / max(area_acd, 1e-30) : p.axis.xyz;
+	// Where the corners are so far away that a half has no area left in floats, the mean is all there is.
+	bool folded = (p.axis.w < FOLDED || self) && area_abc > 0.0 && area_acd > 0.0;
+	vec3 normal_abc = folded ? fold_abc / area_abc : p.axis.xyz;
+	vec3 normal_acd = folded ? fold_acd / area_acd : p.axis.xyz;
 
-	float far = sky ? 1e30 : length(g.sphere.xyz - p.sphere.xyz);
-	float size = p.sphere.w / max(far, 1e-30);
-	int side = sky || size < RECEIVER_2 ? 1 : size < RECEIVER_4 ? 2 : 4;
+	float source_unit = sky ? 1.0 : unit;
+	g.sphere *= source_unit;
+	float far = length(g.sphere.xyz - p.sphere.xyz);
+	int side = sky || self || p.sphere.w < RECEIVER_2 * far ? 1 : p.sphere.w < RECEIVER_4 * far ? 2 : 4;
 	bool contour = (flags.w & GI_NODE_LEAF) != 0u || ((flags.w & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE);
 	bool disc = !sky && (!contour || g.sphere.w < POINT_SOURCE * (far - g.sphere.w));
 	float shown = 0.0;
@@ -85,7 +101,7 @@ void main()
 		vec2 sides = shown_area(spread[entry.x], g.moment, view,
 					same ? view : rest_direction_from_world(leaves[source.range.y].y, view));
 		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
-		shown = back_side ? -sides.y : sides.x;
+		shown = (back_side ? -sides.y : sides.x) * unit * unit;
 	}
 
 	// A source's plane may part the receiver: points behind it see no front, and take nothing from those before it.
@@ -111,11 +127,14 @@ void main()
 		float f;
 		if (disc) {
 			vec3 to = g.sphere.xyz - x;
-			f = disc_factor(to, n, contour ? -dot(g.moment.xyz, normalize(to)) : shown);
+			f = disc_factor(to, n, contour ? -dot(g.moment.xyz, normalize(to)) * unit * unit : shown);
 		} else {
 			vec3 origin = sky ? vec3(0.0) : x;
-			vec3 v[4] = vec3[](corner_of(source.corners.x, same) - origin, corner_of(source.corners.y, same) - origin,
-					   corner_of(source.corners.z, same) - origin, corner_of(source.corners.w, same) - origin);
+			vec3 v[4] = self ? first ? vec3[](a - x, c - x, d - x, d - x) : vec3[](a - x, b - x, c - x, c - x)
+				    : vec3[](source_unit * corner_of(source.corners.x, same) - origin,
+					   source_unit * corner_of(source.corners.y, same) - origin,
+					   source_unit * corner_of(source.corners.z, same) - origin,
+					   source_unit * corner_of(source.corners.w, same) - origin);
 			f = polygon_factor(v, n);
 		}
 		front += weight * max(f, 0.0);

@@ -104,8 +104,8 @@ GI_STRUCT(gi_bvh_node) {
  *   //--------------- 16B ---------------
  *   a.xyz  a.w first leaf, as uint bits
  *   b.xyz  b.w end leaf, as uint bits
- *   c.xyz  c.w 0
- *   d.xyz  d.w 0
+ *   c.xyz  c.w |ab x ac|
+ *   d.xyz  d.w |ac x ad|
  */
 GI_STRUCT(gi_primitive) {
 	GI_VEC4 a;

@@ -20,6 +20,13 @@ vec3 edge_crossing(vec3 u, vec3 v, float hu, float hv)
 	return u + (v - u) * (hu / (hu - hv));
 }
 
+// The angle of the complex number z plus the one from u to v about n, both in the plane with that normal.
+vec2 turned(vec2 z, vec3 u, vec3 v, vec3 n)
+{
+	vec2 by = vec2(dot(u, v), dot(n, cross(u, v)));
+	return vec2(z.x * by.x - z.y * by.y, z.x * by.y + z.y * by.x);
+}
+
 // Lambert's formula for the quad or triangle v (corners relative to the point, counter-clockwise from its front),
 // clipped to the half space above the plane with normal n: F = 1/(2 pi) sum over edges. The contour is that of any
 // surface it bounds.
@@ -27,28 +34,35 @@ float polygon_factor(vec3 v[4], vec3 n)
 {
 	float sum = 0.0;
 	vec3 entry = vec3(0.0), leave = vec3(0.0);
-	bool clipped = false;
+	bool left = false;
+	vec2 closing = vec2(1.0, 0.0);
 	for (int k = 0; k < 4; k++) {
 		vec3 a = v[k], b = v[(k + 1) & 3];
 		float ha = dot(n, a), hb = dot(n, b);
 		bool above_a = ha > 0.0, above_b = hb > 0.0;
 		if (above_a != above_b) {
 			vec3 c = edge_crossing(a, b, ha, hb);
-			clipped = true;
 			if (above_a) {
 				leave = c;
 				b = c;
+				left = true;
 			} else {
-				entry = c;
+				if (left)
+					closing = turned(closing, leave, c, n);
+				else
+					entry = c;
 				a = c;
+				left = false;
 			}
 		}
 		if (above_a || above_b)
 			sum += contour_edge(a, b, n);
 	}
-	// The new edge along the horizon closes the contour.
-	if (clipped)
-		sum += contour_edge(leave, entry, n);
+	// New edges along the horizon close the contour: one, or two where a warped quad crosses the plane four times.
+	if (left)
+		closing = turned(closing, leave, entry, n);
+	if (closing.y != 0.0)
+		sum += atan(closing.y, closing.x);
 	return sum * (-0.5 / PI);
 }
 

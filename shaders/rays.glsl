@@ -45,9 +45,10 @@ vec3 direction_to_world(body b, vec3 d)
 	return vec3(dot(b.row0.xyz, d), dot(b.row1.xyz, d), dot(b.row2.xyz, d));
 }
 
-// Shares of the segment left out at its ends: more than the rounding of its ends (1e-7 of the coordinates), less than a
-// hair.
-const float SEGMENT_BEGIN = 5e-5;
+// A surface that an end of the segment lies in, within rounding, does not hide it: rounding of the plane's distance is
+// below this share of the coordinates it is computed from. A share of the segment's length would do for that, but a
+// wall just before the lamp, or a small sealed room in a large scene, would leak.
+const float PLANE_SLACK = 2.5e-7;
 
 // Rays that graze a shared edge must not slip between the triangles: barycentric coordinates may fall short by this.
 const float EDGE_SLACK = 2e-6;
@@ -78,8 +79,10 @@ bool hits_box(grid_ray r, uvec4 node, float end)
 	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
 }
 
-// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both sides.
-bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float begin, float end)
+// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both sides. The ends of the segment, the
+// far one at `end`, must lie off the triangle's plane by their slack: a distance times `area2` (|ab x ac|), as t is one
+// times the determinant.
+bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float area2, float end, vec2 slack)
 {
 	vec3 ab = b - a, ac = c - a;
 	vec3 p = cross(direction, ac);
@@ -91,12 +94,13 @@ bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float be
 	float u = dot(s, p) * inverse;
 	vec3 q = cross(s, ab);
 	float v = dot(direction, q) * inverse;
-	float t = dot(ac, q) * inverse;
-	return u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > begin && t < end;
+	float height = determinant < 0.0 ? -dot(ac, q) : dot(ac, q);
+	return u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && height > slack.x * area2 &&
+	       abs(determinant) * end - height > slack.y * area2;
 }
 
 // Does one object cut the segment? skip_a and skip_b are leaves whose primitives do not count.
-bool object_hides(uint object, vec3 origin, vec3 direction, float begin, float end, uint skip_a, uint skip_b)
+bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slack, uint skip_a, uint skip_b)
 {
 	uvec4 range = objects[object].bvh;
 	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
@@ -117,33 +121,39 @@ bool object_hides(uint object, vec3 origin, vec3 direction, float begin, float e
 		gi_primitive q = primitives[primitive];
 		uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
 		bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
-		hidden = !own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, begin, end) ||
-				  hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, begin, end));
+		hidden = !own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, q.c.w, end, slack) ||
+				  hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, q.d.w, end, slack));
 	}
 	return hidden;
 }
 
+float largest(vec3 v)
+{
+	return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
 // Does the object of `by` cut the segment between a on body A and b on body B?
-bool segment_hidden_by(body by, body body_a, segment_end a, body body_b, segment_end b, float size)
+bool segment_hidden_by(body by, body body_a, segment_end a, body body_b, segment_end b)
 {
 	bool own_a = by.object == body_a.object, own_b = by.object == body_b.object;
 	vec3 origin = own_a ? a.rest : to_rest(by, a.world);
 	uint skip_a = own_a ? a.leaf : GI_NONE, skip_b = own_b ? b.leaf : GI_NONE;
 	bool sky = body_b.object == GI_NONE;
 	vec3 target = sky ? direction_to_rest(by, b.world) : (own_b ? b.rest : to_rest(by, b.world)) - origin;
-	return object_hides(by.object, origin, target, sky ? SEGMENT_BEGIN * size : SEGMENT_BEGIN, sky ? 3e38 : 1.0 - SEGMENT_BEGIN,
-			    skip_a, skip_b);
+	// Of what the ends were computed from: world coordinates play no part where both are on the blocker.
+	float near = largest(own_a ? a.rest : a.world) + largest(origin);
+	float far = sky ? 0.0 : near + largest(own_b ? b.rest : b.world) + largest(target);
+	return object_hides(by.object, origin, target, sky ? 3e38 : 1.0, PLANE_SLACK * vec2(near, far), skip_a, skip_b);
 }
 
 // The object that hides b from a, or GI_BLOCKER_NONE. The ends' own objects come first and without the test of world
 // boxes, whose rounding depends on the pose: an object at rest relative to both ends must always answer the same.
-// `size` of the leaf at a is the scale of rays to the sky, which have no length of their own.
-uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b, float size)
+uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b)
 {
-	if (!body_a.flat_surface && segment_hidden_by(body_a, body_a, a, body_b, b, size))
+	if (!body_a.flat_surface && segment_hidden_by(body_a, body_a, a, body_b, b))
 		return body_a.object;
 	bool sky = body_b.object == GI_NONE;
-	if (!sky && body_b.object != body_a.object && !body_b.flat_surface && segment_hidden_by(body_b, body_a, a, body_b, b, size))
+	if (!sky && body_b.object != body_a.object && !body_b.flat_surface && segment_hidden_by(body_b, body_a, a, body_b, b))
 		return body_b.object;
 	float end = sky ? 3e38 : 1.0;
 	grid_ray r = ray_on_grid(a.world, sky ? b.world : b.world - a.world, frame.grid.xyz, frame.cells.xyz);
@@ -160,7 +170,7 @@ uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b, flo
 		}
 		if (object == GI_NONE)
 			break;
-		if (segment_hidden_by(load_body(object), body_a, a, body_b, b, size))
+		if (segment_hidden_by(load_body(object), body_a, a, body_b, b))
 			blocker = object;
 	}
 	return blocker;

@@ -9,7 +9,8 @@ vec2 shown_area(gi_node_spread s, vec4 moment, vec3 view, vec3 view_rest)
 {
 	vec3 v = view_rest;
 	float t = dot(s.diagonal.xyz, v * v) + 2.0 * dot(s.mixed.xyz, v.xyz * v.yzx);
-	float both = s.mixed.w * sqrt(max(0.0, moment.w * t));
+	// Not sqrt(area * t): the square of an area leaves the range of floats long before the area does.
+	float both = s.mixed.w * moment.w * sqrt(max(0.0, t / moment.w));
 	float net = dot(moment.xyz, view);
 	return max(vec2(0.0), 0.5 * vec2(both + net, both - net));
 }

@@ -5,7 +5,6 @@
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
-#define USE_REST
 #define USE_VERTICES_REST
 #define USE_LEAVES
 #define USE_BVH
@@ -20,9 +19,6 @@
 #include "rays.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
-
-// Below this form factor an entry carries nothing and is not worth a ray.
-const float FACTOR_FLOOR = 1e-12;
 
 const uint PROBES = 4u;
 
@@ -46,7 +42,6 @@ struct pair {
 	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
 	body receiver, source;
 	quad mine, theirs;  // theirs: of the source node where `whole`
-	float size;         // radius of the receiver
 	gi_node_topology t; // of the source
 	bool sky, whole;    // whole: one quad is the source's surface
 };
@@ -63,7 +58,6 @@ pair load_pair(uvec4 entry)
 	uvec4 mine = leaves[p.leaf];
 	p.receiver = load_body(mine.y);
 	p.mine = load_quad(topology[mine.x].corners);
-	p.size = rest[mine.x].sphere.w;
 	p.source.object = GI_NONE;
 	p.source.flat_surface = true;
 	if (!p.sky)
@@ -74,8 +68,13 @@ pair load_pair(uvec4 entry)
 	return p;
 }
 
+// Points keep this share of a leaf's width off its edges: on the edge itself they would lie in the wall that rises there,
+// which then could not hide anything from them.
+const float INSET = 1e-3;
+
 vec3 point_on(quad q, vec2 u)
 {
+	u = q.c == q.d ? mix(vec2(max(u.x, u.y), min(u.x, u.y)), vec2(2.0, 1.0) / 3.0, 3.0 * INSET) : mix(u, vec2(0.5), 2.0 * INSET);
 	return point_on_quad(q.a, q.b, q.c, q.d, u);
 }
 
@@ -91,7 +90,7 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 	quad q = p.theirs;
 	m = vec3(0.0);
 	if (p.sky) {
-		vec3 direction = normalize(point_on(q, u));
+		vec3 direction = normalize(point_on_quad(q.a, q.b, q.c, q.d, u));
 		return segment_end(GI_NONE, direction, direction);
 	}
 	if (!p.whole) {
@@ -123,15 +122,18 @@ bool faces(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 uint trace_sample(pair p, uint k)
 {
 	segment_end a, b;
-	for (uint attempt = 0u; attempt < TRIES; attempt++) {
+	bool facing = false;
+	for (uint attempt = 0u; attempt < TRIES && !facing; attempt++) {
 		vec4 u = sample_numbers(p.leaf, p.node, k + 16u * attempt);
 		vec3 m;
 		a = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy));
 		b = source_end(p, u.zw, m);
-		if (faces(p, a, b, u.xy, m))
-			break;
+		facing = faces(p, a, b, u.xy, m);
 	}
-	return segment_blocker(p.receiver, a, p.source, b, p.size);
+	// Hardly any of the source is before the receiver: what is not must not shine through its back.
+	if (!facing)
+		return p.receiver.object;
+	return segment_blocker(p.receiver, a, p.source, b);
 }
 
 void main()
@@ -142,8 +144,8 @@ void main()
 	uint slot = queue[t];
 	uvec4 entry = entries[slot];
 	float factor = uintBitsToFloat(entry.y);
-	if (factor <= FACTOR_FLOOR)
-		return;
+	if (factor <= 0.0)
+		return; // however small, a bright lamp may be behind it
 	pair p = load_pair(entry);
 	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
 	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the

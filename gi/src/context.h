@@ -138,6 +138,12 @@ void scene_free_object(scene_object *object);
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
 bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
+/* Lengths and places of objects, metres, and exitance, W/m2, are at most this: B and area times B stay in the range of
+ * floats with every rho below 1, and so do the products of three lengths that rays take. */
+#define SCENE_MAX_LENGTH 1e9f
+#define SCENE_MAX_EXITANCE 1e12f
+/* Products of three lengths end here at the lower end. */
+#define SCENE_MIN_AREA 1e-24f
 bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
 
 /* scene.c */

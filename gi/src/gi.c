@@ -91,8 +91,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
-		if (!(def->sky_exitance[c] >= 0.0f && isfinite(def->sky_exitance[c])))
-			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance must be finite and not negative");
+		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= SCENE_MAX_EXITANCE))
+			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance is outside [0, 1e12] W/m2");
 	return GI_OK;
 }
 

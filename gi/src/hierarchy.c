@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A face below this part of the squared diagonal of the bounds is a line or a point: it has no normal worth the name.
- */
+/* A face below this part of its own squared diagonal is a line or a point: it has no normal worth the name. Its own: a
+ * small lamp on a large object is a face as others are. */
 #define ZERO_AREA 1e-12
 /* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
  * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */
@@ -83,6 +83,13 @@ static gi_vec3d quad_moment(const quad *q)
 	return gi_vec3d_add(gi_vec3d_triangle(q->a, q->b, q->c), gi_vec3d_triangle(q->a, q->c, q->d));
 }
 
+/* The longer diagonal, squared; of a triangle, whose d is c, the longest edge. */
+static double quad_diagonal2(const quad *q)
+{
+	const gi_vec3d ac = gi_vec3d_sub(q->c, q->a), bd = gi_vec3d_sub(q->d, q->b), ab = gi_vec3d_sub(q->b, q->a);
+	return fmax(fmax(gi_vec3d_dot(ac, ac), gi_vec3d_dot(bd, bd)), gi_vec3d_dot(ab, ab));
+}
+
 static double quad_area(const quad *q)
 {
 	return gi_vec3d_length(gi_vec3d_triangle(q->a, q->b, q->c)) +
@@ -123,7 +130,7 @@ static void sum_leaves(builder *b)
 	for (uint32_t face = 0; face < level->face_count; face++) {
 		const quad q = load_quad((const float(*)[3])b->refined->positions, level->corners[face]);
 		const face_sum sum = sum_quad(&q);
-		if (sum.area > ZERO_AREA * b->diagonal2)
+		if (sum.area > ZERO_AREA * quad_diagonal2(&q))
 			b->sums[b->finest][face] = sum;
 	}
 }

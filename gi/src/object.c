@@ -12,12 +12,18 @@ enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4 };
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
 
-static bool all_finite(const float *values, size_t count)
+/* False for NaN too. */
+static bool all_within(const float *values, size_t count, float most)
 {
 	for (size_t k = 0; k < count; k++)
-		if (!isfinite(values[k]))
+		if (!(fabsf(values[k]) <= most))
 			return false;
 	return true;
+}
+
+static bool all_finite(const float *values, size_t count)
+{
+	return all_within(values, count, FLT_MAX);
 }
 
 bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const char *object, uint32_t index)
@@ -30,10 +36,10 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const c
 				object, index, (double)m->rho[c]);
 			return false;
 		}
-		if (!(m->exitance[c] >= 0.0f && isfinite(m->exitance[c]))) {
+		if (!(m->exitance[c] >= 0.0f && m->exitance[c] <= SCENE_MAX_EXITANCE)) {
 			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: exitance %g W/m2 must be finite and not negative", object,
-				index, (double)m->exitance[c]);
+				"object '%s', material %u: exitance %g W/m2 is outside [0, 1e12]", object, index,
+				(double)m->exitance[c]);
 			return false;
 		}
 	}
@@ -46,9 +52,10 @@ bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *objec
 	for (int k = 0; k < 4; k++)
 		length += (double)pose->rotation[k] * pose->rotation[k];
 	length = sqrt(length);
-	if (!all_finite(pose->position, 3) || !isfinite(length) || length < 1e-6) {
+	if (!all_within(pose->position, 3, SCENE_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
 		gi_fail(&gi->gpu.log, GI_ERROR_INVALID_POSE,
-			"object '%s': the pose needs a finite position and a rotation quaternion that is not zero",
+			"object '%s': the pose needs a position within 1e9 m of the origin and a rotation quaternion "
+			"that is not zero",
 			object);
 		return false;
 	}
@@ -311,13 +318,17 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 	return ok;
 }
 
-/* A leaf or an object whose area no float holds has no form factors. */
 static bool is_too_small(const gi_hierarchy *h)
 {
 	for (uint32_t n = 0; n < h->node_count; n++)
-		if (!(h->geometry[n].moment.w >= FLT_MIN))
+		if (!(h->geometry[n].moment.w >= SCENE_MIN_AREA))
 			return true;
 	return false;
+}
+
+static bool is_too_large(const gi_hierarchy *h)
+{
+	return !all_within(&h->lower.x, 3, SCENE_MAX_LENGTH) || !all_within(&h->upper.x, 3, SCENE_MAX_LENGTH);
 }
 
 /* Two sides that cover each other never show a back. */
@@ -346,7 +357,10 @@ static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
 	} else if (is_too_small(&o->hierarchy)) {
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
-				 "object '%s' is too small: its leaves have areas below 1e-38", name);
+				 "object '%s' is too small: its leaves have areas below 1e-24 m2", name);
+	} else if (is_too_large(&o->hierarchy)) {
+		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+				 "object '%s' is too large: it reaches farther than 1e9 m from its origin", name);
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);

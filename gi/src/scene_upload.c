@@ -20,15 +20,16 @@ static bool one_encloses_all(const gi_context *gi)
 		const scene_object *room = &s->objects[k];
 		if (!scene_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
 			continue;
+		/* Rounding of the boxes and what stands in a wall by a hair. Of the room's size, not of where it is. */
+		float slack = 0;
+		for (int c = 0; c < 3; c++)
+			slack = fmaxf(slack, 1e-4f * ((&room->world_upper.x)[c] - (&room->world_lower.x)[c]));
 		bool all = true;
 		for (uint32_t j = 0; j < s->object_count && all; j++) {
 			const scene_object *o = &s->objects[j];
 			for (int c = 0; c < 3 && scene_is_alive(o); c++)
-				all = all &&
-				      (&o->world_lower.x)[c] >=
-					  (&room->world_lower.x)[c] - 1e-4f * fabsf((&room->world_lower.x)[c]) &&
-				      (&o->world_upper.x)[c] <=
-					  (&room->world_upper.x)[c] + 1e-4f * fabsf((&room->world_upper.x)[c]);
+				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - slack &&
+				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + slack;
 		}
 		if (all)
 			return true;

@@ -21,7 +21,8 @@
  * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31,
  * texture unit 0..3, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
  * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
- * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere. Surfaces emit and reflect on
+ * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
+ * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
  * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to
@@ -109,7 +110,7 @@ typedef struct gi_context_def {
 	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
 
 	gi_sky sky;
-	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; >= 0, default 0 */
+	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; 0..1e12, default 0 */
 
 	/* Lamp polygons that gi_draw lights per pixel, with soft shadows; 0..32, default 32. The rest lights through the
 	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
@@ -131,12 +132,12 @@ void gi_context_destroy(gi_context *gi);
 
 typedef struct gi_material {
 	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
-	float exitance[3]; /* E, W/m2, >= 0; a glTF emissive radiance L is E = pi L */
+	float exitance[3]; /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
 } gi_material;
 
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
 typedef struct gi_pose {
-	float position[3]; /* metres */
+	float position[3]; /* metres, each within 1e9 of 0 */
 	float rotation[4]; /* quaternion x y z w; normalised by the library, must not be zero */
 } gi_pose;
 
