@@ -119,6 +119,10 @@ void begin()
 	}
 	clear_findings();
 	queue_sweep(max_sweeps == 1u || load(GI_STATE_ESTIMATE_BITS) > AMPLIFIED);
+	if (frame.counts.x == 0u) {
+		store(GI_STATE_BOUND_BITS, 0.0);
+		stop(GI_SOLVE_CONVERGED); // an empty scene
+	}
 	// Which rows did not fit is chance: B waits for the larger pool, and stays what it was.
 	if (state[GI_STATE_OVERFLOW] != 0u)
 		stop(GI_SOLVE_GOES_ON);
