@@ -2,15 +2,17 @@
 // Under a budget: what has to be refreshed of each row, what that takes, and a bound on what it changes. One thread a
 // leaf.
 //
-// A closed row shares out a weight of 1. Entries that nothing touched keep F and V; closing moves them all the same
-// way, so together they move by no more than the touched part does. With x_old and x_new bounds on the closed weight
-// of the touched entries before and after, at most max(x_old, x_new) of the row's weight moves at all, and
+// A closed row shares out a weight of 1. Let T be the sum of F V of its entries, D = |1 - T|, X and X' what the touched
+// ones have of it and may have afterwards, U = T - X the rest. Entries that nothing touched keep F and V. Closing corrects
+// all entries of a row one way, by 1 - T in sum before and by 1 - T' afterwards, with U <= T' <= U + X'. So of the untouched
+// entries those that rise do so by no more than X + D, those that fall by no more than X' + D:
 //
-//     H rises by at most  gain + x_old B_firm + what emitters are raised by
-//     H falls by at most  loss + x_new B_firm + what emitters are raised or lowered by, and by no more than H
+//     H rises by at most  gain + (X + D) B_firm + what emitters are raised by
+//     H falls by at most  loss + (X' + D) B_firm + what emitters are raised or lowered by, and by no more than H
 //
 // gain: what the touched entries can bring, loss: what they bring now, B_firm: the brightest untouched entry but for
-// emitters, which closing hardly moves. Where the row may not close, everything counts as touched.
+// emitters, which are corrected only when the others are at their limits. Where the row may not close, everything counts as
+// touched.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
@@ -166,20 +168,21 @@ vec4 bound_of(sums s, vec3 h)
 	vec3 all = min(dim + emitted, max(brightest(s.firm), brightest(s.touched)));
 	if (s.firm.weight < CLOSES_ABOVE || before < CLOSES_ABOVE)
 		return vec4(max(all, h), 1.0);
-	// Closed weights of the touched entries; none more than doubles, together they gain no more than the row lacks.
-	float x_old = min(CLOSE_RAISE * s.weight_before, s.weight_before + max(0.0, 1.0 - before));
-	float x_new = min(CLOSE_RAISE * s.touched.weight, s.touched.weight + max(0.0, 1.0 - s.firm.weight));
-	float moved = min(1.0, max(x_old, x_new) + CLOSE_SLACK);
+	// Touched entries are raised too: none more than doubles, together they gain no more than the row lacks.
+	float lacked = abs(1.0 - before);
+	float raise_old = min((CLOSE_RAISE - 1.0) * s.weight_before, max(0.0, 1.0 - before));
+	float raise_new = min((CLOSE_RAISE - 1.0) * s.touched.weight, max(0.0, 1.0 - s.firm.weight));
+	float moved = min(1.0, max(s.weight_before, s.touched.weight) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
 	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
 	float others = s.firm.weight - s.firm.emitters;
 	float lack = max(0.0, 1.0 - CLOSE_RAISE * others - s.firm.emitters);
 	bool full = s.firm.emitters + s.touched.emitters > EMITTERS_MOVE_ABOVE;
 	vec3 raised = min(lack, s.firm.emitters) * s.firm.brightest_emitter + min(lack, s.touched.emitters) * s.touched.brightest_emitter;
 	vec3 lowered = (full ? s.firm.emitters : 0.0) * s.firm.brightest_emitter;
-	vec3 gain = s.gain + max(0.0, x_new - s.touched.weight) * s.touched.brightest;
-	vec3 loss = s.loss + max(0.0, x_old - s.weight_before) * s.touched.brightest;
-	vec3 rise = min(gain + x_old * s.firm.brightest + raised, all);
-	vec3 fall = min(loss + min(1.0, x_new) * s.firm.brightest + raised + lowered, h);
+	vec3 gain = s.gain + raise_new * s.touched.brightest;
+	vec3 loss = s.loss + raise_old * s.touched.brightest;
+	vec3 rise = min(gain + (s.weight_before + lacked) * s.firm.brightest + raised, all);
+	vec3 fall = min(loss + min(1.0, s.touched.weight + lacked) * s.firm.brightest + raised + lowered, h);
 	return vec4(max(rise, fall) + CLOSE_SLACK * all, moved);
 }
 

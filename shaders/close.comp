@@ -36,8 +36,9 @@ const float BELOW_ONE = 1.0 - 2.5e-7;
 const float FACTOR_ERROR_POLYGON = 0.001;
 const float FACTOR_ERROR_DISC = 0.1;
 
-// Of the visibility of an entry all of whose samples agree, times their number: visibility is mostly all or nothing.
-const float UNSEEN = 0.12;
+// Weight of the segment's doubt about an entry whose own samples agree: visibility is mostly all or nothing (about what
+// a Beta(0.1, 0.1) prior gives for one sample).
+const float UNSEEN = 0.3;
 
 // Newton's steps on the correction; each ends at an entry's limit or at the sum, so they are few.
 const uint CLOSE_STEPS = 16u;
@@ -53,8 +54,8 @@ struct visible_entry {
 };
 
 // What is given back for each unit of variance: to emitters, which have many rays, only when the others are at their
-// limits. Both have one sign, so that all entries of a row go the same way: what a part of the row can change of the
-// rest is bounded by that (assess.comp).
+// limits: what a few samples of the walls say must not make a lamp brighter (assess.comp counts on it). Both have one sign,
+// so that the corrections of a row add up to what it lacked and no more.
 struct correction {
 	float others;
 	float emitters;
@@ -87,20 +88,22 @@ float factor_variance(uint flags)
 	return error * error;
 }
 
-float visibility_variance(float seen, float taken)
+// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
+// `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
+float visibility_variance(float seen, float taken, float share)
 {
-	float v = seen / taken, unseen = UNSEEN / taken;
-	return v * (1.0 - v) / taken + unseen * unseen;
+	float v = seen / taken;
+	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
 }
 
-visible_entry read_entry(uvec4 e)
+visible_entry read_entry(uvec4 e, float share)
 {
 	float taken = float((e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK), seen = float(bitCount(e.z & 0xFFFFu));
 	float f = uintBitsToFloat(e.y);
 	if (seen == 0.0 || f < LEAST_FACTOR)
 		return visible_entry(0.0, 0.0, false);
 	uint flags = topology[e.x].range.w;
-	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken) + factor_variance(flags)),
+	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken, share) + factor_variance(flags)),
 			     (flags & GI_NODE_EMITTER) != 0u);
 }
 
@@ -127,15 +130,31 @@ struct row_sums {
 	uint lit;          // how many carry light
 };
 
+// Leaves each segment's share of seen samples with it.
+void share_samples(uint leaf)
+{
+	for (uint s = 0u; s < frame.counts.z; s++) {
+		uint slot = leaf * frame.counts.z + s;
+		uvec2 range = range_of(segments[slot]);
+		uint seen = 0u, taken = 0u;
+		for (uint k = range.x; k < range.y; k++) {
+			seen += uint(bitCount(entries[k].z & 0xFFFFu));
+			taken += (entries[k].w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+		}
+		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
+	}
+}
+
 row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
 	row_sums row = row_sums(0.0, correction(0.0, 0.0), 0u);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 range = range_of(segments[leaf * frame.counts.z + s]);
+		uvec4 segment = segments[leaf * frame.counts.z + s];
+		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
-			visible_entry v = read_entry(e);
+			visible_entry v = read_entry(e, uintBitsToFloat(segment.z));
 			if (v.weight <= 0.0)
 				continue;
 			float w = corrected(v, c);
@@ -155,10 +174,11 @@ float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 range = range_of(segments[leaf * frame.counts.z + s]);
+		uvec4 segment = segments[leaf * frame.counts.z + s];
+		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
-			float weight = scale * corrected(read_entry(e), c);
+			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), c);
 			if (weight <= 0.0 || !carries_light(e))
 				continue;
 			links[at++] = uvec2(e.x, floatBitsToUint(weight));
@@ -188,6 +208,7 @@ void main()
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
+	share_samples(leaf);
 	correction c = correction(0.0, 0.0);
 	row_sums sums = sum_corrected(leaf, c, true);
 	bool raise = sums.weight < 1.0;

@@ -219,7 +219,8 @@ GI_STRUCT(gi_pending) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
-/* A segment, the cut of one object in one row: x and y a block of entries, z and w 0.
+/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their
+ * object as float bits (close.comp), w 0.
  *
  * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
  */
