@@ -1,16 +1,16 @@
 #version 450 core
-// Judges a sweep: does the certified bound meet the tolerance, is what is left rounding, and how does the next one go? The
-// group counts of all sweeps lie in the state, so that ending the solve, or choosing the certifying gather instead of the
-// ordinary one, is a matter of zeroes: the frame never waits for a read-back. STAGE says which part.
+// Judges a sweep: does the certified bound meet the tolerance, is what is left rounding, and how does the next one go?
+// The group counts of all sweeps lie in the state, so that ending the solve, or choosing the certifying gather instead
+// of the ordinary one, is a matter of zeroes: the frame never waits for a read-back.
 //
-// The bound. With M = I - diag(rho) W (W: links and area means), T B = E + B - M B, and r = T B - B, what B lacks to the
-// solution B* is e = B* - B = M^-1 r. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0. Any
-// u with m = min (M u)_i > 0 then tells how large it is (Collatz 1942): m M^-1 1 <= u, so
+// The bound. With M = I - diag(rho) W (W: links and area means), T B = E + B - M B, and r = T B - B, what B lacks to
+// the solution B* is e = B* - B = M^-1 r. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0.
+// Any u with m = min (M u)_i > 0 then tells how large it is (Collatz 1942): m M^-1 1 <= u, so
 //
 //     |B - B*| <= |r| u_max / m,    |T B - B*| = |(I - M) e| <= |r| (u_max / m - 1)            (|.| the largest entry)
 //
-// u is the fourth channel of B; the M of the largest rho has the largest inverse of the three. u = 1 gives the row sums'
-// norm, 1 / (1 - q). Of A = u_max / m and that the lesser counts: the amplification. It bounds the spectrum too, whose
+// u is the fourth channel of B; the M of the largest rho has the largest inverse of the three. u = 1 gives the row
+// sums' norm, 1 / (1 - q). Of A = u_max / m and that the lesser counts: the amplification. It bounds the spectrum too, whose
 // radius is at most 1 - 1 / A.
 //
 // What is stored, B', is T B but for rounding (or Chebyshev's step), and the certifying gather knows by how much, w:
@@ -22,11 +22,12 @@
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
-//     B_k+1 = omega_k+1 (T B_k - B_k-1) + B_k-1,    omega_1 = 1, omega_2 = 1 / (1 - q^2 / 2), omega_k+1 = 1 / (1 - q^2 omega_k / 4)
+//     B_k+1 = omega_k+1 (T B_k - B_k-1) + B_k-1
+//     omega_1 = 1, omega_2 = 1 / (1 - q^2 / 2), omega_k+1 = 1 / (1 - q^2 omega_k / 4)
 //
-// takes about sqrt(2 (1 - q)) off the error where Jacobi takes 1 - q. Rows are sampled, so eigenvalues stray from the real
-// axis: where progress is not as foretold, the interval becomes an ellipse with the half axes q and b (Manteuffel 1977), c^2 =
-// q^2 - b^2 in q^2's place; wider and wider, and c = 0 is Jacobi.
+// takes about sqrt(2 (1 - q)) off the error where Jacobi takes 1 - q. Rows are sampled, so eigenvalues stray from the
+// real axis: where progress is not as foretold, the interval becomes an ellipse with the half axes q and b (Manteuffel
+// 1977), c^2 = q^2 - b^2 in q^2's place; wider and wider, and c = 0 is Jacobi.
 #define USE_FRAME
 #define USE_STATE
 #include "buffers.glsl"
@@ -41,21 +42,21 @@ const uint STAGE_SWEPT = 0u, STAGE_BEGIN = 1u, STAGE_GO_ON = 2u;
 // Jacobi where it needs no more sweeps than this: it is then as good as Chebyshev, whose first steps are like it.
 const uint JACOBI_MOST = 25u;
 
-// Where floats are summed, about the square root of hundreds of terms' worth of 2^-24 of B is noise; amplified more than
-// AMPLIFIED times it would spoil a tolerance of 1e-4. From here on sweeps sum in double precision.
+// Where floats are summed, about the square root of hundreds of terms' worth of 2^-24 of B is noise; amplified more
+// than AMPLIFIED times it would spoil a tolerance of 1e-4. From here on sweeps sum in double precision.
 const float SUM_NOISE = 32.0 / 16777216.0;
 const float AMPLIFIED = 100.0;
 
 // More than the rounding of a division (2.5 units in the last place) and of the few operations around it.
 const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 
-// Progress is judged whenever this much is foretold of the residual, and half the decades will do: largest entries do not
-// shrink as evenly as the norm of the theory.
+// Progress is judged whenever this much is foretold of the residual, and half the decades will do: largest entries do
+// not shrink as evenly as the norm of the theory.
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// Times FLOOR. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T B + B) / 2, take them away, those of
-// eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
+// Times FLOOR. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T B + B) / 2, take them away, those
+// of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
 const float NEAR_FLOOR = 64.0, AT_FLOOR = 2.0;
 const uint POLISH_SWEEPS = 16u;
 
@@ -166,7 +167,7 @@ bool meets_tolerance()
 
 // ---- Chebyshev ----
 
-// Half axes of the ellipse: q, and b, none at first, then doubling from half of sqrt(1 - q^2), the scale of what it costs.
+// Half axes of the ellipse: q, and b, none at first, then doubling from half of sqrt(1 - q^2), the scale of its cost.
 vec2 half_axes()
 {
 	float q = 1.0 - 1.0 / load(GI_STATE_REACH_BITS);
@@ -231,8 +232,8 @@ uint foretell_jacobi(float amplified, float residual, float tolerance)
 	return uint(clamp(ceil(log(tolerance / bound) / log(1.0 - 1.0 / amplified)), 1.0, 1e6));
 }
 
-// Exact sweeps shrink the residual, in as many as the amplification by e: those that do not are rounding. Polishing takes away
-// noise, or has nothing to take.
+// Exact sweeps shrink the residual, in as many as the amplification by e: those that do not are rounding. Polishing
+// takes away noise, or has nothing to take.
 bool is_stuck(float amplified, float residual, bool certified, bool polished)
 {
 	state[GI_STATE_WINDOW] += 1u;
@@ -281,7 +282,8 @@ void judge(bool certified, float last_residual, float residual, float b_max)
 	else if (last_residual > 0.0)
 		left = min(left, residual / last_residual);
 	bool last = state[GI_STATE_SWEEPS] + 1u >= max_sweeps;
-	queue_sweep(last || left * residual * (amplified - 1.0) <= tolerance || amplified > AMPLIFIED || residual <= SUM_NOISE * b_max);
+	bool enough = left * residual * (amplified - 1.0) <= tolerance;
+	queue_sweep(last || enough || amplified > AMPLIFIED || residual <= SUM_NOISE * b_max);
 }
 
 void finish_sweep()

@@ -1,9 +1,9 @@
 // A sweep, the gather: T B of every leaf, T B_i = E_i + rho_i * sum over links of weight * B_node, and the next B from
 // it. One thread a leaf.
 //
-// Next is T B for omega 1 (Jacobi), for more a step of Chebyshev's, omega (T B - B_before) + B_before, for less a damped one,
-// omega (T B - B) + B (check.comp). Never below 0, which no solution is, so that sums have terms of one sign only and
-// rounding is relative to them.
+// Next is T B for omega 1 (Jacobi), for more a step of Chebyshev's, omega (T B - B_before) + B_before, for less a
+// damped one, omega (T B - B) + B (check.comp). Never below 0, which no solution is, so that sums have terms of one
+// sign only and rounding is relative to them.
 //
 // The fourth channel solves u = 1 + rho_max * sum of weight * u_node along with B: how much the scene amplifies.
 #define USE_FRAME
@@ -24,9 +24,13 @@ shared uint group_largest[GI_STATE_LARGEST];
 shared uint group_least[GI_STATE_LEAST];
 
 // Where the words of the state are in those arrays.
-const uint RESIDUAL = 0u, B_MAX = GI_STATE_B_MAX_BITS - GI_STATE_RESIDUAL_BITS, U_MAX = GI_STATE_U_MAX_BITS - GI_STATE_RESIDUAL_BITS,
-	   WRITE = GI_STATE_WRITE_BITS - GI_STATE_RESIDUAL_BITS, FLOOR = GI_STATE_FLOOR_BITS - GI_STATE_RESIDUAL_BITS, GAP = 0u,
-	   DESCENT = GI_STATE_DESCENT_BITS - GI_STATE_GAP_BITS;
+const uint RESIDUAL = 0u;
+const uint B_MAX = GI_STATE_B_MAX_BITS - GI_STATE_RESIDUAL_BITS;
+const uint U_MAX = GI_STATE_U_MAX_BITS - GI_STATE_RESIDUAL_BITS;
+const uint WRITE = GI_STATE_WRITE_BITS - GI_STATE_RESIDUAL_BITS;
+const uint FLOOR = GI_STATE_FLOOR_BITS - GI_STATE_RESIDUAL_BITS;
+const uint GAP = 0u;
+const uint DESCENT = GI_STATE_DESCENT_BITS - GI_STATE_GAP_BITS;
 
 const uint INFINITY_BITS = 0x7F800000u;
 
@@ -77,13 +81,14 @@ float inward(double x)
 	return max(float(x) * (1.0 - 2.3841858e-7) - LEAST_NORMAL, 0.0);
 }
 
-// Bounds, channel by channel; doubt bounds |computed T B - T B|: nodes are off by ROUNDING of their means, all terms of the
-// sums are >= 0 and n of them add n 2^-53, a node below the least normal float is off by no more than that.
+// Bounds, channel by channel; doubt bounds |computed T B - T B|: nodes are off by ROUNDING of their means, all terms of
+// the sums are >= 0 and n of them add n 2^-53, a node below the least normal float is off by no more than that.
 void report(gathered g, dvec4 rho, dvec4 image, dvec4 before, vec4 next)
 {
 	double sum_rounding = double(g.count + 8u) * 1.1102230246251565e-16lf;
 	dvec4 arrived = rho * g.sum;
-	dvec4 doubt = ROUNDING * arrived + sum_rounding * image + mix(dvec4(0.0lf), dvec4(2.0 * LEAST_NORMAL), greaterThan(arrived, dvec4(0.0lf)));
+	dvec4 lost = mix(dvec4(0.0lf), dvec4(2.0 * LEAST_NORMAL), greaterThan(arrived, dvec4(0.0lf)));
+	dvec4 doubt = ROUNDING * arrived + sum_rounding * image + lost;
 	dvec4 residual = abs(image - before) + doubt, written = abs(dvec4(next) - image) + doubt;
 	double least_left = 0.0lf;
 	for (uint c = 0u; c < 3u; c++) {

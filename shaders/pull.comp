@@ -1,8 +1,8 @@
 #version 450 core
 // The second half of a sweep: B of every node that covers few leaves, as their area mean. One thread a node.
 //
-// Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for one
-// rounding.
+// Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for
+// one rounding.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_REST

@@ -66,7 +66,8 @@ static void collect_reports(gi_context *gi, bool wait)
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		fill_report(gi, state, frame);
 		take_waiting(gi, state, frame);
-		gi->solver.unconverged = gi->report.outcome != GI_OUTCOME_CONVERGED && gi->report.outcome != GI_OUTCOME_ROUNDING;
+		const gi_outcome outcome = gi->report.outcome;
+		gi->solver.unconverged = outcome != GI_OUTCOME_CONVERGED && outcome != GI_OUTCOME_ROUNDING;
 		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
 			gi->truncated = true;
 	}

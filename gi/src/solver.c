@@ -1,9 +1,9 @@
 /* The solve: Jacobi, or Chebyshev where that would be slow, from last frame's B until the certified bound meets the
  * tolerance; then the light of what is drawn.
  *
- * A sweep is gather (leaves; in single precision, or certify in double), pull (ancestors as area means) and check, which
- * chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued but not wanted:
- * no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound relies on.
+ * A sweep is gather (leaves; in single precision, or certify in double), pull (ancestors as area means) and check,
+ * which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued but not
+ * wanted: no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound relies on.
  */
 #include "context.h"
 
@@ -16,10 +16,11 @@ enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 gi_result solver_init(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
-	const gpu_program_file programs[] = {{"gather.comp", &s->gather_program}, {"certify.comp", &s->certify_program},
-			{"pull.comp", &s->pull_program},     {"pull_wide.comp", &s->wide_program},
-			{"check.comp", &s->check_program},   {"start.comp", &s->start_program},
-			{"indirect.comp", &s->indirect_program}, {"light.comp", &s->light_program}};
+	const gpu_program_file programs[] = {
+	    {"gather.comp", &s->gather_program},     {"certify.comp", &s->certify_program},
+	    {"pull.comp", &s->pull_program},         {"pull_wide.comp", &s->wide_program},
+	    {"check.comp", &s->check_program},       {"start.comp", &s->start_program},
+	    {"indirect.comp", &s->indirect_program}, {"light.comp", &s->light_program}};
 	return gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
 }
 
@@ -145,7 +146,7 @@ void solver_free(gi_context *gi)
 	gi_solver *s = &gi->solver;
 	solver_release(gi, s);
 	uint32_t *programs[] = {&s->gather_program, &s->certify_program, &s->pull_program,     &s->wide_program,
-				&s->check_program,  &s->start_program,	 &s->indirect_program, &s->light_program};
+				&s->check_program,  &s->start_program,   &s->indirect_program, &s->light_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }

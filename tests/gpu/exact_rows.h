@@ -1,7 +1,7 @@
 /* The rows a context solves, in double precision: the truth that a solve is measured against.
  *
- * The very links and areas of the library, so that what is tested is the solve alone, not the rows. Of an open scene all
- * patches of the sky are one more leaf behind the others, black, with the sky's exitance.
+ * The very links and areas of the library, so that what is tested is the solve alone, not the rows. Of an open scene
+ * all patches of the sky are one more leaf behind the others, black, with the sky's exitance.
  */
 #ifndef TESTS_EXACT_ROWS_H
 #define TESTS_EXACT_ROWS_H

@@ -88,8 +88,8 @@ static void add_thing(gi_context *gi, random_scene *s, bool lit)
 	else if (kind == 1)
 		assert_true(shape_sphere(size, 1, &mesh));
 	else
-		assert_true(shape_quad((float[]){-size, 0, -size}, (float[]){0, 0, 2 * size}, (float[]){2 * size, 0, 0}, 1, 1,
-				       &mesh));
+		assert_true(shape_quad((float[]){-size, 0, -size}, (float[]){0, 0, 2 * size}, (float[]){2 * size, 0, 0},
+				       1, 1, &mesh));
 	const gi_object object = add(gi, s, 1, lit, kind == 2 && chance(s, 0.5), &mesh);
 	assert_gi(gi_set_pose(gi, object, random_pose(s)));
 	s->objects[s->count++] = object;

@@ -1,8 +1,9 @@
-/* Random small scenes and their moves, the same for the same seed: what solves and updates are tried on by the thousand.
+/* Random small scenes and their moves, the same for the same seed: what solves and updates are tried on by the
+ * thousand.
  *
  * A scene is a closed room or open ground under the sky, with one to four boxes, balls
- * and quads of one or two refinement levels in it; some of them emit, over five decades; reflectances are ordinary, near 1
- * (up to 0.999) or, one scene in ten, up to 0.9999. Objects may cut each other: rows take that.
+ * and quads of one or two refinement levels in it; some of them emit, over five decades; reflectances are ordinary,
+ * near 1 (up to 0.999) or, one scene in ten, up to 0.9999. Objects may cut each other: rows take that.
  */
 #ifndef TESTS_RANDOM_SCENE_H
 #define TESTS_RANDOM_SCENE_H
@@ -21,8 +22,8 @@ typedef struct random_scene {
 /* Creates the scene of that seed in a context and commits it. */
 random_scene random_scene_make(gi_context *gi, uint64_t seed);
 
-/* The next move: new poses for some objects, near their old ones or anywhere, sometimes a new material or only that; the
- * caller updates. */
+/* The next move: new poses for some objects, near their old ones or anywhere, sometimes a new material or only that;
+ * the caller updates. */
 void random_scene_move(gi_context *gi, random_scene *scene);
 
 /* Destroys its objects and commits; the context takes the next scene. */

@@ -632,7 +632,8 @@ static void blind_leaf(void **state)
 	assert_gi(gi_commit(gi));
 	const gi_report r = harness_update(gi);
 	assert_int_equal(r.outcome, GI_OUTCOME_CONVERGED);
-	assert_true(r.solve_bound == 0 && r.contraction == 0);
+	/* Nothing but the rounding that certified figures allow for. */
+	assert_true(r.solve_bound <= 1e-6f && r.contraction <= 1e-6f);
 	gi_leaf leaf;
 	uint32_t count;
 	assert_gi(gi_read_leaves(gi, &leaf, 1, &count));

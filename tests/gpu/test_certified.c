@@ -45,13 +45,15 @@ static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t
 	const gi_report r = harness_update(gi);
 	if (r.outcome == GI_OUTCOME_AT_REST)
 		return;
-	assert_true(r.outcome == GI_OUTCOME_CONVERGED || r.outcome == GI_OUTCOME_SWEEPS || r.outcome == GI_OUTCOME_ROUNDING);
+	assert_true(r.outcome == GI_OUTCOME_CONVERGED || r.outcome == GI_OUTCOME_SWEEPS ||
+		    r.outcome == GI_OUTCOME_ROUNDING);
 	snapshot s = snapshot_take(gi);
 	const double bound = (double)r.solve_bound, distance = exact_distance(&s, &r, def->sky_exitance, bound);
 	if (!(distance <= bound))
-		fail_msg("scene %llu, frame %d: B is %.6g from the solution, and the certified bound says %.6g (outcome %d, "
-			 "amplification %g)",
-			 (unsigned long long)seed, frame, distance, bound, r.outcome, (double)r.amplification);
+		fail_msg(
+		    "scene %llu, frame %d: B is %.6g from the solution, and the certified bound says %.6g (outcome %d, "
+		    "amplification %g)",
+		    (unsigned long long)seed, frame, distance, bound, r.outcome, (double)r.amplification);
 	assert_true(r.rounding_bound <= r.solve_bound && r.amplification >= 1);
 	assert_true(r.outcome != GI_OUTCOME_CONVERGED || r.solve_relative <= def->solve_tolerance);
 	snapshot_free(&s);
@@ -112,10 +114,11 @@ static int order_doubles(const void *a, const void *b)
 
 static void print_tally(tally *t)
 {
-	const uint32_t all = t->by_outcome[GI_OUTCOME_CONVERGED] + t->by_outcome[GI_OUTCOME_SWEEPS] +
-			     t->by_outcome[GI_OUTCOME_ROUNDING];
+	const uint32_t all =
+	    t->by_outcome[GI_OUTCOME_CONVERGED] + t->by_outcome[GI_OUTCOME_SWEEPS] + t->by_outcome[GI_OUTCOME_ROUNDING];
 	qsort(t->ratios, t->count, sizeof *t->ratios, order_doubles);
-	printf("  %u solves: %u met the tolerance, %u had no more sweeps, %u (%.0f %%) ended at rounding; %u by Chebyshev; %.1f "
+	printf("  %u solves: %u met the tolerance, %u had no more sweeps, %u (%.0f %%) ended at rounding; %u by "
+	       "Chebyshev; %.1f "
 	       "sweeps a solve\n",
 	       all, t->by_outcome[GI_OUTCOME_CONVERGED], t->by_outcome[GI_OUTCOME_SWEEPS],
 	       t->by_outcome[GI_OUTCOME_ROUNDING], 100.0 * t->by_outcome[GI_OUTCOME_ROUNDING] / all, t->by_chebyshev,

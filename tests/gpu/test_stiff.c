@@ -32,12 +32,14 @@ static gi_report solve(gi_context *gi)
 		sweeps += r.sweeps;
 	}
 	if (r.outcome != GI_OUTCOME_CONVERGED && r.outcome != GI_OUTCOME_ROUNDING)
-		fail_msg("outcome %d after %u sweeps, bound %g of the largest B", r.outcome, sweeps, (double)r.solve_relative);
+		fail_msg("outcome %d after %u sweeps, bound %g of the largest B", r.outcome, sweeps,
+			 (double)r.solve_relative);
 	r.sweeps = sweeps;
 	return r;
 }
 
-static gi_object add_box(gi_context *gi, const harness_object *like, const float lower[3], const float upper[3], bool inward)
+static gi_object add_box(gi_context *gi, const harness_object *like, const float lower[3], const float upper[3],
+			 bool inward)
 {
 	engine_mesh mesh;
 	assert_true(shape_box(lower, upper, 1, inward, &mesh));
@@ -133,8 +135,11 @@ static void add_walls(gi_context *gi, const float rho[6], const float exitance[6
 	for (int k = 0; k < 6; k++) {
 		engine_mesh mesh;
 		assert_true(shape_quad(sides[k][0], sides[k][1], sides[k][2], 1, 1, &mesh));
-		harness_add(gi, &(harness_object){.name = "wall", .levels = 2, .rho = {rho[k], rho[k], rho[k]},
-						  .exitance = {exitance[k], exitance[k], exitance[k]}},
+		harness_add(gi,
+			    &(harness_object){.name = "wall",
+					      .levels = 2,
+					      .rho = {rho[k], rho[k], rho[k]},
+					      .exitance = {exitance[k], exitance[k], exitance[k]}},
 			    &mesh);
 	}
 	assert_gi(gi_commit(gi));
@@ -144,7 +149,8 @@ static void expect_exact(gi_context *gi, const gi_report *r, const char *what)
 {
 	snapshot s = snapshot_take(gi);
 	const double bound = (double)r->solve_bound, distance = exact_distance(&s, r, NO_SKY, bound);
-	printf("  %s: q %.6f, amplification %.1f, %u sweeps (Jacobi %u), bound %.1e of the largest B, %.1f times the error\n",
+	printf("  %s: q %.6f, amplification %.1f, %u sweeps (Jacobi %u), bound %.1e of the largest B, %.1f times the "
+	       "error\n",
 	       what, (double)r->contraction, (double)r->amplification, r->sweeps, r->jacobi_sweeps,
 	       (double)r->solve_relative, bound / distance);
 	if (!(distance <= bound))
@@ -152,8 +158,8 @@ static void expect_exact(gi_context *gi, const gi_report *r, const char *what)
 	snapshot_free(&s);
 }
 
-/* By the row sums Jacobi would seem to need 100,000 sweeps, and the bound to be 10,000 times the residual: but light leaves
- * the bright wall only for dark ones. */
+/* By the row sums Jacobi would seem to need 100,000 sweeps, and the bound to be 10,000 times the residual: but light
+ * leaves the bright wall only for dark ones. */
 static void one_bright_wall(void **state)
 {
 	(void)state;
@@ -217,7 +223,8 @@ static void warm_starts(void **state)
 	for (int k = 0; k < MOVES; k++) {
 		assert_gi(gi_set_pose(warm, in_warm, ball_at(k)));
 		assert_gi(gi_set_pose(cold, in_cold, ball_at(k)));
-		/* The furnace's B is the same wherever the ball is: so that there is something to do, its light changes. */
+		/* The furnace's B is the same wherever the ball is: so that there is something to do, its light
+		 * changes. */
 		const float e = 1 + .1f * (float)k;
 		const gi_material like = {.rho = {.995f, .995f, .995f}, .exitance = {e, e, 1}};
 		assert_gi(gi_set_material(warm, in_warm, 0, like));
@@ -297,8 +304,8 @@ static void all_reflected_is_refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(furnaces),		  cmocka_unit_test(one_bright_wall),
-	    cmocka_unit_test(facing_mirrors),	  cmocka_unit_test(warm_starts),
+	    cmocka_unit_test(furnaces),           cmocka_unit_test(one_bright_wall),
+	    cmocka_unit_test(facing_mirrors),     cmocka_unit_test(warm_starts),
 	    cmocka_unit_test(few_sweeps_a_frame), cmocka_unit_test(all_reflected_is_refused),
 	};
 	return cmocka_run_group_tests_name("stiff", tests, harness_open, harness_close);
