@@ -274,6 +274,15 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
 #define GI_BIND_SPREAD 31
 
+/* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
+#define GI_BIND_PATH_SUMS GI_BIND_SEGMENTS     /* vec4 per thread: sum of the irradiance its paths found */
+#define GI_BIND_PATH_LIGHTS GI_BIND_ENTRIES    /* 3 uvec4 per emitting triangle, in the world */
+#define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
+
+/* An emitting triangle: its corners as float bits, and in the fourth words
+ *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 0 */
+#define GI_SOBOL_DIMENSIONS 7u
+
 #define GI_WIDE_LEAVES 64u
 
 #endif

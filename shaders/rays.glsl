@@ -78,21 +78,33 @@ bool hits_box(grid_ray r, uvec4 node, float end)
 	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
 }
 
-// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both sides.
-bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float begin, float end)
+// Where a ray meets a triangle's plane: barycentric coordinates of b and c, then the distance in lengths of the direction;
+// all -1 when it is parallel. Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both sides.
+vec3 meet_plane(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
 {
 	vec3 ab = b - a, ac = c - a;
 	vec3 p = cross(direction, ac);
 	float determinant = dot(ab, p);
 	if (determinant == 0.0)
-		return false;
+		return vec3(-1.0);
 	float inverse = 1.0 / determinant;
 	vec3 s = origin - a;
 	float u = dot(s, p) * inverse;
 	vec3 q = cross(s, ab);
 	float v = dot(direction, q) * inverse;
 	float t = dot(ac, q) * inverse;
-	return u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && t > begin && t < end;
+	return vec3(u, v, t);
+}
+
+bool inside_triangle(vec2 barycentric)
+{
+	return barycentric.x >= -EDGE_SLACK && barycentric.y >= -EDGE_SLACK && barycentric.x + barycentric.y <= 1.0 + EDGE_SLACK;
+}
+
+bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float begin, float end)
+{
+	vec3 m = meet_plane(origin, direction, a, b, c);
+	return inside_triangle(m.xy) && m.z > begin && m.z < end;
 }
 
 // Does one object cut the segment? skip_a and skip_b are leaves whose primitives do not count.
