@@ -62,13 +62,18 @@ uint next_object(grid_ray r, float end, inout uint n)
 	return object;
 }
 
+// Plain loops on purpose: with next_object() in the head of a for, Mesa 22.3 left after the first object.
 nearest find_nearest(vec3 origin, vec3 direction, float lift)
 {
 	nearest best = nearest(3e38, 3e38, false, GI_NONE, GI_NONE, false, vec2(0.0));
 	grid_ray r = ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz);
 	uint n = 0u;
-	for (uint object = next_object(r, best.end, n); object != GI_NONE; object = next_object(r, best.end, n))
+	while (n < frame.misc.x) {
+		uint object = next_object(r, best.end, n);
+		if (object == GI_NONE)
+			break;
 		meet_object(best, object, origin, direction, lift);
+	}
 	return best;
 }
 
@@ -78,8 +83,13 @@ bool segment_is_free(vec3 from, vec3 to)
 	vec3 d = to - from;
 	grid_ray r = ray_on_grid(from, d, frame.grid.xyz, frame.cells.xyz);
 	uint n = 0u;
-	for (uint object = next_object(r, 1.0, n); object != GI_NONE; object = next_object(r, 1.0, n))
-		if (object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 0.0, 1.0, GI_NONE, GI_NONE))
-			return false;
-	return true;
+	bool free = true;
+	while (n < frame.misc.x && free) {
+		uint object = next_object(r, 1.0, n);
+		if (object == GI_NONE)
+			break;
+		free = !object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 0.0, 1.0, GI_NONE,
+				     GI_NONE);
+	}
+	return free;
 }

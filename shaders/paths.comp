@@ -1,7 +1,9 @@
 #version 450 core
-// Path tracing of irradiance, the ground truth that rows and solve are measured against (gi_trace_paths). A thread takes
-// `run` paths of one leaf, one vertex of one path a turn: when a path ends the next begins, so that threads of a vector
-// do not wait for each other's long paths.
+// Path tracing of irradiance, the ground truth that rows and solve are measured against (gi_trace_paths). A slot takes a
+// run of paths of one leaf; a thread takes its slot on by a few vertices, whatever paths they are of: when one ends the
+// next begins, so that threads of a vector do not wait for each other's long paths. What is between two dispatches lies
+// in the slot, because a dispatch must end soon: a desktop's watchdog wants it, and llvmpipe silently leaves all loops of
+// a thread after 65,535 turns in sum.
 //
 // Veach's multiple importance sampling (thesis, 1997, chapters 8 to 10) for diffuse surfaces: with cosine sampling,
 // pdf_b = cos/pi, and emitter points picked by power, pdf_l = (pdf per area) r^2/cos', the balance heuristic gives both
@@ -23,7 +25,8 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-layout(std430, binding = GI_BIND_PATH_SUMS) restrict writeonly buffer sum_block { vec4 sums[]; };
+layout(std430, binding = GI_BIND_PATH_SLOTS) restrict buffer slot_block { gi_path_slot slots[]; };
+layout(std430, binding = GI_BIND_PATH_GOING) restrict writeonly buffer going_block { uint going; };
 layout(std430, binding = GI_BIND_PATH_LIGHTS) restrict readonly buffer light_triangle_block { uvec4 light_triangles[]; };
 layout(std430, binding = GI_BIND_PATH_SOBOL) restrict readonly buffer sobol_block { uint sobol[]; };
 
@@ -31,13 +34,16 @@ layout(location = 0) uniform uint first_leaf;
 layout(location = 1) uniform uint leaf_count;
 layout(location = 2) uniform uint first_path;
 layout(location = 3) uniform uint path_count; // of every leaf
-layout(location = 4) uniform uint run;        // paths a thread, at most
+layout(location = 4) uniform uint run;        // paths a slot, at most
 layout(location = 5) uniform uint seed;
 layout(location = 6) uniform uint light_count;
 layout(location = 7) uniform vec4 sky_and_lift; // exitance of what lies beyond; how far above its surface a ray starts, metres
 layout(location = 8) uniform float density;     // of emitter samples per m2 and unit of luminous exitance: 1 over the power
 
 const float PI = 3.14159265358979;
+
+// Vertices a dispatch: 8 take at most 16 rays, some thousand loop turns.
+const uint STEPS = 8u;
 
 // Russian roulette begins where the throughput is below this (measured in tests/reference/reference.c).
 const float ROULETTE_BELOW = 0.1;
@@ -237,31 +243,44 @@ bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u)
 	return true;
 }
 
+// Takes the slot on by one vertex.
+void step_on(uint leaf, inout gi_path_slot slot)
+{
+	uint path = uint(slot.origin.w), bounce = uint(slot.normal.w);
+	vertex v = vertex(slot.origin.xyz, slot.normal.xyz);
+	vec3 throughput = slot.throughput.xyz, sum = slot.sum.xyz;
+	numbers u;
+	if (bounce == 0u) {
+		vec2 on_leaf;
+		u = first_numbers(leaf, path, on_leaf);
+		v = start_on(leaf, on_leaf);
+		throughput = vec3(1.0);
+	} else {
+		u = numbers_at(leaf, path, bounce);
+	}
+	bool on = extend(v, throughput, sum, u);
+	slot.origin = vec4(v.origin, float(on ? path : path + 1u));
+	slot.normal = vec4(v.normal, float(on ? bounce + 1u : 0u));
+	slot.throughput.xyz = throughput;
+	slot.sum.xyz = sum;
+}
+
 void main()
 {
 	uint t = thread_number(), runs = (path_count + run - 1u) / run;
 	if (t >= leaf_count * runs)
 		return;
-	// Threads side by side work on leaves side by side, whose rays go the same ways.
+	// Slots side by side work on leaves side by side, whose rays go the same ways.
 	uint leaf = first_leaf + t % leaf_count, part = t / leaf_count;
-	uint path = first_path + part * run, end = first_path + min(path_count, (part + 1u) * run), bounce = 0u;
-	vec3 sum = vec3(0.0), throughput;
-	vertex v;
-	while (path < end) {
-		numbers u;
-		if (bounce == 0u) {
-			vec2 on_leaf;
-			u = first_numbers(leaf, path, on_leaf);
-			v = start_on(leaf, on_leaf);
-			throughput = vec3(1.0);
-		} else {
-			u = numbers_at(leaf, path, bounce);
-		}
-		bounce++;
-		if (!extend(v, throughput, sum, u)) {
-			path++;
-			bounce = 0u;
-		}
-	}
-	sums[t] = vec4(sum, 0.0);
+	float begin = float(first_path + part * run), end = float(first_path + min(path_count, (part + 1u) * run));
+	gi_path_slot slot = slots[t];
+	if (slot.origin.w < begin) // cleared to -1: a new run
+		slot = gi_path_slot(vec4(0.0, 0.0, 0.0, begin), vec4(0.0), vec4(0.0), vec4(0.0));
+	if (slot.origin.w >= end)
+		return;
+	for (uint k = 0u; k < STEPS && slot.origin.w < end; k++)
+		step_on(leaf, slot);
+	slots[t] = slot;
+	if (slot.origin.w < end)
+		going = 1u;
 }

@@ -1,8 +1,9 @@
 /* Path tracing on the trees of the rows' rays (paths.comp): ground truth at any time, without a row. Compiled and
  * allocated by the first gi_trace_paths.
  *
- * Work is cut into dispatches of about equal length; a dispatch leaves one sum a thread, which is read back and added in
- * double. How the work is cut depends on the scene and the renderer alone, so the same seed gives the same bits.
+ * The paths of all leaves are cut into runs, one to a slot; slots go on a few vertices a dispatch until none has a path
+ * left, so that no dispatch is long. A slot leaves one sum, which is read back and added in double. How runs are cut
+ * depends on the scene and the renderer alone: the same seed gives the same bits.
  */
 #include "context.h"
 
@@ -10,14 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Vertices of paths a dispatch: under half a second on two cores, under a twentieth on a GPU of 2020. */
-static const double VERTICES_SOFTWARE = 1 << 19, VERTICES_GPU = 1 << 23;
+/* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second on
+ * two cores, under a tenth on a GPU of 2020. Runs are not longer than single precision adds up well. */
+static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFTWARE = 1 << 16, MOST_GPU = 1 << 20,
+		      LONGEST_RUN = 1 << 10;
 
-/* Paths a thread at most: long runs keep a vector's threads together, short ones fill a GPU. */
-enum { RUN_SOFTWARE = 32, RUN_GPU = 8, MOST_THREADS = 1 << 20, MOST_PATHS = 1 << 24 };
-
-/* As in paths.comp. */
-static const double ROULETTE_BELOW = 0.1;
+enum { MOST_PATHS = 1 << 24 };
 
 /* A ray starts this far above its surface, in parts of the scene's largest coordinate: 32 float steps there or more,
  * above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
@@ -25,7 +24,7 @@ static const float LIFT = 0x1p-18f;
 
 struct gi_paths {
 	uint32_t program;
-	gpu_buffer sobol, lights, sums;
+	gpu_buffer sobol, lights, slots, going;
 };
 
 /* What the shader is told of the scene. */
@@ -35,7 +34,7 @@ typedef struct path_scene {
 	float sky_and_lift[4];
 } path_scene;
 
-/* One dispatch: `leaves` from `first_leaf`, `paths` of each from `first_path`, `run` a thread. */
+/* What is traced at a time: `leaves` from `first_leaf`, `paths` of each from `first_path`, `run` a slot. */
 typedef struct batch {
 	uint32_t first_leaf, leaves, first_path, paths, run;
 } batch;
@@ -92,6 +91,8 @@ static gi_result make_paths(gi_context *gi)
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, sizeof directions, directions);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -105,7 +106,8 @@ void paths_free(gi_context *gi)
 	gpu_program_free(&p->program);
 	gpu_buffer_free(&gi->gpu, &p->sobol);
 	gpu_buffer_free(&gi->gpu, &p->lights);
-	gpu_buffer_free(&gi->gpu, &p->sums);
+	gpu_buffer_free(&gi->gpu, &p->slots);
+	gpu_buffer_free(&gi->gpu, &p->going);
 	free(p);
 	gi->paths = NULL;
 }
@@ -218,30 +220,24 @@ static float ray_lift(const gi_scene *s)
 	return LIFT * largest;
 }
 
-/* Vertices of a path, expected, where everything reflects as much as the brightest: down to the roulette, and behind
- * it. */
-static double path_length(const gi_scene *s)
+static uint32_t minimum(uint32_t a, uint32_t b)
 {
-	double rho = 0;
-	for (uint32_t n = 0; n < s->node_count; n++)
-		rho = fmax(rho, s->node_exitance[n].w);
-	return rho > 0 ? 1 + log(ROULETTE_BELOW) / log(rho) + 1 / (1 - rho) : 1;
+	return a < b ? a : b;
 }
 
-/* The largest dispatch: as many paths of all leaves as fit its length, or one path of some of them. */
+/* As many slots a leaf as keep the renderer busy, as many leaves as fit. */
 static batch largest_batch(const gi_context *gi, uint32_t leaves, uint32_t paths)
 {
-	const double vertices = gi->gpu.software ? VERTICES_SOFTWARE : VERTICES_GPU;
-	const double fit = fmax(1, vertices / path_length(&gi->scene));
-	batch b = {.run = gi->gpu.software ? RUN_SOFTWARE : RUN_GPU};
-	b.leaves = (uint32_t)fmin(leaves, fmin(fit, MOST_THREADS));
-	b.paths = (uint32_t)fmin(paths, fmax(1, fit / b.leaves));
-	const uint32_t most = MOST_THREADS / b.leaves * b.run;
-	b.paths = b.paths < most ? b.paths : most;
+	const uint32_t enough = gi->gpu.software ? ENOUGH_SOFTWARE : ENOUGH_GPU,
+		       most = gi->gpu.software ? MOST_SOFTWARE : MOST_GPU;
+	batch b = {.leaves = minimum(leaves, most)};
+	const uint32_t slots = minimum(paths, (enough + b.leaves - 1) / b.leaves);
+	b.run = minimum((paths + slots - 1) / slots, LONGEST_RUN);
+	b.paths = minimum(paths, b.run * (most / b.leaves));
 	return b;
 }
 
-static uint32_t threads_of(const batch *b)
+static uint32_t slots_of(const batch *b)
 {
 	return b->leaves * ((b->paths + b->run - 1) / b->run);
 }
@@ -251,7 +247,8 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	const gi_paths *p = gi->paths;
 	scene_bind(gi);
 	rows_bind(gi); /* for the frame's trees; the rest goes to others */
-	gpu_bind_storage(GI_BIND_PATH_SUMS, &p->sums);
+	gpu_bind_storage(GI_BIND_PATH_SLOTS, &p->slots);
+	gpu_bind_storage(GI_BIND_PATH_GOING, &p->going);
 	gpu_bind_storage(GI_BIND_PATH_LIGHTS, &p->lights);
 	gpu_bind_storage(GI_BIND_PATH_SOBOL, &p->sobol);
 	gpu_set_uint(p->program, 5, seed);
@@ -260,36 +257,42 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	gpu_set_floats(p->program, 8, 1, 1, &s->density);
 }
 
-/* One dispatch; adds what its paths found to totals, and waits. */
-static void run_batch(gi_context *gi, const batch *b, gi_vec4 *sums, double *totals)
+/* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
+static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, double *totals)
 {
+	static const uint32_t minus_one[4] = {0xBF800000u, 0xBF800000u, 0xBF800000u, 0xBF800000u}; /* -1.0f: not begun */
 	gi_paths *p = gi->paths;
-	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, threads = threads_of(b);
+	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, count = slots_of(b);
 	for (int k = 0; k < 5; k++)
 		gpu_set_uint(p->program, k, values[k]);
-	gpu_dispatch(&gi->gpu, p->program, threads);
-	gpu_buffer_read(&p->sums, 0, sizeof *sums * threads, sums);
-	for (uint32_t t = 0; t < threads; t++) {
+	gpu_buffer_fill(&p->slots, minus_one);
+	for (uint32_t going = 1; going;) {
+		gpu_buffer_clear(&p->going, 0, sizeof going, 0);
+		gpu_dispatch(&gi->gpu, p->program, count);
+		gpu_buffer_read(&p->going, 0, sizeof going, &going);
+	}
+	gpu_buffer_read(&p->slots, 0, sizeof *slots * count, slots);
+	for (uint32_t t = 0; t < count; t++) {
 		double *total = totals + 3 * (size_t)(b->first_leaf + t % b->leaves);
-		total[0] += sums[t].x;
-		total[1] += sums[t].y;
-		total[2] += sums[t].z;
+		total[0] += slots[t].sum.x;
+		total[1] += slots[t].sum.y;
+		total[2] += slots[t].sum.z;
 	}
 }
 
 static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
 {
 	const batch largest = largest_batch(gi, leaves, o->paths);
-	const uint64_t bytes = sizeof(gi_vec4) * threads_of(&largest);
+	const uint64_t bytes = sizeof(gi_path_slot) * slots_of(&largest);
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
-	if (!result && gi->paths->sums.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->sums, bytes, NULL);
+	if (!result && gi->paths->slots.size < bytes)
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
 	if (result)
 		return result;
-	gi_vec4 *sums = malloc(bytes);
+	gi_path_slot *slots = malloc(bytes);
 	double *totals = calloc(3 * (size_t)leaves, sizeof *totals);
-	if (sums && totals) {
+	if (slots && totals) {
 		if (gi->scene.sky_slot != GI_NONE)
 			memcpy(scene.sky_and_lift, gi->def.sky_exitance, sizeof gi->def.sky_exitance);
 		scene.sky_and_lift[3] = ray_lift(&gi->scene);
@@ -297,16 +300,16 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 		batch b = largest;
 		for (b.first_path = 0; b.first_path < o->paths; b.first_path += largest.paths)
 			for (b.first_leaf = 0; b.first_leaf < leaves; b.first_leaf += largest.leaves) {
-				b.paths = (uint32_t)fmin(largest.paths, o->paths - b.first_path);
-				b.leaves = (uint32_t)fmin(largest.leaves, leaves - b.first_leaf);
-				run_batch(gi, &b, sums, totals);
+				b.paths = minimum(largest.paths, o->paths - b.first_path);
+				b.leaves = minimum(largest.leaves, leaves - b.first_leaf);
+				run_batch(gi, &b, slots, totals);
 			}
 		for (size_t k = 0; k < 3 * (size_t)leaves; k++)
 			irradiance[k] = (float)(totals[k] / o->paths);
 	} else {
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
-	free(sums);
+	free(slots);
 	free(totals);
 	return result;
 }
