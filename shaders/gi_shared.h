@@ -347,6 +347,31 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
 #define GI_BIND_SHINE 34           /* 4 uint per object slot: largest B of its leaves, rgb as float bits */
 
+/* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
+#define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
+#define GI_BIND_PATH_GOING GI_BIND_QUEUE       /* uint: 1 while a slot has a vertex to go */
+#define GI_BIND_PATH_LIGHTS GI_BIND_ENTRIES    /* 3 uvec4 per emitting triangle, in the world */
+#define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
+
+/* An emitting triangle: its corners as float bits, and in the fourth words
+ *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 0 */
+#define GI_SOBOL_DIMENSIONS 7u
+
+/* Where a thread's paths are between two dispatches.
+ *
+ *   //--------------- 16B ---------------
+ *   origin.xyz  the vertex, lifted off its surface   origin.w  its path's number, a whole number below 2^24
+ *   normal.xyz  there                                normal.w  its number along the path
+ *   throughput.xyz                                   throughput.w 0
+ *   sum.xyz     irradiance found by the slot so far  sum.w 0
+ */
+GI_STRUCT(gi_path_slot) {
+	GI_VEC4 origin;
+	GI_VEC4 normal;
+	GI_VEC4 throughput;
+	GI_VEC4 sum;
+} GI_END(gi_path_slot)
+
 #define GI_WIDE_LEAVES 64u
 
 #endif

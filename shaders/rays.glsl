@@ -79,24 +79,39 @@ bool hits_box(grid_ray r, uvec4 node, float end)
 	return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, end));
 }
 
-// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both sides. The ends of the segment, the
-// far one at `end`, must lie off the triangle's plane by their slack: a distance times `area2` (|ab x ac|), as t is one
-// times the determinant.
-bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float area2, float end, vec2 slack)
+// Where a ray meets a triangle's plane (Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both
+// sides).
+struct plane_meeting {
+	vec2 barycentric;  // of b and c
+	float height;      // the origin's distance from the plane times |ab x ac|
+	float determinant; // the same of the direction's length along the plane's normal; 0: parallel
+};
+
+plane_meeting meet_plane(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
 {
 	vec3 ab = b - a, ac = c - a;
 	vec3 p = cross(direction, ac);
 	float determinant = dot(ab, p);
 	if (determinant == 0.0)
-		return false;
+		return plane_meeting(vec2(-1.0), 0.0, 0.0);
 	float inverse = 1.0 / determinant;
 	vec3 s = origin - a;
-	float u = dot(s, p) * inverse;
 	vec3 q = cross(s, ab);
-	float v = dot(direction, q) * inverse;
-	float height = determinant < 0.0 ? -dot(ac, q) : dot(ac, q);
-	return u >= -EDGE_SLACK && v >= -EDGE_SLACK && u + v <= 1.0 + EDGE_SLACK && height > slack.x * area2 &&
-	       abs(determinant) * end - height > slack.y * area2;
+	float height = dot(ac, q);
+	return plane_meeting(vec2(dot(s, p), dot(direction, q)) * inverse, determinant < 0.0 ? -height : height, abs(determinant));
+}
+
+bool inside_triangle(vec2 barycentric)
+{
+	return barycentric.x >= -EDGE_SLACK && barycentric.y >= -EDGE_SLACK && barycentric.x + barycentric.y <= 1.0 + EDGE_SLACK;
+}
+
+// The ends of the segment, the far one at `end`, must lie off the triangle's plane by their slack: a distance times `area2`
+// (|ab x ac|).
+bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float area2, float end, vec2 slack)
+{
+	plane_meeting m = meet_plane(origin, direction, a, b, c);
+	return inside_triangle(m.barycentric) && m.height > slack.x * area2 && m.determinant * end - m.height > slack.y * area2;
 }
 
 // Does one object cut the segment? skip_a and skip_b are leaves whose primitives do not count.
@@ -127,7 +142,7 @@ bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slac
 	return hidden;
 }
 
-float largest(vec3 v)
+float reach_of(vec3 v)
 {
 	return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
@@ -141,8 +156,8 @@ bool segment_hidden_by(body by, body body_a, segment_end a, body body_b, segment
 	bool sky = body_b.object == GI_NONE;
 	vec3 target = sky ? direction_to_rest(by, b.world) : (own_b ? b.rest : to_rest(by, b.world)) - origin;
 	// Of what the ends were computed from: world coordinates play no part where both are on the blocker.
-	float near = largest(own_a ? a.rest : a.world) + largest(origin);
-	float far = sky ? 0.0 : near + largest(own_b ? b.rest : b.world) + largest(target);
+	float near = reach_of(own_a ? a.rest : a.world) + reach_of(origin);
+	float far = sky ? 0.0 : near + reach_of(own_b ? b.rest : b.world) + reach_of(target);
 	return object_hides(by.object, origin, target, sky ? 3e38 : 1.0, PLANE_SLACK * vec2(near, far), skip_a, skip_b);
 }
 

@@ -1,5 +1,6 @@
 #include "scenes/cornell.h"
 
+#include "scenes/body.h"
 #include "scenes/buddha.h"
 #include "scenes/shapes.h"
 
@@ -35,54 +36,6 @@ cornell_def cornell_def_default(void)
 			     .ball_faces = 5};
 }
 
-typedef struct body {
-	const char *name;
-	gi_scheme scheme;
-	uint32_t levels;
-	float leaf_size;
-	const float *rho, *exitance;
-	float position[3];
-	float scale;
-	const engine_mesh *draw;
-} body;
-
-/* Creates an object from a cage and frees that. */
-static gi_result add(gi_context *gi, const body *b, engine_mesh *mesh, gi_object *out)
-{
-	gi_material material = {0};
-	memcpy(material.rho, b->rho, sizeof material.rho);
-	if (b->exitance)
-		memcpy(material.exitance, b->exitance, sizeof material.exitance);
-	gi_object_def def = gi_object_def_default();
-	def.name = b->name;
-	def.positions = mesh->positions;
-	def.vertex_count = mesh->vertex_count;
-	def.face_counts = mesh->face_counts;
-	def.face_count = mesh->face_count;
-	def.indices = mesh->indices;
-	def.index_count = mesh->index_count;
-	def.crease_vertices = mesh->crease_vertices;
-	def.crease_sharpness = mesh->crease_sharpness;
-	def.crease_count = mesh->crease_count;
-	def.scheme = b->scheme;
-	def.levels = b->levels;
-	def.leaf_size = b->leaf_size;
-	def.materials = &material;
-	def.material_count = 1;
-	memcpy(def.pose.position, b->position, sizeof def.pose.position);
-	for (int c = 0; c < 3 && b->scale > 0; c++)
-		def.scale[c] = b->scale;
-	if (b->draw) {
-		def.draw_positions = b->draw->positions;
-		def.draw_vertex_count = b->draw->vertex_count;
-		def.draw_indices = b->draw->indices;
-		def.draw_index_count = b->draw->index_count;
-	}
-	const gi_result result = gi_create_object(gi, &def, out);
-	engine_mesh_free(mesh);
-	return result;
-}
-
 static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 {
 	const float w = 2 * HALF;
@@ -102,11 +55,11 @@ static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 		engine_mesh mesh;
 		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
-		const body b = {.name = walls[k].name,
+		const scene_body b = {.name = walls[k].name,
 				.levels = def->wall_levels,
 				.leaf_size = def->leaf_size,
 				.rho = walls[k].rho};
-		result = add(gi, &b, &mesh, walls[k].object);
+		result = scene_add_body(gi, &b, &mesh, walls[k].object);
 	}
 	return result;
 }
@@ -151,8 +104,8 @@ static gi_result add_ceiling(gi_context *gi, const cornell_def *def, cornell *ou
 	engine_mesh mesh;
 	if (!ceiling_cage(def->wall_faces, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const body b = {.name = "ceiling", .levels = def->wall_levels, .rho = WHITE};
-	return add(gi, &b, &mesh, &out->ceiling);
+	const scene_body b = {.name = "ceiling", .levels = def->wall_levels, .rho = WHITE};
+	return scene_add_body(gi, &b, &mesh, &out->ceiling);
 }
 
 static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
@@ -163,13 +116,13 @@ static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
 	const float u[3] = {2 * LIGHT_HALF_X, 0, 0}, v[3] = {0, 0, 2 * LIGHT_HALF_Z};
 	if (!shape_quad(corner, u, v, 1, 1, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const body b = {.name = "light",
+	const scene_body b = {.name = "light",
 			.levels = def->light_levels,
 			.leaf_size = def->leaf_size,
 			.rho = black,
 			.exitance = LIGHT_EXITANCE,
 			.position = {0, HEIGHT, 0}};
-	return add(gi, &b, &mesh, &out->light);
+	return scene_add_body(gi, &b, &mesh, &out->light);
 }
 
 /* Moves and scales a mesh so that it stands on y = 0, centred, with the given height. */
@@ -198,8 +151,8 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const body b = {.name = "figure", .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
-	const gi_result result = add(gi, &b, &cage, &out->buddha);
+	const scene_body b = {.name = "figure", .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
+	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
 }
@@ -209,12 +162,12 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	engine_mesh mesh;
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const body b = {.name = "buddha",
+	const scene_body b = {.name = "buddha",
 			.scheme = GI_SCHEME_CATMULL_CLARK,
 			.leaf_size = def->leaf_size,
 			.rho = STONE,
 			.scale = def->buddha_height};
-	return add(gi, &b, &mesh, &out->buddha);
+	return scene_add_body(gi, &b, &mesh, &out->buddha);
 }
 
 static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
@@ -225,12 +178,12 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 		engine_mesh mesh;
 		if (!shape_sphere(places[k][1], def->ball_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
-		const body b = {.name = k ? "small ball" : "ball",
+		const scene_body b = {.name = k ? "small ball" : "ball",
 				.scheme = GI_SCHEME_CATMULL_CLARK,
 				.leaf_size = def->leaf_size,
 				.rho = WHITE,
 				.position = {places[k][0], places[k][1], places[k][2]}};
-		result = add(gi, &b, &mesh, &out->balls[k]);
+		result = scene_add_body(gi, &b, &mesh, &out->balls[k]);
 	}
 	return result;
 }

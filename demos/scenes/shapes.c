@@ -162,3 +162,44 @@ bool shape_disc(float radius, uint32_t n, engine_mesh *out)
 	grid_indices(out->indices, 0, n, n);
 	return true;
 }
+
+static bool append_array(void **to, size_t old_bytes, const void *more, size_t bytes)
+{
+	void *grown = realloc(*to, old_bytes + bytes + 1);
+	if (!grown)
+		return false;
+	memcpy((char *)grown + old_bytes, more, bytes);
+	*to = grown;
+	return true;
+}
+
+bool shape_append(engine_mesh *to, engine_mesh *more)
+{
+	const size_t word = sizeof(uint32_t), vertex = 3 * sizeof(float);
+	for (uint32_t k = 0; k < more->index_count; k++)
+		more->indices[k] += to->vertex_count;
+	const bool ok = append_array((void **)&to->positions, vertex * to->vertex_count, more->positions,
+				     vertex * more->vertex_count) &&
+			append_array((void **)&to->face_counts, word * to->face_count, more->face_counts,
+				     word * more->face_count) &&
+			append_array((void **)&to->indices, word * to->index_count, more->indices, word * more->index_count);
+	to->vertex_count += more->vertex_count;
+	to->face_count += more->face_count;
+	to->index_count += more->index_count;
+	engine_mesh_free(more);
+	if (!ok)
+		engine_mesh_free(to);
+	return ok;
+}
+
+bool shape_append_quad(engine_mesh *to, const float corner[3], const float u[3], const float v[3], float cell)
+{
+	engine_mesh quad;
+	const double lengths[2] = {sqrt((double)u[0] * u[0] + (double)u[1] * u[1] + (double)u[2] * u[2]),
+				   sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2])};
+	const uint32_t n = (uint32_t)fmax(1, round(lengths[0] / cell)), m = (uint32_t)fmax(1, round(lengths[1] / cell));
+	if (shape_quad(corner, u, v, n, m, &quad))
+		return shape_append(to, &quad);
+	engine_mesh_free(to);
+	return false;
+}

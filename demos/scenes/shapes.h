@@ -19,4 +19,11 @@ bool shape_sphere(float radius, uint32_t n, engine_mesh *out);
  * of the disc's area. */
 bool shape_disc(float radius, uint32_t n, engine_mesh *out);
 
+/* Appends a copy of `more` to `to` (an empty mesh, all zero, will do) and frees `more`; vertices in one place stay two. On
+ * failure both are freed. */
+bool shape_append(engine_mesh *to, engine_mesh *more);
+
+/* Appends a parallelogram as shape_quad makes it, of quads about `cell` wide. */
+bool shape_append_quad(engine_mesh *to, const float corner[3], const float u[3], const float v[3], float cell);
+
 #endif

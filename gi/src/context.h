@@ -6,6 +6,7 @@
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
  *        -> shade.c            the picture
+ *        -> paths.c            path tracing, for comparison
  *             all -> gpu.c     OpenGL
  */
 #ifndef GI_CONTEXT_H
@@ -103,6 +104,7 @@ typedef struct gi_solver {
 } gi_solver;
 
 typedef struct gi_shade gi_shade;
+typedef struct gi_paths gi_paths;
 
 struct gi_context {
 	gi_context_def def;
@@ -113,6 +115,7 @@ struct gi_context {
 	gi_solver solver;
 	gi_lamps lamps;
 	gi_shade *shade; /* made by the first gi_draw */
+	gi_paths *paths; /* made by the first gi_trace_paths */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
@@ -202,5 +205,8 @@ void solver_free(gi_context *gi);
 /* shade.c */
 void shade_invalidate(gi_context *gi);
 void shade_free(gi_context *gi);
+
+/* paths.c */
+void paths_free(gi_context *gi);
 
 #endif

@@ -143,6 +143,7 @@ void gi_context_destroy(gi_context *gi)
 	if (!gi)
 		return;
 	shade_free(gi);
+	paths_free(gi);
 	scene_free(gi);
 	rows_free(gi);
 	budget_free(gi);

@@ -5,6 +5,7 @@
  */
 #include "context.h"
 #include "gi/gi.h"
+#include "samples.h"
 #include "scenes/cornell.h"
 #include "tonemap.h"
 
@@ -12,10 +13,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
 
-enum { MAX_FRAMES = 2000 };
+enum { MAX_FRAMES = MAX_SAMPLES };
 
 typedef struct options {
 	engine_context_kind kind;
@@ -25,45 +24,6 @@ typedef struct options {
 	float emitter_refinement; /* likewise */
 	uint32_t wall_levels;
 } options;
-
-static double now_ms(void)
-{
-	struct timespec t;
-	timespec_get(&t, TIME_UTC);
-	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
-/* ---- samples ---- */
-
-typedef struct samples {
-	double values[MAX_FRAMES];
-	uint32_t count;
-} samples;
-
-static void add(samples *s, double value)
-{
-	if (s->count < MAX_FRAMES)
-		s->values[s->count++] = value;
-}
-
-static int by_value(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-	return (x > y) - (x < y);
-}
-
-static double quantile(const samples *s, double share)
-{
-	static double sorted[MAX_FRAMES];
-	memcpy(sorted, s->values, sizeof *sorted * s->count);
-	qsort(sorted, s->count, sizeof *sorted, by_value);
-	return s->count ? sorted[(uint32_t)(share * (s->count - 1))] : 0;
-}
-
-static double median(const samples *s)
-{
-	return quantile(s, 0.5);
-}
 
 /* ---- scenes ---- */
 
@@ -129,11 +89,11 @@ static void draw(gi_context *gi, engine_target *target, int size)
 static void collect(frame_figures *f, const gi_report *r)
 {
 	for (int k = 0; k < GI_PASS_COUNT; k++)
-		add(&f->passes[k], r->pass_ms[k]);
-	add(&f->sweeps, r->sweeps);
-	add(&f->rays, (double)r->rays);
-	add(&f->new_share, (double)r->new_entries / (double)r->entries);
-	add(&f->flagged_share, (double)r->flagged_entries / (double)r->entries);
+		samples_add(&f->passes[k], r->pass_ms[k]);
+	samples_add(&f->sweeps, r->sweeps);
+	samples_add(&f->rays, (double)r->rays);
+	samples_add(&f->new_share, (double)r->new_entries / (double)r->entries);
+	samples_add(&f->flagged_share, (double)r->flagged_entries / (double)r->entries);
 }
 
 static void print_frames(const frame_figures *f, const gi_report *r)
@@ -142,8 +102,8 @@ static void print_frames(const frame_figures *f, const gi_report *r)
 	       "|\n");
 	printf("|---|---|---|---|---|---|---|---|\n");
 	printf("| %u | %.1f | %.1f | %.1f %% | %.1f %% | %.0f | %.0f | %.1f MB |\n\n", r->leaves,
-	       (double)r->entries / r->leaves, (double)r->links / r->leaves, 100 * median(&f->new_share),
-	       100 * median(&f->flagged_share), median(&f->rays), median(&f->sweeps), 1e-6 * (double)r->gpu_bytes);
+	       (double)r->entries / r->leaves, (double)r->links / r->leaves, 100 * samples_median(&f->new_share),
+	       100 * samples_median(&f->flagged_share), samples_median(&f->rays), samples_median(&f->sweeps), 1e-6 * (double)r->gpu_bytes);
 	printf("| pass |");
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		printf(" %s |", gi_pass_name((gi_pass)k));
@@ -152,10 +112,10 @@ static void print_frames(const frame_figures *f, const gi_report *r)
 		printf("---|");
 	printf("\n| median ms |");
 	for (int k = 0; k < GI_PASS_COUNT; k++)
-		printf(" %.2f |", median(&f->passes[k]));
-	printf(" %.1f |\n\n", median(&f->total));
-	printf("frames a second: median %.1f, best %.1f, worst %.1f\n\n", 1e3 / median(&f->total),
-	       1e3 / quantile(&f->total, 0), 1e3 / quantile(&f->total, 1));
+		printf(" %.2f |", samples_median(&f->passes[k]));
+	printf(" %.1f |\n\n", samples_median(&f->total));
+	printf("frames a second: median %.1f, best %.1f, worst %.1f\n\n", 1e3 / samples_median(&f->total),
+	       1e3 / samples_quantile(&f->total, 0), 1e3 / samples_quantile(&f->total, 1));
 }
 
 static void run_frames(engine_context *context, const options *o)
@@ -179,7 +139,7 @@ static void run_frames(engine_context *context, const options *o)
 		check(gi_get_report(gi, &report));
 		if (k < 3)
 			continue; /* pools settle */
-		add(&f.total, ms);
+		samples_add(&f.total, ms);
 		collect(&f, &report);
 	}
 	printf("## Moving Buddha, %d x %d, row tolerance %g, emitter refinement %g, one ray an indirect entry\n\n",
@@ -241,19 +201,19 @@ static void run_update_and_rebuild(engine_context *context, const options *o, fl
 			const gi_object object = ball ? scenes[side].balls[1] : scenes[side].buddha;
 			const double ms = timed_step(sides[side], object, pose, side == 1);
 			if (k >= 2)
-				add(&times[side], ms);
+				samples_add(&times[side], ms);
 		}
 		if (!ball && k % 8 == 2)
-			add(&restart, timed_restart(context, o, row_tolerance, pose));
+			samples_add(&restart, timed_restart(context, o, row_tolerance, pose));
 	}
 	gi_report report;
 	check(gi_get_report(sides[0], &report));
 	printf("| %s | %g | %.0f | %.1f %% | %.1f | %.1f | %.2f |", ball ? "small ball" : "Buddha",
 	       (double)row_tolerance, (double)report.entries / report.leaves,
-	       100.0 * (double)report.dirty_entries / (double)report.entries, median(&times[0]), median(&times[1]),
-	       median(&times[1]) / median(&times[0]));
+	       100.0 * (double)report.dirty_entries / (double)report.entries, samples_median(&times[0]), samples_median(&times[1]),
+	       samples_median(&times[1]) / samples_median(&times[0]));
 	if (restart.count)
-		printf(" %.0f | %.1f |\n", median(&restart), median(&restart) / median(&times[0]));
+		printf(" %.0f | %.1f |\n", samples_median(&restart), samples_median(&restart) / samples_median(&times[0]));
 	else
 		printf(" | |\n");
 	for (int k = 0; k < 2; k++)

@@ -7,12 +7,11 @@
 #include "harness.h"
 
 #include "tests/reference/error.h"
-#include "tests/reference/reference.h"
+#include "tests/reference/leaves.h"
 #include "scenes/cornell.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The limits. */
 static const double ERROR_LIMIT = 0.03;
@@ -32,7 +31,7 @@ typedef struct measured {
 
 typedef struct truth {
 	reference_result traced;
-	double *areas, *rho;
+	leaf_scene leaves;
 } truth;
 
 static void *allocate(size_t count, size_t size)
@@ -44,30 +43,16 @@ static void *allocate(size_t count, size_t size)
 
 static truth trace_truth(const gi_leaf *leaves, uint32_t count)
 {
-	float *corners = allocate(12 * count, sizeof *corners), *rho = allocate(3 * count, sizeof *rho),
-	      *exitance = allocate(3 * count, sizeof *exitance);
-	truth t = {.areas = allocate(count, sizeof *t.areas), .rho = allocate(3 * count, sizeof *t.rho)};
-	for (uint32_t k = 0; k < count; k++) {
-		memcpy(corners + 12 * k, leaves[k].corners, sizeof leaves[k].corners);
-		memcpy(rho + 3 * k, leaves[k].rho, sizeof leaves[k].rho);
-		memcpy(exitance + 3 * k, leaves[k].exitance, sizeof leaves[k].exitance);
-		for (int c = 0; c < 3; c++)
-			t.rho[3 * k + c] = leaves[k].rho[c];
-	}
-	const reference_scene scene = {.corners = corners, .rho = rho, .exitance = exitance, .leaf_count = count};
-	assert_true(reference_trace(&scene, PATHS, 1, &t.traced));
-	reference_leaf_areas(&scene, t.areas);
-	free(corners);
-	free(rho);
-	free(exitance);
+	truth t;
+	assert_true(leaf_scene_make(leaves, count, &t.leaves));
+	assert_true(reference_trace(&t.leaves.scene, PATHS, 1, &t.traced));
 	return t;
 }
 
 static void free_truth(truth *t)
 {
 	reference_result_free(&t->traced);
-	free(t->areas);
-	free(t->rho);
+	leaf_scene_free(&t->leaves);
 }
 
 /* rho * x, leaf by leaf. */
@@ -82,17 +67,16 @@ static double *reflected(const double *rho, const double *x, uint32_t count)
 static void measure_errors(const truth *t, const gi_leaf *leaves, uint32_t count, measured *m)
 {
 	double *h = allocate(3 * count, sizeof *h), *b = allocate(3 * count, sizeof *b);
+	leaf_irradiance(leaves, count, h);
 	for (uint32_t k = 0; k < count; k++)
-		for (int c = 0; c < 3; c++) {
-			h[3 * k + (uint32_t)c] = leaves[k].irradiance[c];
+		for (int c = 0; c < 3; c++)
 			b[3 * k + (uint32_t)c] = (double)leaves[k].radiosity[c] - (double)leaves[k].exitance[c];
-		}
 	double *r[2];
 	for (int half = 0; half < 2; half++)
-		r[half] = reflected(t->rho, t->traced.irradiance[half], count);
-	assert_true(reference_error_measure(h, t->traced.irradiance[0], t->traced.irradiance[1], t->areas, count,
+		r[half] = reflected(t->leaves.rho, t->traced.irradiance[half], count);
+	assert_true(reference_error_measure(h, t->traced.irradiance[0], t->traced.irradiance[1], t->leaves.areas, count,
 					    &m->irradiance));
-	assert_true(reference_error_measure(b, r[0], r[1], t->areas, count, &m->reflected));
+	assert_true(reference_error_measure(b, r[0], r[1], t->leaves.areas, count, &m->reflected));
 	free(h);
 	free(b);
 	free(r[0]);
@@ -116,7 +100,7 @@ static measured solve_box(float row_tolerance, truth *t)
 	gi_leaf *leaves = allocate(report.leaves, sizeof *leaves);
 	uint32_t count;
 	assert_gi(gi_read_leaves(gi, leaves, report.leaves, &count));
-	if (!t->areas)
+	if (!t->leaves.areas)
 		*t = trace_truth(leaves, count);
 	measured m = {.entries = (double)report.entries / count, .links = (double)report.links / count};
 	measure_errors(t, leaves, count, &m);

@@ -406,6 +406,35 @@ gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *o
 /* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
 gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out);
 
+/* ---- ground truth ----------------------------------------------------------------------------------------------------- */
+
+typedef struct gi_path_options {
+	uint32_t paths; /* of every leaf, 1..2^24; powers of two stratify best; default 256 */
+	uint32_t seed;  /* another seed gives an independent result; default 1 */
+} gi_path_options;
+
+gi_path_options gi_path_options_default(void);
+
+/* What the leaves' irradiance should be: path tracing on the GPU, with the rays of the rows but without rows, cuts,
+ * closing or solve, so that what it finds is free of their errors. Use it to see how far a row_tolerance is from the
+ * truth in a scene of your own: compare with gi_leaf.irradiance, both area means over a leaf, W/m2, in the order of
+ * gi_read_leaves().
+ *
+ * Unbiased; the noise falls at least as 1 / sqrt(paths), some 10 % of the irradiance of a leaf at 256 paths in a room lit
+ * by a lamp. Two calls with seeds of their own are two independent halves R1, R2: the mean over leaves of (H - R1) (H - R2)
+ * is the squared error of H free of the noise of both, and their difference says how large that noise is. The same
+ * scene, renderer and seed give the same bits.
+ *
+ * `options` NULL: the defaults. irradiance: 3 * capacity floats; *count is how many leaves there are, and of those the
+ * first `capacity` are traced. The scene is that of the last gi_update(): poses and materials set since then are not in
+ * it; without an update since the last gi_commit() the result is GI_ERROR_NOT_COMMITTED. What lies beyond all objects
+ * is sky_exitance where the rows have a sky (gi_sky), else black. Changes nothing of rows and light.
+ *
+ * For loading screens and tests, not for frames: waits for the GPU, after dispatches short enough for a desktop to stay
+ * alive, a second for about 200,000 paths on two cores without a GPU. The first call compiles a shader. */
+gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *irradiance, uint32_t capacity,
+			 uint32_t *count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,335 @@
+/* Path tracing on the trees of the rows' rays (paths.comp): ground truth at any time, without a row. Compiled and
+ * allocated by the first gi_trace_paths.
+ *
+ * The paths of all leaves are cut into runs, one to a slot; slots go on a few vertices a dispatch until none has a path
+ * left, so that no dispatch is long. A slot leaves one sum, which is read back and added in double. How runs are cut
+ * depends on the scene and the renderer alone: the same seed gives the same bits.
+ */
+#include "context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second on
+ * two cores, under a tenth on a GPU of 2020. Runs are not longer than single precision adds up well. */
+static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFTWARE = 1 << 16, MOST_GPU = 1 << 20,
+		      LONGEST_RUN = 1 << 10;
+
+enum { MOST_PATHS = 1 << 24 };
+
+/* A ray starts this far above its surface, in parts of the scene's largest coordinate: 32 float steps there or more,
+ * above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
+static const float LIFT = 0x1p-18f;
+
+struct gi_paths {
+	uint32_t program;
+	gpu_buffer sobol, lights, slots, going;
+};
+
+/* What the shader is told of the scene. */
+typedef struct path_scene {
+	uint32_t light_count;
+	float density;
+	float sky_and_lift[4];
+} path_scene;
+
+/* What is traced at a time: `leaves` from `first_leaf`, `paths` of each from `first_path`, `run` a slot. */
+typedef struct batch {
+	uint32_t first_leaf, leaves, first_path, paths, run;
+} batch;
+
+gi_path_options gi_path_options_default(void)
+{
+	return (gi_path_options){.paths = 256, .seed = 1};
+}
+
+/* ---- numbers ---- */
+
+static uint32_t reverse_bits(uint32_t x)
+{
+	uint32_t reversed = 0;
+	for (int k = 0; k < 32; k++)
+		reversed |= (x >> k & 1) << (31 - k);
+	return reversed;
+}
+
+/* Direction numbers of Joe and Kuo, 2008 (new-joe-kuo-6), bits reversed as the Owen scramble wants them. */
+static void sobol_directions(uint32_t out[GI_SOBOL_DIMENSIONS][32])
+{
+	static const struct {
+		uint32_t degree, polynomial, m[4];
+	} dimensions[GI_SOBOL_DIMENSIONS] = {{0, 0, {0}},       {1, 0, {1}},          {2, 1, {1, 3}},      {3, 1, {1, 3, 1}},
+					     {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}, {4, 4, {1, 3, 5, 13}}};
+	for (uint32_t d = 0; d < GI_SOBOL_DIMENSIONS; d++) {
+		const uint32_t degree = dimensions[d].degree;
+		uint32_t v[32];
+		for (uint32_t k = 0; k < 32; k++) {
+			if (degree == 0 || k < degree) {
+				v[k] = (degree ? dimensions[d].m[k] : 1) << (31 - k);
+				continue;
+			}
+			v[k] = v[k - degree] ^ v[k - degree] >> degree;
+			for (uint32_t j = 1; j < degree; j++)
+				if (dimensions[d].polynomial >> (degree - 1 - j) & 1)
+					v[k] ^= v[k - j];
+		}
+		for (uint32_t k = 0; k < 32; k++)
+			out[d][k] = reverse_bits(v[k]);
+	}
+}
+
+static gi_result make_paths(gi_context *gi)
+{
+	if (gi->paths)
+		return GI_OK;
+	gi_paths *p = gi->paths = calloc(1, sizeof *p);
+	if (!p)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	uint32_t directions[GI_SOBOL_DIMENSIONS][32];
+	sobol_directions(directions);
+	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, sizeof directions, directions);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, sizeof(uint32_t), NULL);
+	if (result)
+		paths_free(gi);
+	return result;
+}
+
+void paths_free(gi_context *gi)
+{
+	gi_paths *p = gi->paths;
+	if (!p)
+		return;
+	gpu_program_free(&p->program);
+	gpu_buffer_free(&gi->gpu, &p->sobol);
+	gpu_buffer_free(&gi->gpu, &p->lights);
+	gpu_buffer_free(&gi->gpu, &p->slots);
+	gpu_buffer_free(&gi->gpu, &p->going);
+	free(p);
+	gi->paths = NULL;
+}
+
+/* ---- emitters ---- */
+
+typedef struct lights {
+	gi_uvec4 *triangles; /* 3 each, as the shader has them; the tops of their slices are set last */
+	double *powers;
+	uint32_t count;
+	double power;
+} lights;
+
+static void to_world(const gi_object_data *o, const gi_vec4 *p, float out[3])
+{
+	const gi_vec4 rows[3] = {o->row0, o->row1, o->row2};
+	for (int k = 0; k < 3; k++)
+		out[k] = (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
+}
+
+static double triangle_area(const float a[3], const float b[3], const float c[3])
+{
+	return gi_quad_area(a, b, c, c);
+}
+
+static void add_light(lights *l, float corners[3][3], double luminance, uint32_t material)
+{
+	const double power = luminance * triangle_area(corners[0], corners[1], corners[2]);
+	if (!(power > 0))
+		return;
+	gi_uvec4 *out = l->triangles + 3 * l->count;
+	for (int k = 0; k < 3; k++)
+		memcpy(&out[k], corners[k], sizeof corners[k]);
+	out[1].w = material;
+	l->powers[l->count++] = power;
+	l->power += power;
+}
+
+static void add_object_lights(const gi_scene *s, const scene_object *o, lights *l)
+{
+	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
+		const gi_primitive *p = &o->bvh.primitives[k];
+		uint32_t leaf; /* a primitive's leaves are of one material */
+		memcpy(&leaf, &p->a.w, sizeof leaf);
+		const gi_vec4 e = s->node_exitance[o->node_base + o->hierarchy.leaf_node[leaf]];
+		const double luminance = 0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z;
+		if (!(luminance > 0))
+			continue;
+		const gi_vec4 *const corners[2][3] = {{&p->a, &p->b, &p->c}, {&p->a, &p->c, &p->d}};
+		for (int half = 0; half < 2; half++) {
+			float world[3][3];
+			for (int c = 0; c < 3; c++)
+				to_world(&s->object_data[o->slot], corners[half][c], world[c]);
+			add_light(l, world, luminance, o->material_base + o->hierarchy.leaf_material[leaf]);
+		}
+	}
+}
+
+static void set_slices(lights *l)
+{
+	double running = 0;
+	for (uint32_t k = 0; k < l->count; k++) {
+		running += l->powers[k];
+		const double top = running / l->power * 0x1p32;
+		l->triangles[3 * k].w = k + 1 < l->count && top < UINT32_MAX ? (uint32_t)top : UINT32_MAX;
+	}
+}
+
+/* As the scene was at the last gi_update: that is what the GPU has of it. */
+static bool find_lights(const gi_scene *s, lights *l)
+{
+	uint32_t most = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			most += 2 * s->objects[s->slots[slot]].bvh.primitive_count;
+	*l = (lights){.triangles = calloc(3 * (size_t)most + 1, sizeof *l->triangles),
+		      .powers = calloc((size_t)most + 1, sizeof *l->powers)};
+	if (!l->triangles || !l->powers)
+		return false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			add_object_lights(s, &s->objects[s->slots[slot]], l);
+	set_slices(l);
+	return true;
+}
+
+static gi_result upload_lights(gi_context *gi, path_scene *out)
+{
+	lights l;
+	gi_result result = GI_OK;
+	if (find_lights(&gi->scene, &l))
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, sizeof(gi_uvec4) * 3 * l.count, l.triangles);
+	else
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	out->light_count = l.count;
+	out->density = l.count ? (float)(1 / l.power) : 0;
+	free(l.triangles);
+	free(l.powers);
+	return result;
+}
+
+/* ---- batches ---- */
+
+static float ray_lift(const gi_scene *s)
+{
+	const float *lower = &s->tlas[0].lower.x, *upper = &s->tlas[0].upper.x;
+	float largest = 0;
+	for (int k = 0; k < 3; k++)
+		largest = fmaxf(largest, fmaxf(fabsf(lower[k]), fabsf(upper[k])));
+	return LIFT * largest;
+}
+
+static uint32_t minimum(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+/* As many slots a leaf as keep the renderer busy, as many leaves as fit. */
+static batch largest_batch(const gi_context *gi, uint32_t leaves, uint32_t paths)
+{
+	const uint32_t enough = gi->gpu.software ? ENOUGH_SOFTWARE : ENOUGH_GPU,
+		       most = gi->gpu.software ? MOST_SOFTWARE : MOST_GPU;
+	batch b = {.leaves = minimum(leaves, most)};
+	const uint32_t slots = minimum(paths, (enough + b.leaves - 1) / b.leaves);
+	b.run = minimum((paths + slots - 1) / slots, LONGEST_RUN);
+	b.paths = minimum(paths, b.run * (most / b.leaves));
+	return b;
+}
+
+static uint32_t slots_of(const batch *b)
+{
+	return b->leaves * ((b->paths + b->run - 1) / b->run);
+}
+
+static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
+{
+	const gi_paths *p = gi->paths;
+	scene_bind(gi);
+	rows_bind(gi); /* for the frame's trees; the rest goes to others */
+	gpu_bind_storage(GI_BIND_PATH_SLOTS, &p->slots);
+	gpu_bind_storage(GI_BIND_PATH_GOING, &p->going);
+	gpu_bind_storage(GI_BIND_PATH_LIGHTS, &p->lights);
+	gpu_bind_storage(GI_BIND_PATH_SOBOL, &p->sobol);
+	gpu_set_uint(p->program, 5, seed);
+	gpu_set_uint(p->program, 6, s->light_count);
+	gpu_set_floats(p->program, 7, 4, 1, s->sky_and_lift);
+	gpu_set_floats(p->program, 8, 1, 1, &s->density);
+}
+
+/* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
+static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, double *totals)
+{
+	static const uint32_t minus_one[4] = {0xBF800000u, 0xBF800000u, 0xBF800000u, 0xBF800000u}; /* -1.0f: not begun */
+	gi_paths *p = gi->paths;
+	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, count = slots_of(b);
+	for (int k = 0; k < 5; k++)
+		gpu_set_uint(p->program, k, values[k]);
+	gpu_buffer_fill(&p->slots, minus_one);
+	for (uint32_t going = 1; going;) {
+		gpu_buffer_clear(&p->going, 0, sizeof going, 0);
+		gpu_dispatch(&gi->gpu, p->program, count);
+		gpu_buffer_read(&p->going, 0, sizeof going, &going);
+	}
+	gpu_buffer_read(&p->slots, 0, sizeof *slots * count, slots);
+	for (uint32_t t = 0; t < count; t++) {
+		double *total = totals + 3 * (size_t)(b->first_leaf + t % b->leaves);
+		total[0] += slots[t].sum.x;
+		total[1] += slots[t].sum.y;
+		total[2] += slots[t].sum.z;
+	}
+}
+
+static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
+{
+	const batch largest = largest_batch(gi, leaves, o->paths);
+	const uint64_t bytes = sizeof(gi_path_slot) * slots_of(&largest);
+	path_scene scene = {0};
+	gi_result result = upload_lights(gi, &scene);
+	if (!result && gi->paths->slots.size < bytes)
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
+	if (result)
+		return result;
+	gi_path_slot *slots = malloc(bytes);
+	double *totals = calloc(3 * (size_t)leaves, sizeof *totals);
+	if (slots && totals) {
+		if (gi->scene.sky_slot != GI_NONE)
+			memcpy(scene.sky_and_lift, gi->def.sky_exitance, sizeof gi->def.sky_exitance);
+		scene.sky_and_lift[3] = ray_lift(&gi->scene);
+		bind_paths(gi, &scene, o->seed);
+		batch b = largest;
+		for (b.first_path = 0; b.first_path < o->paths; b.first_path += largest.paths)
+			for (b.first_leaf = 0; b.first_leaf < leaves; b.first_leaf += largest.leaves) {
+				b.paths = minimum(largest.paths, o->paths - b.first_path);
+				b.leaves = minimum(largest.leaves, leaves - b.first_leaf);
+				run_batch(gi, &b, slots, totals);
+			}
+		for (size_t k = 0; k < 3 * (size_t)leaves; k++)
+			irradiance[k] = (float)(totals[k] / o->paths);
+	} else {
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	}
+	free(slots);
+	free(totals);
+	return result;
+}
+
+gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *irradiance, uint32_t capacity,
+			 uint32_t *count)
+{
+	if (!gi || !irradiance || !count)
+		return gi_fail_null(gi, "gi_trace_paths: irradiance and count");
+	const gi_path_options o = options ? *options : gi_path_options_default();
+	*count = 0;
+	if (o.paths < 1 || o.paths > MOST_PATHS)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "paths %u is outside 1..%d", o.paths, MOST_PATHS);
+	if (gi->scene.uncommitted || !gi->rows.fitted)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
+			       "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
+	const uint32_t leaves = gi->scene.leaf_count;
+	*count = leaves;
+	if (!leaves || !capacity)
+		return GI_OK;
+	const gi_result result = make_paths(gi);
+	return result ? result : trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
+}

@@ -1,0 +1,98 @@
+// The nearest surface along a ray, by the same trees as rays.glsl: what path tracing asks for. Directions are unit
+// vectors, distances metres.
+
+struct nearest {
+	float end;     // nothing farther counts; a back counts as `lift` deeper than it lies
+	float distance;
+	bool front;
+	uint object, primitive; // GI_NONE: nothing was met
+	bool second;   // the triangle a c d, not a b c
+	vec2 barycentric;
+};
+
+// Of two leaves in one place, back to back (a sheet), either may be met first by a rounding: the front counts.
+void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, uint object, uint primitive, bool second,
+		   float lift)
+{
+	plane_meeting m = meet_plane(origin, direction, a, b, c);
+	if (!inside_triangle(m.barycentric))
+		return;
+	float t = m.height / m.determinant;
+	if (!(t > 0.0 && t < best.end))
+		return;
+	vec3 n = cross(b - a, c - a);
+	float size = length(n), along = dot(n, direction);
+	bool front = along < 0.0;
+	float depth = front ? t : t + lift * size / max(along, 1e-3 * size);
+	if (depth < best.end)
+		best = nearest(depth, t, front, object, primitive, second, m.barycentric);
+}
+
+void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_direction, float lift)
+{
+	vec3 origin = rest_from_world(object, world_origin), direction = rest_direction_from_world(object, world_direction);
+	uvec4 range = objects[object].bvh;
+	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
+	uint n = range.x;
+	while (n < range.y) {
+		uint primitive = GI_NONE;
+		while (n < range.y && primitive == GI_NONE) {
+			uvec4 node = bvh[n];
+			bool hit = hits_box(r, node, best.end);
+			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+			primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
+			n = hit || leaf ? n + 1u : node.w;
+		}
+		if (primitive == GI_NONE)
+			break;
+		gi_primitive q = primitives[primitive];
+		meet_triangle(best, origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, object, primitive, false, lift);
+		meet_triangle(best, origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, object, primitive, true, lift);
+	}
+}
+
+// The next object at or after node n of the scene's tree whose box the ray meets; GI_NONE: no more. n goes on behind it.
+uint next_object(grid_ray r, float end, inout uint n)
+{
+	uint object = GI_NONE;
+	while (n < frame.misc.x && object == GI_NONE) {
+		uvec4 node = tlas[n];
+		bool hit = hits_box(r, node, end);
+		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
+		object = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
+		n = hit || leaf ? n + 1u : node.w;
+	}
+	return object;
+}
+
+// Plain loops on purpose: with next_object() in the head of a for, Mesa 22.3 left after the first object.
+nearest find_nearest(vec3 origin, vec3 direction, float lift)
+{
+	nearest best = nearest(3e38, 3e38, false, GI_NONE, GI_NONE, false, vec2(0.0));
+	grid_ray r = ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz);
+	uint n = 0u;
+	while (n < frame.misc.x) {
+		uint object = next_object(r, best.end, n);
+		if (object == GI_NONE)
+			break;
+		meet_object(best, object, origin, direction, lift);
+	}
+	return best;
+}
+
+// Does anything lie between the two points?
+bool segment_is_free(vec3 from, vec3 to)
+{
+	vec3 d = to - from;
+	grid_ray r = ray_on_grid(from, d, frame.grid.xyz, frame.cells.xyz);
+	uint n = 0u;
+	bool free = true;
+	while (n < frame.misc.x && free) {
+		uint object = next_object(r, 1.0, n);
+		if (object == GI_NONE)
+			break;
+		free = !object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, vec2(0.0), GI_NONE,
+				     GI_NONE);
+	}
+	return free;
+}
