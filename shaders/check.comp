@@ -90,6 +90,8 @@ void queue_sweep(bool certify)
 	uint groups = groups_for(frame.counts.x);
 	set_groups(GI_STATE_ARGS_GATHER, certify ? 0u : groups);
 	set_groups(GI_STATE_ARGS_CERTIFY, certify ? groups : 0u);
+	// Says which it was, after a sweep of no leaves too.
+	state[GI_STATE_ARGS_CERTIFY + 2u] = certify ? 1u : 0u;
 }
 
 void stop(uint verdict)
@@ -288,7 +290,7 @@ void judge(bool certified, float last_residual, float residual, float b_max)
 
 void finish_sweep()
 {
-	bool certified = state[GI_STATE_ARGS_CERTIFY] != 0u;
+	bool certified = state[GI_STATE_ARGS_CERTIFY + 2u] != 0u;
 	float residual = largest_of_three(GI_STATE_RESIDUAL_BITS), b_max = largest_of_three(GI_STATE_B_MAX_BITS);
 	float last_residual = state[GI_STATE_SWEEPS] > 0u ? load(GI_STATE_DONE_RESIDUAL_BITS) : 0.0;
 	state[GI_STATE_SWEEPS] += 1u;

@@ -85,7 +85,8 @@ float inward(double x)
 // the sums are >= 0 and n of them add n 2^-53, a node below the least normal float is off by no more than that.
 void report(gathered g, dvec4 rho, dvec4 image, dvec4 before, vec4 next)
 {
-	double sum_rounding = double(g.count + 8u) * 1.1102230246251565e-16lf;
+	// A leaf that sees nothing has B = E, exactly.
+	double sum_rounding = g.count == 0u ? 0.0lf : double(g.count + 8u) * 1.1102230246251565e-16lf;
 	dvec4 arrived = rho * g.sum;
 	dvec4 lost = mix(dvec4(0.0lf), dvec4(2.0 * LEAST_NORMAL), greaterThan(arrived, dvec4(0.0lf)));
 	dvec4 doubt = ROUNDING * arrived + sum_rounding * image + lost;
@@ -95,7 +96,7 @@ void report(gathered g, dvec4 rho, dvec4 image, dvec4 before, vec4 next)
 		report_largest(RESIDUAL + c, outward(residual[c]));
 		report_largest(B_MAX + c, next[c]);
 		report_largest(WRITE + c, outward(written[c]));
-		report_least(GAP + c, inward(1.0lf - rho[c] * g.row_sum * (1.0lf + sum_rounding)));
+		report_least(GAP + c, g.count == 0u ? 1.0 : inward(1.0lf - rho[c] * g.row_sum * (1.0lf + sum_rounding)));
 		least_left = max(least_left, ROUNDING * double(next[c]) + doubt[c]);
 	}
 	report_largest(FLOOR, outward(least_left));
