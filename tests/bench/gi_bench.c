@@ -23,6 +23,9 @@ typedef struct options {
 	float row_tolerance;      /* of the frame-rate run */
 	float emitter_refinement; /* likewise */
 	uint32_t wall_levels;
+	uint32_t pixel_lamps;
+	gi_budget budget; /* of the frame-rate run */
+	float fps;        /* of its animation */
 } options;
 
 /* ---- scenes ---- */
@@ -39,13 +42,14 @@ static void check(gi_result result)
 		fail(gi_result_text(result));
 }
 
-static gi_context *open_gi(engine_context *context, float row_tolerance, float emitter_refinement)
+static gi_context *open_gi(engine_context *context, const options *o, float row_tolerance)
 {
 	gi_context_def def = gi_context_def_default();
 	def.get_proc_address = engine_context_get_proc_address(context);
 	def.row_tolerance = row_tolerance;
-	def.emitter_refinement = emitter_refinement;
+	def.emitter_refinement = o->emitter_refinement;
 	def.near_samples = 1;
+	def.pixel_lamps = o->pixel_lamps;
 	gi_context *gi;
 	check(gi_context_create(&def, &gi));
 	return gi;
@@ -73,7 +77,7 @@ static gi_report step(gi_context *gi)
 /* ---- frames ---- */
 
 typedef struct frame_figures {
-	samples total, passes[GI_PASS_COUNT], sweeps, rays, new_share, flagged_share, update;
+	samples total, passes[GI_PASS_COUNT], sweeps, rays, new_share, flagged_share, waiting, stale;
 } frame_figures;
 
 static void draw(gi_context *gi, engine_target *target, int size)
@@ -94,6 +98,8 @@ static void collect(frame_figures *f, const gi_report *r)
 	samples_add(&f->rays, (double)r->rays);
 	samples_add(&f->new_share, (double)r->new_entries / (double)r->entries);
 	samples_add(&f->flagged_share, (double)r->flagged_entries / (double)r->entries);
+	samples_add(&f->waiting, (double)r->waiting_rows / r->leaves);
+	samples_add(&f->stale, (double)r->stale_bound);
 }
 
 static void print_frames(const frame_figures *f, const gi_report *r)
@@ -118,21 +124,55 @@ static void print_frames(const frame_figures *f, const gi_report *r)
 	       1e3 / samples_quantile(&f->total, 0), 1e3 / samples_quantile(&f->total, 1));
 }
 
+static gi_leaf *read_leaves(gi_context *gi, uint32_t *count)
+{
+	check(gi_read_leaves(gi, NULL, 0, count));
+	gi_leaf *leaves = malloc(sizeof *leaves * (*count + 1));
+	if (!leaves)
+		fail("out of memory");
+	check(gi_read_leaves(gi, leaves, *count, count));
+	return leaves;
+}
+
+/* What the budget left of the last frame, against an exact update of the same pose. */
+static void print_waiting(gi_context *gi, const frame_figures *f, const gi_report *last)
+{
+	uint32_t count;
+	gi_leaf *under = read_leaves(gi, &count);
+	step(gi);
+	gi_leaf *exact = read_leaves(gi, &count);
+	double most = 0, off = 0, whole = 0;
+	for (uint32_t k = 0; k < count; k++)
+		for (int c = 0; c < 3; c++) {
+			const double b = (double)exact[k].radiosity[c] - (double)exact[k].exitance[c],
+				     d = (double)under[k].radiosity[c] - (double)exact[k].radiosity[c];
+			most = fmax(most, fabs(d));
+			off += (double)exact[k].area * d * d;
+			whole += (double)exact[k].area * b * b;
+		}
+	printf("rows that wait: median %.1f %%; reported stale bound: median %.3g W/m2, of the last frame %.3g; measured against an "
+	       "exact update of it: %.3g W/m2 at most, %.2f %% of B - E (RMS); largest B %.3g\n\n",
+	       100 * samples_median(&f->waiting), samples_median(&f->stale), (double)last->stale_bound, most,
+	       100 * sqrt(off / whole), (double)last->radiosity_max);
+	free(under);
+	free(exact);
+}
+
 static void run_frames(engine_context *context, const options *o)
 {
 	char message[256];
 	engine_target *target = engine_target_create(o->size, o->size, message, sizeof message);
 	if (!target)
 		fail(message);
-	gi_context *gi = open_gi(context, o->row_tolerance, o->emitter_refinement);
+	gi_context *gi = open_gi(context, o, o->row_tolerance);
 	const cornell scene = open_cornell(gi, o->wall_levels);
 	static frame_figures f;
 	gi_report report = step(gi);
 	draw(gi, target, o->size); /* shaders compile */
 	for (uint32_t k = 0; k < o->frames + 3; k++) {
 		const double began = now_ms();
-		check(gi_set_pose(gi, scene.buddha, cornell_buddha_pose(0.1f * (float)(k + 1))));
-		check(gi_update(gi, NULL));
+		check(gi_set_pose(gi, scene.buddha, cornell_buddha_pose((float)(k + 1) / o->fps)));
+		check(gi_update(gi, &o->budget));
 		draw(gi, target, o->size);
 		check(gi_finish(gi));
 		const double ms = now_ms() - began;
@@ -145,6 +185,8 @@ static void run_frames(engine_context *context, const options *o)
 	printf("## Moving Buddha, %d x %d, row tolerance %g, emitter refinement %g, one ray an indirect entry\n\n",
 	       o->size, o->size, (double)o->row_tolerance, (double)o->emitter_refinement);
 	print_frames(&f, &report);
+	if (report.waiting_rows)
+		print_waiting(gi, &f, &report);
 	report = step(gi);
 	report = step(gi);
 	printf("at rest: outcome %d, %u dispatches, %llu bytes uploaded, gi_update %.3f ms\n\n", report.outcome,
@@ -169,7 +211,7 @@ static double timed_step(gi_context *gi, gi_object object, gi_pose pose, bool re
 /* From nothing: objects, refinement, hierarchies, trees, rows, a cold solve. */
 static double timed_restart(engine_context *context, const options *o, float row_tolerance, gi_pose pose)
 {
-	gi_context *gi = open_gi(context, row_tolerance, o->emitter_refinement);
+	gi_context *gi = open_gi(context, o, row_tolerance);
 	const double began = now_ms();
 	const cornell scene = open_cornell(gi, o->wall_levels);
 	check(gi_set_pose(gi, scene.buddha, pose));
@@ -184,7 +226,7 @@ static void run_update_and_rebuild(engine_context *context, const options *o, fl
 	gi_context *sides[2];
 	cornell scenes[2];
 	for (int k = 0; k < 2; k++) {
-		sides[k] = open_gi(context, row_tolerance, o->emitter_refinement);
+		sides[k] = open_gi(context, o, row_tolerance);
 		scenes[k] = open_cornell(sides[k], o->wall_levels);
 		step(sides[k]);
 	}
@@ -251,6 +293,20 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 		if (o->wall_levels > 6)
 			argp_error(state, "--wall-levels is 0..6: a wall has 9 * 4^levels leaves");
 		return 0;
+	case 'm':
+		o->budget.ms = (float)atof(argument);
+		return 0;
+	case 'r':
+		o->budget.rays = (uint64_t)atol(argument);
+		return 0;
+	case 'l':
+		o->pixel_lamps = (uint32_t)atoi(argument);
+		return 0;
+	case 'f':
+		o->fps = (float)atof(argument);
+		if (!(o->fps > 0))
+			argp_error(state, "--fps is above 0");
+		return 0;
 	default:
 		return ARGP_ERR_UNKNOWN;
 	}
@@ -265,11 +321,15 @@ int main(int argc, char **argv)
 		{"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},
 		{"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 4", 0},
 		{"wall-levels", 'w', "N", 0, "refinement of the walls, default 3: 4,124 leaves in all", 0},
+		{"budget-ms", 'm', "MS", 0, "budget of an update of the frame-rate run", 0},
+		{"budget-rays", 'r', "N", 0, "likewise", 0},
+		{"pixel-lamps", 'l', "N", 0, "polygons that light per pixel, default 32; 0: all light through the leaves", 0},
+		{"fps", 'f', "R", 0, "frames a second of the frame-rate run's animation, default 10", 0},
 		{0},
 	};
 	const struct argp argp = {
 	    list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
-	options o = {.frames = 40, .size = 512, .row_tolerance = 0.1f, .emitter_refinement = 4, .wall_levels = 3};
+	options o = {.frames = 40, .size = 512, .row_tolerance = 0.1f, .emitter_refinement = 4, .wall_levels = 3, .pixel_lamps = 32, .fps = 10};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 
 	engine_context_def def = engine_context_def_default();
