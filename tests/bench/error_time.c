@@ -226,9 +226,9 @@ static void run_engine_setting(session *s, float tolerance)
 /* Finer and finer while the next is expected to fit: cost goes as 1 / tolerance. */
 static void run_engine(session *s)
 {
-	static const float all[] = {0.1f, 0.05f, 0.024f, 0.01f, 0.004f}, quick[] = {0.4f, 0.1f};
+	static const float all[] = {0.4f, 0.2f, 0.1f, 0.05f, 0.024f, 0.01f, 0.004f}, quick[] = {1, 0.4f};
 	const float *tolerances = s->options->quick ? quick : all;
-	const size_t count = s->options->quick ? 2 : 5;
+	const size_t count = s->options->quick ? sizeof quick / sizeof *quick : sizeof all / sizeof *all;
 	for (size_t k = 0; k < count; k++) {
 		const double began = now_ms();
 		run_engine_setting(s, tolerances[k]);
@@ -396,7 +396,7 @@ static void print_document(FILE *out, const session *s)
 		"the same\nleaves: with Embree on all processors (`Embree paths`) and in this engine's own shaders "
 		"(`shader paths`, `gi_trace_paths`).\nThe error is area-weighted, relative RMS, against a path-traced "
 		"reference whose noise is taken out (or the exact value in the\nfurnace). A frame of the engine is "
-		"`gi_update` and waiting for it, at row tolerances from 0.1 down, one ray an indirect entry;\n"
+		"`gi_update` and waiting for it, at row tolerances from 0.4 down, one ray an indirect entry;\n"
 		"`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
 		"what any does.\nPicture and post-processing cost the same for all and are in none. Tables are read off the "
 		"log-log lines between\nmeasurements; - is not reached.\n\n",
