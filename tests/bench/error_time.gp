@@ -17,6 +17,7 @@ has(method, phase) = int(system(sprintf("awk -F, '$1 == \"%s\" && $2 == \"%s\" &
 set logscale xy
 set format x '%g'
 set format y '%g'
+set ytics (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)
 set xlabel 'time, ms'
 set grid xtics ytics lc rgb '#d8d8d8'
 set border lc rgb '#606060'
@@ -35,8 +36,13 @@ do for [kind in 'png svg'] {
 	do for [phase in 'scratch moving'] {
 		set title sprintf('%s: %s', scene, phase eq 'scratch' ? 'from scratch' : 'per frame, while it moves')
 		set ylabel phase eq 'scratch' ? 'error of the irradiance, %' : ''
-		plot for [k = 1:words(methods)] (has(word(methods, k), phase) ? rows(word(methods, k), phase) : '/dev/null') \
-			using 1:2 with linespoints ls k title (has(word(methods, k), phase) ? word(methods, k) : '')
+		present = ''
+		do for [k = 1:words(methods)] {
+			if (has(word(methods, k), phase)) {
+				present = present.sprintf(' %d', k)
+			}
+		}
+		plot for [k in present] rows(word(methods, int(k)), phase) using 1:2 with linespoints ls int(k) title word(methods, int(k))
 	}
 	unset multiplot
 	set output
