@@ -43,6 +43,7 @@ const float UNSEEN = 0.3;
 // Newton's steps on the correction; each ends at an entry's limit or at the sum, so they are few.
 const uint CLOSE_STEPS = 16u;
 const float CLOSE_ENOUGH = 1e-5;
+const uint LOOP_TURNS = 60000u;
 
 // Corrected and scaled it must not round to zero: what is counted as a link is one.
 const float LEAST_FACTOR = 1e-30;
@@ -130,9 +131,10 @@ struct row_sums {
 	uint lit;          // how many carry light
 };
 
-// Leaves each segment's share of seen samples with it.
-void share_samples(uint leaf)
+// Leaves each segment's share of seen samples with it; returns the number of entries.
+uint share_samples(uint leaf)
 {
+	uint count = 0u;
 	for (uint s = 0u; s < frame.counts.z; s++) {
 		uint slot = leaf * frame.counts.z + s;
 		uvec2 range = range_of(segments[slot]);
@@ -142,7 +144,9 @@ void share_samples(uint leaf)
 			taken += (entries[k].w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
 		}
 		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
+		count += range.y - range.x;
 	}
+	return count;
 }
 
 row_sums sum_corrected(uint leaf, correction c, bool raise)
@@ -208,11 +212,13 @@ void main()
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
-	share_samples(leaf);
+	// llvmpipe ends all loops of a thread, wherever they are, after 65,535 turns in sum.
+	uint count_all = share_samples(leaf);
+	uint steps = min(CLOSE_STEPS, max(LOOP_TURNS / max(count_all, 1u), 4u) - 3u);
 	correction c = correction(0.0, 0.0);
 	row_sums sums = sum_corrected(leaf, c, true);
 	bool raise = sums.weight < 1.0;
-	for (uint step = 0u; step < CLOSE_STEPS && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
+	for (uint step = 0u; step < steps && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
 		float lack = 1.0 - sums.weight;
 		if (sums.free.others > 0.0)
 			c.others += lack / sums.free.others;

@@ -12,6 +12,7 @@
  */
 #include "context.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,6 +92,22 @@ bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots)
 	return leaves <= GI_ENTRY_LEAF_MASK && leaves * slots <= most && leaves * LEAST_ENTRIES <= most;
 }
 
+/* Of the scene's area: it is cut finer. */
+static double emitting_share(const gi_context *gi)
+{
+	const gi_scene *s = &gi->scene;
+	double emitting = 0, all = 1e-30;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		if (s->slots[slot] == GI_NONE)
+			continue;
+		const scene_object *o = &s->objects[s->slots[slot]];
+		const gi_vec4 e = s->node_exitance[o->node_base];
+		all += o->hierarchy.area;
+		emitting += e.x + e.y + e.z > 0 ? o->hierarchy.area : 0;
+	}
+	return emitting / all;
+}
+
 gi_result rows_allocate(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
@@ -106,7 +123,9 @@ gi_result rows_allocate(gi_context *gi)
 	if (result)
 		return result;
 	clear_rows(r);
-	const double per_leaf = ENTRIES_TIMES_TOLERANCE / gi->def.row_tolerance + ENTRIES_AT_LEAST;
+	const double emitting = emitting_share(gi);
+	const double finer = 1 + emitting * (gi->def.emitter_refinement - 1);
+	const double per_leaf = fmin(ENTRIES_TIMES_TOLERANCE * finer / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
 	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
 	r->entry_limit = limit < most ? limit : most;
@@ -381,9 +400,23 @@ static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
+/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and mover. Rows of
+ * several times the mean length are seen. */
+static bool flagging_would_end_early(const gi_context *gi)
+{
+	static const double TURNS = 65535, LONGEST_ROW = 5;
+	const gi_scene *s = &gi->scene;
+	double movers = 0;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		movers += s->objects[k].moved || s->objects[k].moved_update > gi->rows.current;
+	const double entries = s->leaf_count ? (double)gi->report.entries / s->leaf_count : 0;
+	return gi->gpu.software && LONGEST_ROW * entries * (movers + 1) > TURNS;
+}
+
 static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 {
 	gi_rows *r = &gi->rows;
+	r->rebuild = r->rebuild || flagging_would_end_early(gi);
 	p->part = !r->rebuild && !budget_is_exact(budget);
 	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
 	if (!result)
