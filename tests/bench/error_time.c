@@ -76,9 +76,10 @@ static void *allocate(size_t count, size_t size)
 typedef struct frame_kind {
 	const char *method;
 	bool rebuild; /* every row anew */
+	gi_budget budget;
 } frame_kind;
 
-static const frame_kind frame_kinds[] = {{"engine", false}, {"engine rebuilt", true}};
+static const frame_kind frame_kinds[] = {{.method = "engine"}, {.method = "engine rebuilt", .rebuild = true}};
 enum { FRAME_KINDS = sizeof frame_kinds / sizeof *frame_kinds };
 
 static gi_context *open_gi(const session *s, float row_tolerance, gi_object *mover)
@@ -101,7 +102,7 @@ static void advance(gi_context *gi, const frame_kind *kind)
 {
 	if (kind->rebuild)
 		gi_invalidate(gi);
-	check(gi_update(gi, NULL));
+	check(gi_update(gi, &kind->budget));
 	check(gi_finish(gi));
 }
 
@@ -153,16 +154,17 @@ static void say(const error_record *r, const char *what)
 		r->ms, r->error, r->bias);
 }
 
-static void add_engine(session *s, gi_context *gi, const char *method, float tolerance, double ms, error_phase phase)
+static void add_engine(session *s, gi_context *gi, const char *method, double setting, double ms, error_phase phase)
 {
 	uint32_t count;
 	gi_leaf *leaves = read_leaves(gi, &count);
 	double *h = allocate(3 * (size_t)count, sizeof *h);
 	leaf_irradiance(leaves, count, h);
-	error_record r = measure(s, h, method, (double)tolerance, ms);
+	error_record r = measure(s, h, method, setting, ms);
 	const gi_report report = report_of(gi);
 	r.entries = (double)report.entries / report.leaves;
 	r.solve_bound = 100 * (double)report.solve_relative;
+	r.stale_bound = 100 * (double)report.stale_relative;
 	add(s, r, phase);
 	say(&r, phase == PHASE_SCRATCH ? "from scratch" : "a moving frame");
 	free(h);
@@ -211,7 +213,7 @@ static void run_engine_setting(session *s, float tolerance)
 	samples_add(&scratch, ms);
 	for (uint32_t k = 1; k < repeats(s, ms, 5); k++)
 		samples_add(&scratch, timed_scratch(gi));
-	add_engine(s, gi, frame_kinds[0].method, tolerance, samples_median(&scratch), PHASE_SCRATCH);
+	add_engine(s, gi, frame_kinds[0].method, (double)tolerance, samples_median(&scratch), PHASE_SCRATCH);
 	const uint32_t frames = repeats(s, ms, 8), rounds = frames > 1 ? 2 : 1;
 	for (int kind = 0; kind < FRAME_KINDS; kind++)
 		moving[kind].count = 0;
@@ -219,7 +221,7 @@ static void run_engine_setting(session *s, float tolerance)
 		for (int kind = 0; kind < FRAME_KINDS; kind++) {
 			play(s, gi, mover, &frame_kinds[kind], frames, &moving[kind]);
 			if (round + 1 == rounds)
-				add_engine(s, gi, frame_kinds[kind].method, tolerance, samples_median(&moving[kind]),
+				add_engine(s, gi, frame_kinds[kind].method, (double)tolerance, samples_median(&moving[kind]),
 					   PHASE_MOVING);
 		}
 	gi_context_destroy(gi);
@@ -240,6 +242,36 @@ static void run_engine(session *s)
 			break;
 		}
 	}
+}
+
+/* Frames under a budget, long enough for rows to wait their turn; settings are rays, or the error in % of the largest B. */
+static void run_budgets(session *s)
+{
+	static const float TOLERANCE = 0.1f;
+	static const frame_kind kinds[] = {{.method = "engine budget", .budget.rays = 2000},
+					   {.method = "engine budget", .budget.rays = 8000},
+					   {.method = "engine budget", .budget.rays = 32000},
+					   {.method = "engine error", .budget.error = 0.3f},
+					   {.method = "engine error", .budget.error = 0.1f},
+					   {.method = "engine error", .budget.error = 0.03f}};
+	enum { KINDS = sizeof kinds / sizeof *kinds, FRAMES = 24 };
+	const float tolerance = s->options->quick ? 0.4f : TOLERANCE;
+	const uint32_t frames = s->options->quick ? 2 : FRAMES;
+	gi_object mover;
+	gi_context *gi = open_gi(s, tolerance, &mover);
+	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
+	advance(gi, &frame_kinds[0]);
+	check(gi_set_pose(gi, mover, s->kind->pose(0)));
+	advance(gi, &kinds[0]); /* shaders compile */
+	static samples times;
+	for (int kind = 0; kind < KINDS; kind++) {
+		const gi_budget *b = &kinds[kind].budget;
+		times.count = 0;
+		play(s, gi, mover, &kinds[kind], frames, &times);
+		add_engine(s, gi, kinds[kind].method, b->rays ? (double)b->rays : 100 * (double)b->error,
+			   samples_median(&times), PHASE_MOVING);
+	}
+	gi_context_destroy(gi);
 }
 
 /* ---- path tracing, the rival ---- */
@@ -368,6 +400,7 @@ static void run_scene(session *s, const scene_kind *kind)
 	s->kind = kind;
 	find_truth(s);
 	run_engine(s);
+	run_budgets(s);
 	run_paths(s);
 	leaf_scene_free(&s->leaves);
 	for (int half = 0; half < 2; half++)
@@ -389,6 +422,20 @@ static void print_processor(FILE *out)
 	fprintf(out, "%ld processors of type %s", sysconf(_SC_NPROCESSORS_ONLN), name ? name + 2 : "unknown\n");
 }
 
+/* What a budget costs and leaves undone, reported and measured. */
+static void print_budgets(FILE *out, const error_table *t, const char *scene)
+{
+	fprintf(out, "Under a budget: what was reported, and measured.\n\n"
+		     "| method | setting | ms a frame | stale bound, %% of the largest B | error of H measured, %% |\n|---|---|---|---|---|\n");
+	for (uint32_t k = 0; k < t->count; k++) {
+		const error_record *r = &t->records[k];
+		if (strcmp(r->scene, scene) == 0 && r->phase == PHASE_MOVING && strncmp(r->method, "engine", 6) == 0 &&
+		    strcmp(r->method, "engine rebuilt") != 0)
+			fprintf(out, "| %s | %g | %.1f | %.2f | %.2f |\n", r->method, r->setting, r->ms, r->stale_bound, r->error);
+	}
+	fprintf(out, "\n");
+}
+
 static void print_document(FILE *out, const session *s)
 {
 	fprintf(out,
@@ -400,7 +447,8 @@ static void print_document(FILE *out, const session *s)
 		"reference whose noise is taken out (or the exact value in the\nfurnace). A frame of the engine is "
 		"`gi_update` and waiting for it, at row tolerances from 0.4 down, one ray an indirect entry, emitters\ncut %g times finer; "
 		"`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
-		"what any does.\nPicture and post-processing cost the same for all and are in none. Tables are read off the "
+		"what any does.\n`engine budget` updates under so many rays and `engine error` lets rows wait for such a share of the "
+		"largest B, at a row tolerance\nof 0.1 and after 24 frames of it. Picture and post-processing cost the same for all and are in none. Tables are read off the "
 		"log-log lines between\nmeasurements; - is not reached.\n\n",
 		s->options->quick ? " with --quick, too short to quote" : "", (double)s->options->emitter_refinement);
 	fprintf(out, "- ");
@@ -417,6 +465,7 @@ static void print_document(FILE *out, const session *s)
 			fprintf(out, "%s:\n\n", phases[phase]);
 			error_table_print(&s->table, out, kind->name, (error_phase)phase);
 		}
+		print_budgets(out, &s->table, kind->name);
 	}
 }
 

@@ -8,7 +8,8 @@ set style line 2 lc rgb '#56B4E9' lw 2.0 pt 6 ps 1.1
 set style line 3 lc rgb '#D55E00' lw 2.0 pt 9 ps 1.2
 set style line 4 lc rgb '#009E73' lw 2.0 pt 5 ps 1.0
 set style line 5 lc rgb '#CC79A7' lw 2.0 pt 13 ps 1.3
-methods = '"engine" "engine rebuilt" "Embree paths" "shader paths" "engine budget"'
+set style line 6 lc rgb '#E69F00' lw 2.0 pt 11 ps 1.2
+methods = '"engine" "engine rebuilt" "Embree paths" "shader paths" "engine budget" "engine error"'
 rows(method, phase) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" && $3 == \"%s\" && $6 > 0 { print $5, $6 }' '%s'", \
 	scene, method, phase, csv)
 # A method without measurements has no line and no place in the legend.
