@@ -33,9 +33,9 @@ const float PI = 3.14159265358979;
 
 const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 
-// A cluster that shows less than this share of its radius squared (a disc shows pi of it, a ball of scattered triangles 1) has
-// gaps; taken as a point from within this many radii it is off by more than 5 %.
-const float SPARSE = 0.25;
+// A cluster of less area than this share of its radius squared (a square has 2 of it) has gaps; taken as a point from within
+// this many radii it is off by more than 5 %.
+const float SPARSE = 0.35;
 const float SPARSE_NEAR = 4.0;
 
 gi_node_geometry geometry_of(uint node, bool same)
@@ -74,8 +74,10 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 		vec2 sides = shown_area(spread[node], g.moment, view, same ? view : rest_direction_from_world(object, view));
 		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
 	}
-	// Patches far apart in a cluster: what they show is little, and yet the nearest is not where the cluster's middle is.
-	bool sparse = (flags & GI_NODE_POLYGON) == 0u && shown < SPARSE * g.sphere.w * g.sphere.w;
+	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
+	// Of lamps what they show counts, so that rows of them seen edge-on are refined too.
+	float area = (flags & GI_NODE_EMITTER) != 0u ? shown : g.moment.w;
+	bool sparse = (flags & GI_NODE_POLYGON) == 0u && area < SPARSE * g.sphere.w * g.sphere.w;
 	if (sparse && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
