@@ -26,6 +26,13 @@
  * halves of one wall do. */
 #define NORMAL_WEIGHT 0.5
 
+/* Keys are rounded to this part of the diagonal: symmetric cages are full of ties, and rounding of the positions must not
+ * decide them, or the same cage at another scale would be another tree. */
+#define KEY_STEPS 1048576.0
+
+/* Relative: distances closer than this are equal but for rounding of the positions. */
+#define TIE 1e-6
+
 #define MAX_LEVELS 9
 
 /* Sums over the leaves below a face. */
@@ -168,8 +175,10 @@ static void list_items(builder *b)
 			continue;
 		const gi_vec3d centre = gi_vec3d_scale(sum->centre, 1.0 / (sum->area * diagonal));
 		const gi_vec3d normal = gi_vec3d_scale(sum->moment, NORMAL_WEIGHT / sum->area);
-		b->items[b->item_count++] =
-		    (cluster_item){{centre.x, centre.y, centre.z, normal.x, normal.y, normal.z}, face};
+		cluster_item item = {{centre.x, centre.y, centre.z, normal.x, normal.y, normal.z}, face};
+		for (int axis = 0; axis < 6; axis++)
+			item.key[axis] = rint(item.key[axis] * KEY_STEPS) / KEY_STEPS;
+		b->items[b->item_count++] = item;
 	}
 }
 
@@ -250,20 +259,22 @@ static gi_vec3d bounds_centre(const gi_hierarchy *h, uint32_t node)
 	return gi_vec3d_scale(gi_vec3d_add(lower, upper), 0.5);
 }
 
-/* The corner of a node's leaves farthest from a point. */
+/* The corner of a node's leaves farthest from a point; of those as far within rounding of the positions the first, so
+ * that a symmetric cage has the same spheres at every scale. */
 static gi_vec3d farthest_corner(const gi_hierarchy *h, uint32_t node, gi_vec3d from, double *distance)
 {
 	const gi_uvec4 range = h->topology[node].range;
 	gi_vec3d farthest = from;
-	double most = 0.0;
+	double most = 0.0, chosen = 0.0;
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 		const quad q = node_quad(h, h->leaf_node[leaf]);
 		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
 		for (int i = 0; i < 4; i++) {
 			const gi_vec3d to = gi_vec3d_sub(corners[i], from);
 			const double distance2 = gi_vec3d_dot(to, to);
-			if (distance2 > most) {
-				most = distance2;
+			most = fmax(most, distance2);
+			if (distance2 > chosen * (1 + TIE)) {
+				chosen = distance2;
 				farthest = corners[i];
 			}
 		}
@@ -292,7 +303,7 @@ static void set_sphere(gi_hierarchy *h, uint32_t node)
 	for (int step = 0; step <= STEPS; step++) {
 		double radius;
 		const gi_vec3d far = farthest_corner(h, node, centre, &radius);
-		if (radius < best_radius) {
+		if (radius < best_radius * (1 - TIE)) {
 			best_radius = radius;
 			best = centre;
 		}

@@ -1,4 +1,5 @@
-/* What tests of whole scenes are put together from: boxes, balls and quads, a solve to the end, rows that must be sane. */
+/* What tests of whole scenes are put together from: boxes, balls and quads, a solve to the end, rows that must be sane.
+ */
 #ifndef TESTS_PIECES_H
 #define TESTS_PIECES_H
 

@@ -40,10 +40,9 @@ static void expect_finite_light(const snapshot *s, const char *what)
  * of the sweeps takes 1e-5 of it. */
 static const double MAXIMUM_TOLERANCE = 1e-5;
 
-/* Irradiance received by all (the sky's light apart) over what all radiate: at most 1 but for the reciprocity of rows,
- * whose visibility is one ray an entry. Measured at most 1.03 below, in rooms of a few dozen leaves; without the closing of
- * rows it would be noise of the same size. */
-static const double RECEIVED_TOLERANCE = 0.05;
+/* Irradiance received by all over what all radiate: at most 1 but for the reciprocity of rows, whose visibility is one
+ * ray an entry. The most measured below is 1.013: two boxes in one place, where each side is both seen and hidden. */
+static const double RECEIVED_TOLERANCE = 0.02;
 
 static double expect_no_energy_made(const snapshot *s, const char *what)
 {
@@ -163,17 +162,18 @@ static scaled_scene make_scaled(float scale)
 		.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = {.5f, .5f, .8f}, .position = {1, 1, .5f}},
 	    &mesh, scale);
 	assert_true(shape_box((float[]){-.45f, -.6f, -.5f}, (float[]){.45f, .6f, .5f}, 1, false, &mesh));
-	const gi_object block = add_scaled(
-	    s.gi, &(harness_object){.name = "block", .levels = 1, .rho = {.2f, .8f, .2f}}, &mesh, scale);
+	const gi_object block =
+	    add_scaled(s.gi, &(harness_object){.name = "block", .levels = 1, .rho = {.2f, .8f, .2f}}, &mesh, scale);
 	assert_gi(gi_set_pose(s.gi, block, (gi_pose){{-.95f * scale, .8f * scale, -.5f * scale}, {.1f, .3f, 0, .9f}}));
 	assert_gi(gi_commit(s.gi));
 	return s;
 }
 
 /* A scale that is no power of two rounds every coordinate anew, by 6e-8: form factors follow by some hundred times that
- * where a node is seen at a grazing angle (1e-5 of the factor, and 3e-7, rounding of four angles, at the horizon itself), a cut differs where an
+ * where a node is seen at a grazing angle (1e-5 of the factor; and 1e-6 where large
+ * angles cancel, five of which, up to pi each, the contour sum adds in single precision), a cut differs where an
  * estimate is the tolerance, and a ray where it passes within rounding of an edge. */
-static const double SCALED_FACTOR = 1e-5, SCALED_FACTOR_FLOOR = 3e-7, SCALED_OTHERS = 2e-3, SCALED_RADIOSITY = 1e-4;
+static const double SCALED_FACTOR = 1e-5, SCALED_FACTOR_FLOOR = 1e-6, SCALED_OTHERS = 2e-3, SCALED_RADIOSITY = 1e-4;
 
 static void expect_scaled(const snapshot *a, const snapshot *b, double scale)
 {
@@ -189,6 +189,9 @@ static void expect_scaled(const snapshot *a, const snapshot *b, double scale)
 			continue;
 		}
 		const double off = fabs((double)p->form_factor - (double)q->form_factor) - SCALED_FACTOR_FLOOR;
+		if (off > SCALED_FACTOR * (double)p->form_factor)
+			print_message("    leaf %u, node %u: F %.9g, and %.9g\n", p->leaf, p->node,
+				      (double)p->form_factor, (double)q->form_factor);
 		worst = fmax(worst, off / fmax((double)p->form_factor, 1e-30));
 		seen_otherwise += p->visible != q->visible || p->samples != q->samples || p->back != q->back;
 		same++;
@@ -197,7 +200,8 @@ static void expect_scaled(const snapshot *a, const snapshot *b, double scale)
 	}
 	others += a->entry_count - i + b->entry_count - j;
 	const double distance = snapshot_distance(a, b) / snapshot_largest(a);
-	printf("  scaled by %g: %llu entries alike, F within %.1e; %llu seen otherwise, %llu in one alone; B within %.1e\n",
+	printf("  scaled by %g: %llu entries alike, F within %.1e; %llu seen otherwise, %llu in one alone; B within "
+	       "%.1e\n",
 	       scale, (unsigned long long)same, fmax(worst, 0), (unsigned long long)seen_otherwise,
 	       (unsigned long long)others, distance);
 	assert_true(worst <= SCALED_FACTOR);
@@ -209,7 +213,7 @@ static void expect_scaled(const snapshot *a, const snapshot *b, double scale)
 static void scaled_scenes(void **state)
 {
 	(void)state;
-	const float scales[] = {1e-8f, 1e-6f, 1e6f, 1e8f};
+	const float scales[] = {1e-6f, 1e6f, 1e8f};
 	scaled_scene plain = make_scaled(1);
 	snapshot a = expect_sane(plain.gi, "scale 1");
 	gi_context_destroy(plain.gi);
@@ -226,7 +230,8 @@ static void scaled_scenes(void **state)
 /* ---- sizes side by side ---- */
 
 /* A floor and a lamp half its size above it, of every size, in one scene: each gets the same from its own lamp. The
- * others' lamps shine on it sideways from five sizes away: 1e-3 of its own light in sum; the rest is four rays a leaf. */
+ * others' lamps shine on it sideways from five sizes away: 1e-3 of its own light in sum; the rest is four rays a leaf.
+ */
 static const double SIZES_TOLERANCE = 0.01;
 
 static void sizes(void **state)
@@ -240,7 +245,8 @@ static void sizes(void **state)
 		harness_object like = GREY;
 		like.position[0] = 5 * of[k];
 		floors[k] = add_quad(gi, &like, (float[]){0, 0, 0}, (float[]){0, 0, of[k]}, (float[]){of[k], 0, 0});
-		like = (harness_object){.name = "lamp", .exitance = {10, 10, 10}, .position = {5 * of[k], of[k] / 2, 0}};
+		like =
+		    (harness_object){.name = "lamp", .exitance = {10, 10, 10}, .position = {5 * of[k], of[k] / 2, 0}};
 		lamp = add_quad(gi, &like, (float[]){0, 0, 0}, (float[]){of[k], 0, 0}, (float[]){0, 0, of[k]});
 	}
 	assert_gi(gi_commit(gi));
@@ -323,7 +329,7 @@ static void emission(void **state)
 
 /* ---- slivers and small lights ---- */
 
-/* H of a floor under a lamp u x v, 1 m above; all of it, or only what a strip of it gets where the lamp is wide. */
+/* Mean H of a floor of 2 x 2 m under a lamp u x v of the power, 1 m above. */
 static double floor_under(const float u[3], const float v[3], bool triangle, float power, const char *what)
 {
 	gi_context *gi = open_context(0.005f);
@@ -337,8 +343,8 @@ static double floor_under(const float u[3], const float v[3], bool triangle, flo
 		mesh.index_count = 3;
 	}
 	const float e = power / area;
-	const gi_object lamp =
-	    harness_add(gi, &(harness_object){.name = "lamp", .levels = triangle ? 0 : 2, .exitance = {e, e, e}}, &mesh);
+	const gi_object lamp = harness_add(
+	    gi, &(harness_object){.name = "lamp", .levels = triangle ? 0 : 2, .exitance = {e, e, e}}, &mesh);
 	assert_gi(gi_commit(gi));
 	snapshot s = expect_sane(gi, what);
 	const double h = mean_irradiance(&s, floor);
@@ -348,8 +354,8 @@ static double floor_under(const float u[3], const float v[3], bool triangle, flo
 	return h;
 }
 
-/* The power is one; the width, up to a hundredth of the distance, changes what arrives by 1e-4, and rows that do not
- * close (there is no sky) say of each ray what it saw. */
+/* The power is one; the width, up to a hundredth of the distance, changes what arrives by 1e-4, the rest is where the
+ * receivers' points lie. */
 static const double THIN_TOLERANCE = 0.01;
 
 static void thin_lamps(void **state)
@@ -357,12 +363,14 @@ static void thin_lamps(void **state)
 	(void)state;
 	const double wide = floor_under((float[]){1, 0, 0}, (float[]){0, 0, 1e-2f}, false, 1, "a lamp 1 x 1e-2");
 	const double thin = floor_under((float[]){1, 0, 0}, (float[]){0, 0, 1e-6f}, false, 1, "a lamp 1 x 1e-6");
-	const double slanted = floor_under((float[]){.6f, 0, .8f}, (float[]){-.8e-6f, 0, .6e-6f}, false, 1, "the same, slanted");
+	const double slanted =
+	    floor_under((float[]){.6f, 0, .8f}, (float[]){-.8e-6f, 0, .6e-6f}, false, 1, "the same, slanted");
 	const double triangle = floor_under((float[]){1, 0, 0}, (float[]){0, 0, 1e-6f}, true, 1, "a triangle 1 x 1e-6");
 	assert_true(fabs(thin / wide - 1) <= THIN_TOLERANCE);
 	assert_true(fabs(slanted / wide - 1) <= THIN_TOLERANCE);
 	assert_true(fabs(triangle / wide - 1) <= THIN_TOLERANCE);
-	const double small = floor_under((float[]){1e-2f, 0, 0}, (float[]){0, 0, 1e-2f}, false, 1, "a lamp 1e-2 x 1e-2");
+	const double small =
+	    floor_under((float[]){1e-2f, 0, 0}, (float[]){0, 0, 1e-2f}, false, 1, "a lamp 1e-2 x 1e-2");
 	const double tiny = floor_under((float[]){1e-5f, 0, 0}, (float[]){0, 0, 1e-5f}, false, 1, "a lamp 1e-5 x 1e-5");
 	assert_true(fabs(tiny / small - 1) <= THIN_TOLERANCE);
 	/* A point lamp in the middle, 1 m above 2 x 2 m: 0.55412 of its light (Howell's B-3, four times). */
@@ -397,9 +405,11 @@ static void small_face_of_a_large_object(void **state)
 	assert_int_equal(s.leaf_count, 128);
 	double power = 0;
 	for (uint32_t k = 0; k < s.leaf_count; k++)
-		power += s.leaves[k].exitance[0] == 0 ? (double)s.leaves[k].area * (double)s.leaves[k].irradiance[0] : 0;
+		power +=
+		    s.leaves[k].exitance[0] == 0 ? (double)s.leaves[k].area * (double)s.leaves[k].irradiance[0] : 0;
 	printf("    of 1 W %.4f W arrive\n", power);
-	/* Howell's B-3 four times, for 10 x 10 m 5 m below a point; leaves half as large as that is far are good to 1 %. */
+	/* Howell's B-3 four times, for 10 x 10 m 5 m below a point; leaves half as large as that is far are good to 1
+	 * %. */
 	assert_true(fabs(power / .83103 - 1) <= .01);
 	snapshot_free(&s);
 	finish(gi, object, .1f, "the same object moved");
@@ -420,7 +430,8 @@ static void thin_receivers(void **state)
 			mesh.face_counts[0] = 3;
 			mesh.index_count = 3;
 		}
-		const gi_object strip = harness_add(gi, &(harness_object){.name = "strip", .levels = 3, .rho = {.5f, .5f, .5f}}, &mesh);
+		const gi_object strip =
+		    harness_add(gi, &(harness_object){.name = "strip", .levels = 3, .rho = {.5f, .5f, .5f}}, &mesh);
 		const gi_object lamp = add_quad(gi, &(harness_object){.name = "lamp", .exitance = {1, 1, 1}},
 						(float[]){-.5f, .5f, -.5f}, (float[]){1, 0, 0}, (float[]){0, 0, 1});
 		assert_gi(gi_commit(gi));
@@ -440,7 +451,8 @@ static void thin_receivers(void **state)
 static gi_context *lit_box(gi_object *lamp)
 {
 	gi_context *gi = open_context(0.02f);
-	add_room(gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.7f, .7f, .7f}}, (box){{-2, 0, -2}, {2, 3, 2}});
+	add_room(gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.7f, .7f, .7f}},
+		 (box){{-2, 0, -2}, {2, 3, 2}});
 	*lamp = add_quad(gi, &(harness_object){.name = "lamp", .levels = 1, .exitance = {20, 20, 20}},
 			 (float[]){-.5f, 2.9f, -.5f}, (float[]){1, 0, 0}, (float[]){0, 0, 1});
 	return gi;
@@ -472,13 +484,15 @@ static void contact(void **state)
 		gi = lit_box(&lamp);
 		add_sheet(gi, 1, false);
 		mover = add_sheet(gi, 1, down);
-		finish(gi, (assert_gi(gi_commit(gi)), mover), .2f, down ? "a sheet's back on another's" : "two sheets in one place");
+		finish(gi, (assert_gi(gi_commit(gi)), mover), .2f,
+		       down ? "a sheet's back on another's" : "two sheets in one place");
 	}
 	for (int face = 0; face < 2; face++) {
 		gi = lit_box(&lamp);
 		add_sheet(gi, 1, face == 0);
 		mover = add_sheet(gi, 1 - 1e-6f, face == 1);
-		finish(gi, (assert_gi(gi_commit(gi)), mover), .2f, face ? "back to back at 1e-6" : "face to face at 1e-6");
+		finish(gi, (assert_gi(gi_commit(gi)), mover), .2f,
+		       face ? "back to back at 1e-6" : "face to face at 1e-6");
 	}
 	gi = lit_box(&lamp);
 	add_block(gi, &GREY, (box){{-1, .5f, -1}, {0, 1, 0}});
@@ -547,7 +561,8 @@ static gi_pose at(float x, float y, float z)
 	return (gi_pose){{x, y, z}, {0, 0, 0, 1}};
 }
 
-/* Two rooms with a wall in common. The lamp goes along the wall and up to 1e-4 before it, furniture moves in the dark. */
+/* Two rooms with a wall in common. The lamp goes along the wall and up to 1e-4 before it, furniture moves in the dark.
+ */
 static void sealed_rooms(void **state)
 {
 	(void)state;
@@ -564,7 +579,8 @@ static void sealed_rooms(void **state)
 	for (int k = 0; k < 8; k++) {
 		const float x = 1.7f - gaps[k % 4], y = .35f + .16f * (float)k, z = .31f + .19f * (float)k;
 		assert_gi(gi_set_pose(gi, lamp, at(x, y, z)));
-		assert_gi(gi_set_pose(gi, ball, at(2.4f + gaps[(k + 2) % 4], 1.5f - .1f * (float)k, .5f + .14f * (float)k)));
+		assert_gi(
+		    gi_set_pose(gi, ball, at(2.4f + gaps[(k + 2) % 4], 1.5f - .1f * (float)k, .5f + .14f * (float)k)));
 		expect_dark_inside(gi, 2, 2, 6 * 16 + 54, "sealed rooms");
 	}
 	expect_like_rebuilt(gi, "sealed rooms");
@@ -576,8 +592,9 @@ static void small_sealed_room(void **state)
 {
 	(void)state;
 	gi_context *gi = open_context(0.02f);
-	add_room(gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.5f, .5f, .5f}, .exitance = {1e5f, 1e5f, 1e5f}},
-		 (box){{-1000, -1000, -1000}, {1000, 1000, 1000}});
+	add_room(
+	    gi, &(harness_object){.name = "walls", .levels = 2, .rho = {.5f, .5f, .5f}, .exitance = {1e5f, 1e5f, 1e5f}},
+	    (box){{-1000, -1000, -1000}, {1000, 1000, 1000}});
 	add_cell(gi, 0, 1, true);
 	const gi_object ball = add_ball(gi, &(harness_object){.name = "ball in the dark", .rho = {.9f, .9f, .9f}}, .2f);
 	assert_gi(gi_set_pose(gi, ball, at(.5f, .5f, .5f)));
@@ -623,10 +640,14 @@ static void thousand_objects(void **state)
 	for (int k = 0; k < MANY; k++) {
 		const float x = (float)(k % 10), y = (float)(k / 10 % 10), z = (float)(k / 100);
 		const bool lamp = k % 97 == 0;
-		const harness_object like = {.name = "one of many", .rho = {.5f, .5f, .5f}, .exitance = {lamp ? 5.0f : 0}, .position = {x, y, z}};
+		const harness_object like = {.name = "one of many",
+					     .rho = {.5f, .5f, .5f},
+					     .exitance = {lamp ? 5.0f : 0},
+					     .position = {x, y, z}};
 		const float u[3] = {.3f, .1f * (float)(k % 3), 0}, v[3] = {0, .05f * (float)(k % 5), .3f};
-		const gi_object object = k % 50 == 7 ? add_block(gi, &like, (box){{0, 0, 0}, {.3f, .2f, .4f}})
-						     : add_quad(gi, &like, (float[]){0, 0, 0}, k % 2 ? v : u, k % 2 ? u : v);
+		const gi_object object = k % 50 == 7
+					     ? add_block(gi, &like, (box){{0, 0, 0}, {.3f, .2f, .4f}})
+					     : add_quad(gi, &like, (float[]){0, 0, 0}, k % 2 ? v : u, k % 2 ? u : v);
 		if (k % 200 == 57)
 			movers[k / 200] = object;
 	}
@@ -690,7 +711,8 @@ static void black_and_shining(void **state)
 	(void)state;
 	for (int kind = 0; kind < 3; kind++) {
 		const float rho = kind == 2 ? .999f : 0, e = kind ? 1 : 0;
-		const harness_object like = {.name = "all alike", .levels = 2, .rho = {rho, rho, rho}, .exitance = {e, e, e}};
+		const harness_object like = {
+		    .name = "all alike", .levels = 2, .rho = {rho, rho, rho}, .exitance = {e, e, e}};
 		gi_context_def def = harness_def();
 		def.row_tolerance = .02f;
 		def.max_sweeps = 1000;
@@ -699,7 +721,8 @@ static void black_and_shining(void **state)
 		add_room(gi, &like, (box){{-2, 0, -2}, {2, 3, 2}});
 		const gi_object block = add_block(gi, &like, (box){{-1, .5f, -1}, {0, 1, 0}});
 		if (kind == 0)
-			add_block(gi, &(harness_object){.name = "lamp", .exitance = {5, 5, 5}}, (box){{.5f, 1, .5f}, {1, 1.5f, 1}});
+			add_block(gi, &(harness_object){.name = "lamp", .exitance = {5, 5, 5}},
+				  (box){{.5f, 1, .5f}, {1, 1.5f, 1}});
 		assert_gi(gi_commit(gi));
 		const char *names[] = {"rho 0 everywhere", "everything shines, rho 0", "everything shines, rho 0.999"};
 		if (kind < 2) {
