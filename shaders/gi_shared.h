@@ -230,7 +230,11 @@ GI_STRUCT(gi_frame) {
 #define GI_STATE_ARGS_WIDE 36u
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
-#define GI_STATE_WORDS 48u
+/* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
+#define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
+#define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
+#define GI_STATE_ESTIMATE_RAYS 74u
+#define GI_STATE_WORDS 96u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u
@@ -273,6 +277,27 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
 #define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
 #define GI_BIND_SPREAD 31
+
+/* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
+#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between two leaves */
+#define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
+#define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
+#define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
+
+/* A chosen leaf has this many items in all, in independent groups. */
+#define GI_ESTIMATE_ITEMS 512u
+#define GI_ESTIMATE_GROUPS 4u
+
+/* A leaf that the estimate looked at.
+ *
+ *   //--------------- 16B ---------------
+ *   light.xyz H by its row    light.w 1 where the row is closed
+ *   error.x area share over chance    error.y |H error|^2    error.z rays, as uint bits    error.w leaf, as uint bits
+ */
+GI_STRUCT(gi_estimate_leaf) {
+	GI_VEC4 light;
+	GI_VEC4 error;
+} GI_END(gi_estimate_leaf)
 
 #define GI_WIDE_LEAVES 64u
 

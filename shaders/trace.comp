@@ -21,6 +21,9 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
+// 0 for rows. The estimate's rays are others: another salt for every item, since a pair may be in several.
+layout(location = 0) uniform uint salt;
+
 // Below this form factor an entry carries nothing and is not worth a ray.
 const float FACTOR_FLOOR = 1e-12;
 
@@ -120,11 +123,11 @@ bool faces(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 	return dot(normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
 }
 
-uint trace_sample(pair p, uint k)
+uint trace_sample(pair p, uint k, uint own_salt)
 {
 	segment_end a, b;
 	for (uint attempt = 0u; attempt < TRIES; attempt++) {
-		vec4 u = sample_numbers(p.leaf, p.node, k + 16u * attempt);
+		vec4 u = sample_numbers(p.leaf, p.node, k + 16u * attempt, own_salt);
 		vec3 m;
 		a = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy));
 		b = source_end(p, u.zw, m);
@@ -155,8 +158,9 @@ void main()
 	// rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
+	uint own_salt = salt == 0u ? 0u : hash(salt + t);
 	while (taken < wanted) {
-		uint by = trace_sample(p, taken);
+		uint by = trace_sample(p, taken, own_salt);
 		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else

@@ -4,6 +4,7 @@
  *     -> scene.c, scene_upload.c, sky.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> solver.c           sweeps, light
+ *        -> estimate.c         how far off the rows are
  *        -> shade.c            the picture
  *             all -> gpu.c     OpenGL
  */
@@ -84,6 +85,15 @@ typedef struct gi_solver {
 	uint32_t gather_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
 } gi_solver;
 
+/* ---- estimate ---- */
+
+typedef struct gi_estimate {
+	bool fresh; /* chances are those of the committed scene */
+	double area; /* of all its leaves, m2 */
+	uint32_t choose_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
+	gpu_buffer chances, items, queue, shares, results, frame, state;
+} gi_estimate;
+
 typedef struct gi_shade gi_shade;
 
 struct gi_context {
@@ -93,6 +103,7 @@ struct gi_context {
 	gi_rows rows;
 	gi_solver solver;
 	gi_lamps lamps;
+	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
 	gpu_buffer state;
 	gpu_readback readback;
@@ -159,6 +170,11 @@ void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);
 void solver_free(gi_context *gi);
+
+/* estimate.c */
+gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */
+void estimate_invalidate(gi_context *gi);  /* after a commit */
+void estimate_free(gi_context *gi);
 
 /* shade.c */
 void shade_invalidate(gi_context *gi);
