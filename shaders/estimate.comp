@@ -1,13 +1,12 @@
 #version 450 core
 // The estimate's samples: one thread a group of a chosen leaf. A leaf is chosen by chance; its row's entries are drawn
 // in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area. What these
-// pairs of leaves say of H, by form factors of their own and fresh rays, is right on average and knows no nodes.
+// pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
 #define USE_FRAME
 #define USE_TOPOLOGY
 #define USE_REST
 #define USE_SEGMENTS
 #define USE_ENTRIES
-#define USE_QUEUE
 #define USE_ROWS
 #define USE_LINKS
 #define USE_RADIOSITY
@@ -97,7 +96,6 @@ void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
 	uint node = leaf_below(entry.x, at + 0x51ed270bu);
 	items[at] = uvec4(node, 0u, 0u, leaf);
 	shares[at] = per_entry * rest[entry.x].moment.w / max(rest[node].moment.w, 1e-30);
-	queue[at] = at;
 }
 
 struct row_totals {
@@ -136,7 +134,6 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 	for (; drawn < GROUP_ITEMS; drawn++) {
 		items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
 		shares[at + drawn] = 0.0;
-		queue[at + drawn] = at + drawn;
 	}
 }
 

@@ -4,7 +4,7 @@
 //
 //     |error|^2 = sum over g != h of D_g . D_h / (G (G - 1)) = (|sum D|^2 - sum |D|^2) / (G (G - 1))
 #define USE_RADIOSITY
-#define USE_ENTRIES
+#define USE_ESTIMATE_ITEMS
 #define USE_ESTIMATE_SHARES
 #define USE_ESTIMATE_CHANCES
 #define USE_ESTIMATE_RESULTS
@@ -26,7 +26,7 @@ vec3 light_of_group(uint at, bool closed, inout uint rays)
 	vec3 h = vec3(0.0);
 	float weight = 0.0;
 	for (uint k = at; k < at + GROUP_ITEMS; k++) {
-		uvec4 e = entries[k];
+		uvec4 e = items[k];
 		rays += (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
 		if ((e.z & 1u) == 0u)
 			continue;

@@ -279,7 +279,7 @@ GI_STRUCT(gi_frame) {
 #define GI_BIND_SPREAD 31
 
 /* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
-#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between two leaves */
+#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
 #define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
 #define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
 #define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */

@@ -17,10 +17,10 @@ float unit_float(uint x)
 }
 
 // Four numbers in [0,1): a hash of the pair, then the R4 sequence (Roberts) over the samples, which fills the square
-// pair evenly. Rows have salt 0; another is another start, independent of theirs.
-vec4 sample_numbers(uint leaf, uint node, uint k, uint salt)
+// pair evenly.
+vec4 sample_numbers(uint leaf, uint node, uint k)
 {
-	uint h = hash(leaf * 0x9e3779b9u ^ hash(node + 0x7f4a7c15u) ^ salt);
+	uint h = hash(leaf * 0x9e3779b9u ^ hash(node + 0x7f4a7c15u));
 	uvec4 start = uvec4(h, hash(h ^ 1u), hash(h ^ 2u), hash(h ^ 3u));
 	uvec4 next = start + k * uvec4(0xDB4F2A00u, 0xBBE05633u, 0xA0F2EC75u, 0x89E18285u);
 	return vec4(unit_float(next.x), unit_float(next.y), unit_float(next.z), unit_float(next.w));

@@ -90,8 +90,8 @@ typedef struct gi_solver {
 typedef struct gi_estimate {
 	bool fresh; /* chances are those of the committed scene */
 	double area; /* of all its leaves, m2 */
-	uint32_t choose_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
-	gpu_buffer chances, items, queue, shares, results, frame, state;
+	uint32_t choose_program, trace_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
+	gpu_buffer chances, items, shares, results;
 } gi_estimate;
 
 typedef struct gi_shade gi_shade;

@@ -1,10 +1,9 @@
 /* How far off the rows are: visibility and discretisation, estimated on leaves chosen by chance.
  *
  * A chosen leaf's row is compared with samples of the same integral that know no nodes: entries drawn by importance,
- * each replaced by a leaf below its node, with a form factor of its own and a fresh ray (estimate.comp). The samples go
- * through the rows' own programs, factor.comp and trace.comp, as entries of a queue in buffers of the estimate's own.
- * They come in independent groups, so that products across groups hold the row's error without the samples' noise
- * (estimate_sum.comp), and the mean over leaves goes into the report (estimate_mean.comp).
+ * each replaced by a leaf below its node (estimate.comp), with the form factor from a point and a fresh ray
+ * (estimate_trace.comp). They come in independent groups, so that products across groups hold the row's error without
+ * the samples' noise (estimate_sum.comp), and the mean over leaves goes into the report (estimate_mean.comp).
  *
  * Half of the chances are by area, which is what the mean is over, half are alike for all leaves: small ones, a
  * figure's, often have most of the error. No leaf then counts more than twice its area's share.
@@ -22,6 +21,7 @@ static gi_result make_programs(gi_context *gi)
 	if (e->mean_program)
 		return GI_OK;
 	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
+					     {"estimate_trace.comp", &e->trace_program},
 					     {"estimate_sum.comp", &e->sum_program},
 					     {"estimate_mean.comp", &e->mean_program}};
 	gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
@@ -31,11 +31,8 @@ static gi_result make_programs(gi_context *gi)
 		gpu_buffer *buffer;
 		uint64_t size;
 	} buffers[] = {{&e->items, sizeof(gi_uvec4) * items},
-		       {&e->queue, sizeof(uint32_t) * items},
 		       {&e->shares, sizeof(float) * items},
-		       {&e->results, sizeof(gi_estimate_leaf) * leaves},
-		       {&e->frame, sizeof(gi_frame)},
-		       {&e->state, sizeof(uint32_t) * GI_STATE_WORDS}};
+		       {&e->results, sizeof(gi_estimate_leaf) * leaves}};
 	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
 		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].size, NULL);
 	return result;
@@ -86,39 +83,21 @@ static gi_result make_chances(gi_context *gi)
 	return result;
 }
 
-/* What factor.comp and trace.comp take from the frame and the state: a queue of so many, one ray each. */
-static void bind_items(gi_context *gi, uint32_t leaves)
-{
-	gi_estimate *e = &gi->estimate;
-	const uint32_t items = GI_ESTIMATE_ITEMS * leaves;
-	gi_frame frame = gi->frame;
-	frame.limits.y = items;
-	frame.limits.z = frame.limits.w = 1;
-	uint32_t counts[GI_STATE_RAYS + 1] = {[GI_STATE_NEW] = items, [GI_STATE_QUEUED] = items};
-	gpu_buffer_upload(&gi->gpu, &e->frame, 0, sizeof frame, &frame);
-	gpu_buffer_upload(&gi->gpu, &e->state, 0, sizeof counts, counts);
-	gpu_bind_storage(GI_BIND_FRAME, &e->frame);
-	gpu_bind_storage(GI_BIND_STATE, &e->state);
-	gpu_bind_storage(GI_BIND_ENTRIES, &e->items);
-}
-
 static void bind(gi_context *gi)
 {
 	const gi_estimate *e = &gi->estimate;
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
-	gpu_bind_storage(GI_BIND_QUEUE, &e->queue);
 	gpu_bind_storage(GI_BIND_ESTIMATE_ITEMS, &e->items);
 	gpu_bind_storage(GI_BIND_ESTIMATE_SHARES, &e->shares);
 	gpu_bind_storage(GI_BIND_ESTIMATE_CHANCES, &e->chances);
 	gpu_bind_storage(GI_BIND_ESTIMATE_RESULTS, &e->results);
 }
 
-/* Never 0, which is the rows'. */
 static uint32_t salt_of(uint64_t frame, uint32_t first)
 {
-	return ((uint32_t)frame * 2654435761u + first * 40503u) | 1u;
+	return (uint32_t)frame * 2654435761u + first * 40503u;
 }
 
 static void look_at(gi_context *gi, uint32_t first, uint32_t count)
@@ -126,17 +105,14 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 	gi_estimate *e = &gi->estimate;
 	const uint32_t salt = salt_of(gi->frame_number, first);
 	const float area = (float)e->area;
-	bind(gi);
 	gpu_set_uint(e->choose_program, 0, salt);
 	gpu_set_uint(e->choose_program, 1, first);
 	gpu_set_uint(e->choose_program, 2, count);
 	gpu_set_uint(e->choose_program, 3, gi->def.estimate_leaves);
 	gpu_dispatch(&gi->gpu, e->choose_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
-	bind_items(gi, count);
-	gpu_dispatch(&gi->gpu, gi->rows.factor_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
-	gpu_set_uint(gi->rows.trace_program, 0, salt);
-	gpu_dispatch(&gi->gpu, gi->rows.trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
-	gpu_set_uint(gi->rows.trace_program, 0, 0);
+	gpu_set_uint(e->trace_program, 0, salt ^ 0x68e31da4u);
+	gpu_set_uint(e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
+	gpu_dispatch(&gi->gpu, e->trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
 	gpu_set_uint(e->sum_program, 0, first);
 	gpu_set_uint(e->sum_program, 1, count);
 	gpu_set_floats(e->sum_program, 2, 1, 1, &area);
@@ -154,14 +130,14 @@ gi_result estimate_update(gi_context *gi)
 	if (result)
 		return result;
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
+	bind(gi);
 	for (uint32_t first = 0; first < leaves; first += CHUNK)
 		look_at(gi, first, leaves - first < CHUNK ? leaves - first : CHUNK);
-	rows_bind(gi);
-	scene_bind(gi);
-	gpu_bind_storage(GI_BIND_ESTIMATE_RESULTS, &gi->estimate.results);
 	gpu_set_uint(gi->estimate.mean_program, 0, leaves);
 	gpu_dispatch_groups(&gi->gpu, gi->estimate.mean_program, 1);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
+	scene_bind(gi);
+	rows_bind(gi);
 	return GI_OK;
 }
 
@@ -173,10 +149,10 @@ void estimate_invalidate(gi_context *gi)
 void estimate_free(gi_context *gi)
 {
 	gi_estimate *e = &gi->estimate;
-	gpu_buffer *buffers[] = {&e->chances, &e->items, &e->queue, &e->shares, &e->results, &e->frame, &e->state};
+	gpu_buffer *buffers[] = {&e->chances, &e->items, &e->shares, &e->results};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&e->choose_program, &e->sum_program, &e->mean_program};
+	uint32_t *programs[] = {&e->choose_program, &e->trace_program, &e->sum_program, &e->mean_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }
