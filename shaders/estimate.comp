@@ -149,5 +149,5 @@ void main()
 	row_totals totals = total_row(leaf, mean_light);
 	draw_items(leaf, t * GROUP_ITEMS, mean_light, totals.importance);
 	if (t % GI_ESTIMATE_GROUPS == 0u)
-		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0), vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)));
+		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0), vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)), vec4(0.0));
 }

@@ -9,6 +9,8 @@
 #define USE_ESTIMATE_CHANCES
 #define USE_ESTIMATE_RESULTS
 #define USE_LEAVES
+#define USE_MATERIALS
+#define USE_ROWS
 #define USE_REST
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -56,5 +58,7 @@ void main()
 	r.error.x = rest[leaves[leaf].x].moment.w / (area * chances[leaf].y);
 	r.error.y = (dot(sum, sum) - squares) / float(GI_ESTIMATE_GROUPS * (GI_ESTIMATE_GROUPS - 1u));
 	r.error.z = uintBitsToFloat(rays);
+	vec3 returned = materials[leaves[leaf].z].rho.xyz * uintBitsToFloat(rows[leaf].w) * r.light.xyz;
+	r.bias = vec4(sum / float(GI_ESTIMATE_GROUPS), returned.x + returned.y + returned.z);
 	results[first + t] = r;
 }

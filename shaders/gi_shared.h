@@ -234,6 +234,8 @@ GI_STRUCT(gi_frame) {
 #define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 74u
+#define GI_STATE_ESTIMATE_BIAS 75u     /* square of the mean error that the leaves have in common, likewise */
+#define GI_STATE_ESTIMATE_RETURN 76u   /* part of the light that arrives again, 0..1 */
 #define GI_STATE_WORDS 96u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
@@ -293,10 +295,12 @@ GI_STRUCT(gi_frame) {
  *   //--------------- 16B ---------------
  *   light.xyz H by its row    light.w 1 where the row is closed
  *   error.x area share over chance    error.y |H error|^2    error.z rays, as uint bits    error.w leaf, as uint bits
+ *   bias.xyz H's error, with the noise of the samples    bias.w part of H that is reflected and arrives again
  */
 GI_STRUCT(gi_estimate_leaf) {
 	GI_VEC4 light;
 	GI_VEC4 error;
+	GI_VEC4 bias;
 } GI_END(gi_estimate_leaf)
 
 #define GI_WIDE_LEAVES 64u
