@@ -49,8 +49,6 @@ void report(totals t)
 	state[GI_STATE_ESTIMATE_SQUARED] = floatBitsToUint(t.mean.x / w + bias * (gain * gain - 1.0));
 	state[GI_STATE_ESTIMATE_POWER] = floatBitsToUint(t.mean.y / w);
 	state[GI_STATE_ESTIMATE_RAYS] = t.rays;
-	state[GI_STATE_ESTIMATE_BIAS] = floatBitsToUint(bias);
-	state[GI_STATE_ESTIMATE_RETURN] = floatBitsToUint(returned);
 }
 
 void main()

@@ -26,10 +26,12 @@ layout(location = 1) uniform uint count; // items
 // As factor.comp: smaller sources (radius over distance) are points, whose contour would lose digits.
 const float POINT_SOURCE = 0.02;
 
-vec4 random_numbers(uint t, uint k)
+const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
+
+// Even over a group's items, whose order is that of their sources; groups are independent.
+vec4 item_numbers(uint t, uint attempt)
 {
-	uint h = hash(t ^ hash(k ^ salt));
-	return vec4(unit_float(hash(h ^ 1u)), unit_float(hash(h ^ 2u)), unit_float(hash(h ^ 3u)), unit_float(hash(h ^ 4u)));
+	return sample_numbers(t / GROUP_ITEMS, salt, t % GROUP_ITEMS + GROUP_ITEMS * attempt);
 }
 
 // Where a corner of the source is: at rest where both are one body's, else in the world; a direction for the sky.
@@ -57,7 +59,7 @@ bool sees(pair p, segment_end a, vec2 u, uint t)
 {
 	for (uint attempt = 0u; attempt < TRIES; attempt++) {
 		vec3 m;
-		segment_end b = source_end(p, random_numbers(t, attempt).zw, m);
+		segment_end b = source_end(p, item_numbers(t, attempt).zw, m);
 		if (faces(p, a, b, u, m))
 			return segment_blocker(p.receiver, a, p.source, b, p.size) == GI_BLOCKER_NONE;
 	}
@@ -71,7 +73,7 @@ void main()
 		return;
 	uvec4 item = items[t];
 	pair p = load_pair(item);
-	vec2 u = random_numbers(t, 0u).xy;
+	vec2 u = item_numbers(t, 0u).xy;
 	segment_end a = end_on(p.receiver, p.leaf, point_on(p.mine, u));
 	// Halves of the unit square become the two triangles, whose areas differ.
 	vec3 abc = cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a), acd = cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);

@@ -234,8 +234,6 @@ GI_STRUCT(gi_frame) {
 #define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 74u
-#define GI_STATE_ESTIMATE_BIAS 75u     /* square of the mean error that the leaves have in common, likewise */
-#define GI_STATE_ESTIMATE_RETURN 76u   /* part of the light that arrives again, 0..1 */
 #define GI_STATE_WORDS 96u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */

@@ -3,8 +3,6 @@
 #include "context.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static gi_outcome outcome_of(const uint32_t *state)
 {
@@ -38,7 +36,7 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	const float power = gi_float_from_bits(state[GI_STATE_ESTIMATE_POWER]);
 	r->sampling_estimate = squared > 0 ? sqrtf(squared) : 0;
 	r->sampling_relative = squared > 0 && power > 0 ? sqrtf(squared / power) : 0;
-	if (getenv("DBG")) printf("   local %.4f bias %.4f return %.3f\n", (double)sqrtf(fmaxf(0, squared / power - gi_float_from_bits(state[GI_STATE_ESTIMATE_BIAS])/power * (1/powf(1-gi_float_from_bits(state[GI_STATE_ESTIMATE_RETURN]),2)-1))), (double)sqrtf(gi_float_from_bits(state[GI_STATE_ESTIMATE_BIAS])/power), (double)gi_float_from_bits(state[GI_STATE_ESTIMATE_RETURN]));
+	r->sampling_squared = squared;
 	r->sampling_rays = state[GI_STATE_ESTIMATE_RAYS];
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
