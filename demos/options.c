@@ -22,6 +22,7 @@ enum {
 	KEY_ROW_TOLERANCE,
 	KEY_LEAF_SIZE,
 	KEY_SOLVE_TOLERANCE,
+	KEY_ESTIMATE,
 	KEY_CAGE_FACES,
 	KEY_EXPOSURE,
 	KEY_SKY,
@@ -45,6 +46,7 @@ static const struct argp_option table[] = {
     {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6 < T <= 1 (0.01)", 1},
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
+    {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at each frame to estimate the error of the rows, 0..65536 (0)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
@@ -155,6 +157,9 @@ static void parse_fineness(options *o, int key, const char *text)
 		break;
 	case KEY_SOLVE_TOLERANCE:
 		o->solve_tolerance = positive(o, "--solve-tolerance", text, 1);
+		break;
+	case KEY_ESTIMATE:
+		o->estimate = options_count(o->program, "--estimate", text, 0, 65536);
 		break;
 	case KEY_CAGE_FACES:
 		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);

@@ -70,6 +70,9 @@ static void add_figures(lines *l, const overlay *o)
 	add(l, "dirty %.2f %%  rays %llu", r->entries ? 100 * (double)r->dirty_entries / (double)r->entries : 0,
 	    (unsigned long long)r->rays);
 	add(l, "sweeps %u  residual %.1e  bound %.1e W/m2", r->sweeps, (double)r->residual, (double)r->solve_bound);
+	if (r->sampling_estimate > 0)
+		add(l, "estimated error %.2g W/m2 (%.1f %%)", (double)r->sampling_estimate,
+		    100 * (double)r->sampling_relative);
 	add(l, "%s  memory %.1f MiB  H: keys", report_outcome_name(r->outcome), (double)r->gpu_bytes / (1 << 20));
 	add(l, "%.60s", o->renderer);
 }

@@ -61,6 +61,7 @@ static bool open_gi(player *p)
 		def.row_tolerance = p->o->row_tolerance;
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
+	def.estimate_leaves = p->o->estimate;
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;

@@ -38,6 +38,7 @@ static void write_header(FILE *file)
 	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_"
 	      "rows,rays,"
 	      "sweeps,residual_w_per_m2,contraction,solve_bound_w_per_m2,solve_relative,radiosity_max_w_per_m2,"
+	      "sampling_estimate_w_per_m2,sampling_relative,sampling_rays,"
 	      "dispatches,"
 	      "uploaded_bytes,gpu_bytes",
 	      file);
@@ -56,6 +57,8 @@ static void write_frame(FILE *file, const report_frame *f)
 		(unsigned long long)g->dirty_rows, (unsigned long long)g->rays);
 	fprintf(file, ",%u,%.9g,%.9g,%.9g,%.9g,%.9g", g->sweeps, (double)g->residual, (double)g->contraction,
 		(double)g->solve_bound, (double)g->solve_relative, (double)g->radiosity_max);
+	fprintf(file, ",%.9g,%.9g,%llu", (double)g->sampling_estimate, (double)g->sampling_relative,
+		(unsigned long long)g->sampling_rays);
 	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes,
 		(unsigned long long)g->gpu_bytes);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
@@ -119,6 +122,8 @@ static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 	columns[REPORT_RAYS] = (float)f->gi.rays;
 	columns[REPORT_RESIDUAL] = f->gi.residual;
 	columns[REPORT_BOUND] = f->gi.solve_bound;
+	columns[REPORT_ESTIMATE] = f->gi.sampling_estimate;
+	columns[REPORT_ESTIMATE_PERCENT] = 100 * f->gi.sampling_relative;
 	memcpy(columns + REPORT_PASS_MS, f->gi.pass_ms, sizeof f->gi.pass_ms);
 }
 
@@ -229,6 +234,10 @@ void report_print(const report *r, FILE *to)
 	print_row(r, to, "sweeps", REPORT_SWEEPS, 0);
 	print_row(r, to, "residual, W/m2", REPORT_RESIDUAL, -1);
 	print_row(r, to, "certified bound, W/m2", REPORT_BOUND, -1);
+	if (r->first.sampling_rays) {
+		print_row(r, to, "estimated error, W/m2", REPORT_ESTIMATE, -1);
+		print_row(r, to, "estimated error, %", REPORT_ESTIMATE_PERCENT, 2);
+	}
 }
 
 void report_free(report *r)

@@ -27,6 +27,8 @@ typedef enum report_column {
 	REPORT_RAYS,
 	REPORT_RESIDUAL,
 	REPORT_BOUND,
+	REPORT_ESTIMATE,
+	REPORT_ESTIMATE_PERCENT,
 	REPORT_PASS_MS, /* and the other passes */
 	REPORT_COLUMNS = REPORT_PASS_MS + GI_PASS_COUNT
 } report_column;
