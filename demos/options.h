@@ -23,6 +23,7 @@ typedef struct options {
 	float row_tolerance; /* 0: the library's default, as the next two */
 	float solve_tolerance;
 	float leaf_size;     /* 0: the levels that scene or program give */
+	uint32_t estimate;   /* leaves that estimate the error of the rows; 0: none */
 	uint32_t cage_faces; /* of the cage that lights a detailed mesh; 0: the program's default */
 	float sky;           /* exitance of a white sky, W/m2; 0: black */
 	float exposure;      /* display value 1 per W/(m2 sr); 0: the program's choice */

@@ -75,6 +75,9 @@ static void add_figures(lines *l, const overlay *o)
 	if (r->waiting_rows)
 		add(l, "waiting rows %.1f %%  stale bound %.1e W/m2", 100 * (double)r->waiting_rows / r->leaves,
 		    (double)r->stale_bound);
+	if (r->sampling_estimate > 0)
+		add(l, "estimated error %.2g W/m2 (%.1f %%)", (double)r->sampling_estimate,
+		    100 * (double)r->sampling_relative);
 	add(l, "%s  memory %.1f MiB  H: keys", report_outcome_name(r->outcome), (double)r->gpu_bytes / (1 << 20));
 	add(l, "%.60s", o->renderer);
 }

@@ -62,6 +62,7 @@ static bool open_gi(player *p)
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
 	def.pixel_lamps = p->o->pixel_lamps;
+	def.estimate_leaves = p->o->estimate;
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;

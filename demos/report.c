@@ -47,6 +47,7 @@ static void write_header(FILE *file)
 	      "sweeps,jacobi_sweeps,method,residual_w_per_m2,contraction,amplification,solve_bound_w_per_m2,solve_relative,"
 	      "rounding_bound_w_per_m2,radiosity_max_w_per_m2,"
 	      "waiting_rows,waiting_entries,stale_bound_w_per_m2,stale_relative,"
+	      "sampling_estimate_w_per_m2,sampling_relative,sampling_rays,"
 	      "dispatches,"
 	      "uploaded_bytes,gpu_bytes",
 	      file);
@@ -69,6 +70,8 @@ static void write_frame(FILE *file, const report_frame *f)
 		(double)g->rounding_bound, (double)g->radiosity_max);
 	fprintf(file, ",%llu,%llu,%.9g,%.9g", (unsigned long long)g->waiting_rows,
 		(unsigned long long)g->waiting_entries, (double)g->stale_bound, (double)g->stale_relative);
+	fprintf(file, ",%.9g,%.9g,%llu", (double)g->sampling_estimate, (double)g->sampling_relative,
+		(unsigned long long)g->sampling_rays);
 	fprintf(file, ",%u,%llu,%llu", g->dispatches, (unsigned long long)g->uploaded_bytes,
 		(unsigned long long)g->gpu_bytes);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
@@ -136,6 +139,8 @@ static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 	columns[REPORT_ROUNDING] = f->gi.rounding_bound;
 	columns[REPORT_WAITING_PERCENT] = f->gi.leaves ? 100.0f * (float)f->gi.waiting_rows / (float)f->gi.leaves : 0;
 	columns[REPORT_STALE_BOUND] = f->gi.stale_bound;
+	columns[REPORT_ESTIMATE] = f->gi.sampling_estimate;
+	columns[REPORT_ESTIMATE_PERCENT] = 100 * f->gi.sampling_relative;
 	memcpy(columns + REPORT_PASS_MS, f->gi.pass_ms, sizeof f->gi.pass_ms);
 }
 
@@ -259,6 +264,10 @@ void report_print(const report *r, FILE *to)
 	if (rows_waited(r)) {
 		print_row(r, to, "waiting rows, %", REPORT_WAITING_PERCENT, 1);
 		print_row(r, to, "stale bound, W/m2", REPORT_STALE_BOUND, -1);
+	}
+	if (r->first.sampling_rays) {
+		print_row(r, to, "estimated error, W/m2", REPORT_ESTIMATE, -1);
+		print_row(r, to, "estimated error, %", REPORT_ESTIMATE_PERCENT, 2);
 	}
 }
 

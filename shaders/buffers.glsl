@@ -95,6 +95,18 @@ layout(std430, binding = GI_BIND_LIGHT_FIRST) restrict readonly buffer light_fir
 #ifdef USE_TOUCHED
 layout(std430, binding = GI_BIND_TOUCHED) restrict buffer touched_block { uint touched[]; };
 #endif
+#ifdef USE_ESTIMATE_ITEMS
+layout(std430, binding = GI_BIND_ESTIMATE_ITEMS) restrict buffer estimate_item_block { uvec4 items[]; };
+#endif
+#ifdef USE_ESTIMATE_SHARES
+layout(std430, binding = GI_BIND_ESTIMATE_SHARES) restrict buffer estimate_share_block { float shares[]; };
+#endif
+#ifdef USE_ESTIMATE_CHANCES
+layout(std430, binding = GI_BIND_ESTIMATE_CHANCES) restrict readonly buffer estimate_chance_block { vec2 chances[]; };
+#endif
+#ifdef USE_ESTIMATE_RESULTS
+layout(std430, binding = GI_BIND_ESTIMATE_RESULTS) restrict buffer estimate_result_block { gi_estimate_leaf results[]; };
+#endif
 #ifdef USE_LIGHT
 layout(std430, binding = GI_BIND_LIGHT) restrict buffer light_block { vec4 light[]; };
 #endif

@@ -289,6 +289,10 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_THRESHOLD 86u       /* lowest bucket that is refreshed */
 #define GI_STATE_ARGS_CHOSEN 87u     /* group counts, 3 words: a thread a chosen row */
 #define GI_STATE_ARGS_PAIRS 90u      /* 3 words: a thread a chosen row and object */
+/* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
+#define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
+#define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
+#define GI_STATE_ESTIMATE_RAYS 74u
 #define GI_STATE_WORDS 96u
 
 /* GI_STATE_VERDICT. */
@@ -371,6 +375,29 @@ GI_STRUCT(gi_path_slot) {
 	GI_VEC4 throughput;
 	GI_VEC4 sum;
 } GI_END(gi_path_slot)
+
+/* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
+#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
+#define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
+#define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
+#define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
+
+/* A chosen leaf has this many items in all, in independent groups. */
+#define GI_ESTIMATE_ITEMS 512u
+#define GI_ESTIMATE_GROUPS 4u
+
+/* A leaf that the estimate looked at.
+ *
+ *   //--------------- 16B ---------------
+ *   light.xyz H by its row    light.w 1 where the row is closed
+ *   error.x area share over chance    error.y |H error|^2    error.z rays, as uint bits    error.w leaf, as uint bits
+ *   bias.xyz H's error, with the noise of the samples    bias.w part of H that is reflected and arrives again
+ */
+GI_STRUCT(gi_estimate_leaf) {
+	GI_VEC4 light;
+	GI_VEC4 error;
+	GI_VEC4 bias;
+} GI_END(gi_estimate_leaf)
 
 #define GI_WIDE_LEAVES 64u
 

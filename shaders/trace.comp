@@ -17,107 +17,11 @@
 #include "dispatch.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
+#include "visibility.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
 const uint PROBES = 4u;
-
-// Segments that leave a surface at its back are drawn again, this often.
-const uint TRIES = 8u;
-
-// A quad in its object's rest frame, loaded once for all samples of an entry.
-struct quad {
-	vec3 a, b, c, d;
-};
-
-quad load_quad(uvec4 corners)
-{
-	return quad(vertices_rest[corners.x].xyz, vertices_rest[corners.y].xyz, vertices_rest[corners.z].xyz,
-		    vertices_rest[corners.w].xyz);
-}
-
-struct pair {
-	uint leaf, node;
-	bool back;          // the source is seen from behind
-	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
-	body receiver, source;
-	quad mine, theirs;  // theirs: of the source node where `whole`
-	gi_node_topology t; // of the source
-	bool sky, whole;    // whole: one quad is the source's surface
-};
-
-pair load_pair(uvec4 entry)
-{
-	pair p;
-	p.leaf = entry.w & GI_ENTRY_LEAF_MASK;
-	p.node = entry.x;
-	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
-	p.t = topology[entry.x];
-	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
-	p.whole = p.sky || (p.t.range.w & GI_NODE_FLAT) != 0u || p.t.range.z == 1u;
-	uvec4 mine = leaves[p.leaf];
-	p.receiver = load_body(mine.y);
-	p.mine = load_quad(topology[mine.x].corners);
-	p.source.object = GI_NONE;
-	p.source.flat_surface = true;
-	if (!p.sky)
-		p.source = load_body(leaves[p.t.range.y].y);
-	p.same = p.source.object == p.receiver.object;
-	if (p.whole)
-		p.theirs = load_quad(p.t.corners);
-	return p;
-}
-
-// Points keep this share of a leaf's width off its edges: on the edge itself they would lie in the wall that rises there,
-// which then could not hide anything from them.
-const float INSET = 1e-3;
-
-vec3 point_on(quad q, vec2 u)
-{
-	u = q.c == q.d ? mix(vec2(max(u.x, u.y), min(u.x, u.y)), vec2(2.0, 1.0) / 3.0, 3.0 * INSET) : mix(u, vec2(0.5), 2.0 * INSET);
-	return point_on_quad(q.a, q.b, q.c, q.d, u);
-}
-
-segment_end end_on(body on, uint leaf, vec3 rest_point)
-{
-	return segment_end(leaf, rest_point, to_world(on, rest_point));
-}
-
-// The source's end for two numbers; m is the normal there, at rest.
-segment_end source_end(pair p, vec2 u, out vec3 m)
-{
-	uint leaf = p.t.range.y;
-	quad q = p.theirs;
-	m = vec3(0.0);
-	if (p.sky) {
-		vec3 direction = normalize(point_on_quad(q.a, q.b, q.c, q.d, u));
-		return segment_end(GI_NONE, direction, direction);
-	}
-	if (!p.whole) {
-		// One of the node's leaves, then a point on it with the digits that are left.
-		float pick = u.x * float(p.t.range.z);
-		uint k = min(uint(pick), p.t.range.z - 1u);
-		leaf += k;
-		u.x = clamp(pick - float(k), 0.0, 0.99999994);
-		q = load_quad(topology[leaves[leaf].x].corners);
-	}
-	m = cross(q.c - q.a, q.d - q.b);
-	return end_on(p.source, leaf, point_on(q, u));
-}
-
-// Does the segment leave the front of the receiver and arrive on the side of the source that the entry is about?
-bool faces(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
-{
-	// Of the triangle of the receiver that the point is on (point_on_quad).
-	vec3 normal = u.x >= u.y || p.mine.c == p.mine.d ? cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a) : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
-	if (!p.same)
-		normal = direction_to_world(p.receiver, normal);
-	if (p.sky)
-		return dot(normal, b.world) > 0.0;
-	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
-	vec3 n = p.same ? m : direction_to_world(p.source, m);
-	return dot(normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
-}
 
 uint trace_sample(pair p, uint k)
 {

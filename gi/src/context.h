@@ -5,6 +5,7 @@
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
+ *        -> estimate.c         how far off the rows are
  *        -> shade.c            the picture
  *        -> paths.c            path tracing, for comparison
  *             all -> gpu.c     OpenGL
@@ -103,6 +104,15 @@ typedef struct gi_solver {
 	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
 } gi_solver;
 
+/* ---- estimate ---- */
+
+typedef struct gi_estimate {
+	bool fresh; /* chances are those of the committed scene */
+	double area; /* of all its leaves, m2 */
+	uint32_t choose_program, trace_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
+	gpu_buffer chances, items, shares, results;
+} gi_estimate;
+
 typedef struct gi_shade gi_shade;
 typedef struct gi_paths gi_paths;
 
@@ -114,6 +124,7 @@ struct gi_context {
 	gi_rations rations;
 	gi_solver solver;
 	gi_lamps lamps;
+	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
 	gi_paths *paths; /* made by the first gi_trace_paths */
 	gpu_buffer state;
@@ -201,6 +212,11 @@ void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);
 void solver_free(gi_context *gi);
+
+/* estimate.c */
+gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */
+void estimate_invalidate(gi_context *gi);  /* after a commit */
+void estimate_free(gi_context *gi);
 
 /* shade.c */
 void shade_invalidate(gi_context *gi);

@@ -2,6 +2,8 @@
 #include "bits.h"
 #include "context.h"
 
+#include <math.h>
+
 static gi_outcome outcome_of(const uint32_t *state)
 {
 	if (state[GI_STATE_NOT_FINITE])
@@ -44,6 +46,12 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
 	budget_report(gi, state, r);
+	const float squared = gi_float_from_bits(state[GI_STATE_ESTIMATE_SQUARED]);
+	const float power = gi_float_from_bits(state[GI_STATE_ESTIMATE_POWER]);
+	r->sampling_estimate = squared > 0 ? sqrtf(squared) : 0;
+	r->sampling_relative = squared > 0 && power > 0 ? sqrtf(squared / power) : 0;
+	r->sampling_squared = squared;
+	r->sampling_rays = state[GI_STATE_ESTIMATE_RAYS];
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
 	r->update_ms = gi->issued[ring].update_ms;
@@ -115,6 +123,9 @@ static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
 	solver_update(gi, rows);
 	if (gi->rations.in_force)
 		budget_bound(gi);
+	result = estimate_update(gi);
+	if (result)
+		return result;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;
 	gpu_readback_queue(&gi->readback, &gi->state, gi->frame_number);
 	gi->issued_frame = gi->frame_number;
@@ -146,6 +157,7 @@ static gi_report at_rest(const gi_context *gi)
 	r.outcome = GI_OUTCOME_AT_REST;
 	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.rays = 0;
 	r.sweeps = r.dispatches = 0;
+	r.sampling_rays = 0;
 	r.uploaded_bytes = 0;
 	return r;
 }

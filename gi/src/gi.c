@@ -19,7 +19,7 @@ const char *gi_result_text(gi_result result)
 const char *gi_pass_name(gi_pass pass)
 {
 	static const char *const names[] = {"pose",  "choose", "cut",   "factor", "flag", "trace",
-					    "close", "solve",  "light", "shadow", "draw"};
+					    "close", "solve",  "light", "estimate", "shadow", "draw"};
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -88,6 +88,9 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (def->pixel_lamps > GI_LAMP_MAX)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
 			       GI_LAMP_MAX);
+	if (def->estimate_leaves > 65536)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
+			       def->estimate_leaves);
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
@@ -144,6 +147,7 @@ void gi_context_destroy(gi_context *gi)
 		return;
 	shade_free(gi);
 	paths_free(gi);
+	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
 	budget_free(gi);
@@ -271,6 +275,7 @@ gi_result gi_commit(gi_context *gi)
 	gi_result result = scene_upload(gi);
 	if (result)
 		return result;
+	estimate_invalidate(gi);
 	forget_dead_objects(gi);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];

@@ -166,6 +166,7 @@ static void context_definitions(void **state)
 	expect_bad_def(solve_tolerance, NAN);
 	expect_bad_def(max_sweeps, 0);
 	expect_bad_def(max_sweeps, 1001);
+	expect_bad_def(estimate_leaves, 65537);
 	expect_bad_def(sky, (gi_sky)7);
 	expect_bad_def(sky_exitance[0], -1);
 	expect_bad_def(sky_exitance[1], NAN);

@@ -116,6 +116,10 @@ typedef struct gi_context_def {
 	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
 	uint32_t pixel_lamps;
 
+	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
+	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
+	uint32_t estimate_leaves;
+
 	bool profile; /* measure ms per pass with GPU timers; default true */
 	uint32_t internal; /* set by gi_context_def_default */
 } gi_context_def;
@@ -269,6 +273,7 @@ typedef enum gi_pass {
 	GI_PASS_CLOSE,      /* row sums */
 	GI_PASS_SOLVE,      /* sweeps */
 	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
+	GI_PASS_ESTIMATE,   /* how far off the rows are (def.estimate_leaves) */
 	GI_PASS_SHADOW,     /* shadow maps (gi_draw) */
 	GI_PASS_DRAW,       /* the picture (gi_draw) */
 	GI_PASS_COUNT
@@ -306,6 +311,14 @@ typedef struct gi_report {
 	float solve_relative; /* solve_bound over the largest B */
 	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest B, W/m2 */
 	float radiosity_max; /* largest B, W/m2 */
+
+	/* Error of visibility and discretisation, estimated on def.estimate_leaves random leaves, others in every update:
+	 * area-weighted RMS over all leaves of |H - what finer rows would give|, rgb norm, W/m2; and over the RMS of |H|.
+	 * 0 without def.estimate_leaves, or where it drowns in the estimate's own noise. See docs/accuracy.md. */
+	float sampling_estimate;
+	float sampling_relative;
+	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so: average this over updates */
+	uint64_t sampling_rays; /* taken for it, not in rays */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
 	uint64_t uploaded_bytes; /* by gi_update */

@@ -1,0 +1,158 @@
+/* How far off the rows are: visibility and discretisation, estimated on leaves chosen by chance.
+ *
+ * A chosen leaf's row is compared with samples of the same integral that know no nodes: entries drawn by importance,
+ * each replaced by a leaf below its node (estimate.comp), with the form factor from a point and a fresh ray
+ * (estimate_trace.comp). They come in independent groups, so that products across groups hold the row's error without
+ * the samples' noise (estimate_sum.comp), and the mean over leaves goes into the report (estimate_mean.comp).
+ *
+ * Half of the chances are by area, which is what the mean is over, half are alike for all leaves: small ones, a
+ * figure's, often have most of the error. No leaf then counts more than twice its area's share.
+ */
+#include "context.h"
+
+#include <stdlib.h>
+
+/* Leaves a dispatch works on: the samples of more would only take memory. */
+enum { CHUNK = 256 };
+
+static gi_result make_programs(gi_context *gi)
+{
+	gi_estimate *e = &gi->estimate;
+	if (e->mean_program)
+		return GI_OK;
+	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
+					     {"estimate_trace.comp", &e->trace_program},
+					     {"estimate_sum.comp", &e->sum_program},
+					     {"estimate_mean.comp", &e->mean_program}};
+	gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
+	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
+	const uint64_t items = (uint64_t)GI_ESTIMATE_ITEMS * most;
+	const struct {
+		gpu_buffer *buffer;
+		uint64_t size;
+	} buffers[] = {{&e->items, sizeof(gi_uvec4) * items},
+		       {&e->shares, sizeof(float) * items},
+		       {&e->results, sizeof(gi_estimate_leaf) * leaves}};
+	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
+		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].size, NULL);
+	return result;
+}
+
+static double leaf_area(const scene_object *o, uint32_t local)
+{
+	return o->hierarchy.geometry[o->hierarchy.leaf_node[local]].moment.w;
+}
+
+/* Chances of the leaves: x where each one's part of [0,1] ends, y the part. */
+static void fill_chances(gi_context *gi, float *chances)
+{
+	const gi_scene *s = &gi->scene;
+	double end = 0;
+	gi->estimate.area = 0;
+	for (int pass = 0; pass < 2; pass++)
+		for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+			if (s->slots[slot] == GI_NONE)
+				continue;
+			const scene_object *o = &s->objects[s->slots[slot]];
+			for (uint32_t k = 0; k < o->hierarchy.leaf_count; k++) {
+				if (pass == 0) {
+					gi->estimate.area += leaf_area(o, k);
+					continue;
+				}
+				const double part = .5 * leaf_area(o, k) / gi->estimate.area + .5 / s->leaf_count;
+				end += part;
+				chances[2 * (o->leaf_base + k)] = (float)end;
+				chances[2 * (o->leaf_base + k) + 1] = (float)part;
+			}
+		}
+}
+
+static gi_result make_chances(gi_context *gi)
+{
+	gi_estimate *e = &gi->estimate;
+	if (e->fresh)
+		return GI_OK;
+	const uint64_t bytes = 2 * sizeof(float) * (uint64_t)gi->scene.leaf_count;
+	float *chances = malloc(bytes);
+	if (!chances)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	fill_chances(gi, chances);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, bytes, chances);
+	free(chances);
+	e->fresh = !result;
+	return result;
+}
+
+static void bind(gi_context *gi)
+{
+	const gi_estimate *e = &gi->estimate;
+	scene_bind(gi);
+	rows_bind(gi);
+	solver_bind(gi);
+	gpu_bind_storage(GI_BIND_ESTIMATE_ITEMS, &e->items);
+	gpu_bind_storage(GI_BIND_ESTIMATE_SHARES, &e->shares);
+	gpu_bind_storage(GI_BIND_ESTIMATE_CHANCES, &e->chances);
+	gpu_bind_storage(GI_BIND_ESTIMATE_RESULTS, &e->results);
+}
+
+static uint32_t salt_of(uint64_t frame, uint32_t first)
+{
+	return (uint32_t)frame * 2654435761u + first * 40503u;
+}
+
+static void look_at(gi_context *gi, uint32_t first, uint32_t count)
+{
+	gi_estimate *e = &gi->estimate;
+	const uint32_t salt = salt_of(gi->frame_number, first);
+	const float area = (float)e->area;
+	gpu_set_uint(e->choose_program, 0, salt);
+	gpu_set_uint(e->choose_program, 1, first);
+	gpu_set_uint(e->choose_program, 2, count);
+	gpu_set_uint(e->choose_program, 3, gi->def.estimate_leaves);
+	gpu_dispatch(&gi->gpu, e->choose_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
+	gpu_set_uint(e->trace_program, 0, salt ^ 0x68e31da4u);
+	gpu_set_uint(e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
+	gpu_dispatch(&gi->gpu, e->trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
+	gpu_set_uint(e->sum_program, 0, first);
+	gpu_set_uint(e->sum_program, 1, count);
+	gpu_set_floats(e->sum_program, 2, 1, 1, &area);
+	gpu_dispatch(&gi->gpu, e->sum_program, count);
+}
+
+gi_result estimate_update(gi_context *gi)
+{
+	const uint32_t leaves = gi->def.estimate_leaves;
+	if (!leaves || !gi->scene.leaf_count)
+		return GI_OK;
+	gi_result result = make_programs(gi);
+	if (!result)
+		result = make_chances(gi);
+	if (result)
+		return result;
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
+	bind(gi);
+	for (uint32_t first = 0; first < leaves; first += CHUNK)
+		look_at(gi, first, leaves - first < CHUNK ? leaves - first : CHUNK);
+	gpu_set_uint(gi->estimate.mean_program, 0, leaves);
+	gpu_dispatch_groups(&gi->gpu, gi->estimate.mean_program, 1);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
+	scene_bind(gi);
+	rows_bind(gi);
+	return GI_OK;
+}
+
+void estimate_invalidate(gi_context *gi)
+{
+	gi->estimate.fresh = false;
+}
+
+void estimate_free(gi_context *gi)
+{
+	gi_estimate *e = &gi->estimate;
+	gpu_buffer *buffers[] = {&e->chances, &e->items, &e->shares, &e->results};
+	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
+		gpu_buffer_free(&gi->gpu, buffers[k]);
+	uint32_t *programs[] = {&e->choose_program, &e->trace_program, &e->sum_program, &e->mean_program};
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
+		gpu_program_free(programs[k]);
+}

@@ -1,0 +1,153 @@
+#version 450 core
+// The estimate's samples: one thread a group of a chosen leaf. A leaf is chosen by chance; its row's entries are drawn
+// in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area. What these
+// pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
+#define USE_FRAME
+#define USE_TOPOLOGY
+#define USE_REST
+#define USE_SEGMENTS
+#define USE_ENTRIES
+#define USE_ROWS
+#define USE_LINKS
+#define USE_RADIOSITY
+#define USE_ESTIMATE_ITEMS
+#define USE_ESTIMATE_SHARES
+#define USE_ESTIMATE_CHANCES
+#define USE_ESTIMATE_RESULTS
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint salt;
+layout(location = 1) uniform uint first; // of this dispatch
+layout(location = 2) uniform uint count;
+layout(location = 3) uniform uint all;   // chosen leaves of all dispatches
+
+const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
+
+// Entries that no ray of the row reached are drawn this much less often.
+const float HIDDEN = 0.5;
+
+// Rows whose entries see less than this share of the hemisphere were not closed: no entry more than doubles, and what
+// then still lacks a fifth is left as it is (close.comp).
+const float CLOSED = 0.4;
+
+float random(uint a, uint b)
+{
+	return unit_float(hash(a ^ hash(b ^ salt)));
+}
+
+// The first leaf whose part of [0,1] ends beyond u.
+uint leaf_at(float u)
+{
+	uint low = 0u, high = frame.counts.x - 1u;
+	while (low < high) {
+		uint middle = (low + high) >> 1u;
+		if (chances[middle].x > u)
+			high = middle;
+		else
+			low = middle + 1u;
+	}
+	return low;
+}
+
+vec3 light_of_row(uint leaf)
+{
+	uvec2 row = rows[leaf].xy;
+	vec3 h = vec3(0.0);
+	for (uint k = row.x; k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++)
+		h += uintBitsToFloat(links[k].y) * radiosity[links[k].x].xyz;
+	return h;
+}
+
+float seen_share(uvec4 e)
+{
+	uint taken = (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+	return float(bitCount(e.z & 0xFFFFu)) / float(max(taken, 1u));
+}
+
+// How often an entry is drawn: its light if it were seen, and its part of the sum that closes the row.
+float importance(uvec4 e, float mean_light)
+{
+	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	float light = b.x + b.y + b.z + mean_light;
+	return uintBitsToFloat(e.y) * light * (seen_share(e) > 0.0 ? 1.0 : HIDDEN);
+}
+
+uint leaf_below(uint node, uint number)
+{
+	for (uint depth = 0u; (topology[node].range.w & GI_NODE_LEAF) == 0u; depth++) {
+		float rest_of_pick = random(number, depth) * rest[node].moment.w;
+		uint end = topology[node].range.x, child = node + 1u;
+		for (uint next = child; next < end; next = topology[next].range.x) {
+			child = next;
+			rest_of_pick -= rest[next].moment.w;
+			if (rest_of_pick < 0.0)
+				break;
+		}
+		node = child;
+	}
+	return node;
+}
+
+void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
+{
+	uint node = leaf_below(entry.x, at + 0x51ed270bu);
+	items[at] = uvec4(node, 0u, 0u, leaf);
+	shares[at] = per_entry * rest[entry.x].moment.w / max(rest[node].moment.w, 1e-30);
+}
+
+struct row_totals {
+	float importance;
+	float seen; // sum of F V
+};
+
+row_totals total_row(uint leaf, float mean_light)
+{
+	row_totals t = row_totals(0.0, 0.0);
+	for (uint s = 0u; s < frame.counts.z; s++) {
+		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
+			t.importance += importance(entries[k], mean_light);
+			t.seen += uintBitsToFloat(entries[k].y) * seen_share(entries[k]);
+		}
+	}
+	return t;
+}
+
+// Systematic sampling: GROUP_ITEMS equal steps over the row's importance, from a random start.
+void draw_items(uint leaf, uint at, float mean_light, float total)
+{
+	float pitch = total / float(GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
+	uint drawn = 0u;
+	for (uint s = 0u; s < frame.counts.z; s++) {
+		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
+			float part = importance(entries[k], mean_light);
+			sum += part;
+			for (; drawn < GROUP_ITEMS && from + pitch * float(drawn) < sum; drawn++)
+				write_item(at + drawn, leaf, entries[k], pitch / part);
+		}
+	}
+	// Rounding may lose the last; and a row that sees nothing has none.
+	for (; drawn < GROUP_ITEMS; drawn++) {
+		items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
+		shares[at + drawn] = 0.0;
+	}
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= count * GI_ESTIMATE_GROUPS)
+		return;
+	uint local = t / GI_ESTIMATE_GROUPS, chosen = first + local;
+	uint leaf = leaf_at((float(chosen) + random(chosen, 0x7feb352du)) / float(all));
+	vec3 h = light_of_row(leaf);
+	float mean_light = max(h.x + h.y + h.z, 1e-20);
+	row_totals totals = total_row(leaf, mean_light);
+	draw_items(leaf, t * GROUP_ITEMS, mean_light, totals.importance);
+	if (t % GI_ESTIMATE_GROUPS == 0u)
+		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0), vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)), vec4(0.0));
+}

@@ -1,0 +1,64 @@
+#version 450 core
+// What the samples of a chosen leaf say of its row: one thread a leaf. D = H - H of a group of samples has the row's
+// error and the group's noise; products across groups, which are independent, have the error's square alone:
+//
+//     |error|^2 = sum over g != h of D_g . D_h / (G (G - 1)) = (|sum D|^2 - sum |D|^2) / (G (G - 1))
+#define USE_RADIOSITY
+#define USE_ESTIMATE_ITEMS
+#define USE_ESTIMATE_SHARES
+#define USE_ESTIMATE_CHANCES
+#define USE_ESTIMATE_RESULTS
+#define USE_LEAVES
+#define USE_MATERIALS
+#define USE_ROWS
+#define USE_REST
+#include "buffers.glsl"
+#include "dispatch.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint first;
+layout(location = 1) uniform uint count;
+layout(location = 2) uniform float area; // of all leaves
+
+const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
+
+// H by one group: over the samples' own sum where the row was closed by its own.
+vec3 light_of_group(uint at, bool closed, inout uint rays)
+{
+	vec3 h = vec3(0.0);
+	float weight = 0.0;
+	for (uint k = at; k < at + GROUP_ITEMS; k++) {
+		uvec4 e = items[k];
+		rays += (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+		if ((e.z & 1u) == 0u)
+			continue;
+		float fv = shares[k] * uintBitsToFloat(e.y);
+		weight += fv;
+		if ((e.w & GI_ENTRY_BACK) == 0u)
+			h += fv * radiosity[e.x].xyz;
+	}
+	return closed && weight > 0.0 ? h / weight : h;
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= count)
+		return;
+	gi_estimate_leaf r = results[first + t];
+	vec3 sum = vec3(0.0);
+	float squares = 0.0;
+	uint rays = 0u;
+	for (uint g = 0u; g < GI_ESTIMATE_GROUPS; g++) {
+		vec3 d = r.light.xyz - light_of_group((t * GI_ESTIMATE_GROUPS + g) * GROUP_ITEMS, r.light.w > 0.0, rays);
+		sum += d;
+		squares += dot(d, d);
+	}
+	uint leaf = floatBitsToUint(r.error.w);
+	r.error.x = rest[leaves[leaf].x].moment.w / (area * chances[leaf].y);
+	r.error.y = (dot(sum, sum) - squares) / float(GI_ESTIMATE_GROUPS * (GI_ESTIMATE_GROUPS - 1u));
+	r.error.z = uintBitsToFloat(rays);
+	vec3 returned = materials[leaves[leaf].z].rho.xyz * uintBitsToFloat(rows[leaf].w) * r.light.xyz;
+	r.bias = vec4(sum / float(GI_ESTIMATE_GROUPS), returned.x + returned.y + returned.z);
+	results[first + t] = r;
+}
