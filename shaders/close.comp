@@ -228,7 +228,11 @@ void main()
 			break;
 		sums = sum_corrected(leaf, c, raise);
 	}
-	float scale = sums.weight > 1.0 - CLOSE_SHARE ? BELOW_ONE / sums.weight : 1.0;
+	float scale = 1.0;
+	if (sums.weight > 1.0 - CLOSE_SHARE)
+		scale = BELOW_ONE / sums.weight;
+	else
+		c = correction(0.0, 0.0); // open on purpose, or inside a solid: raised entries would make energy
 
 	uvec4 row = rows[leaf];
 	uint old_count = row.y & GI_BLOCK_COUNT_MASK, lit = sums.lit;
