@@ -178,7 +178,7 @@ typedef struct truth {
 } truth;
 
 /* Noise of the reference drops out of the measure but for its standard error: about 0.1 % of H, with all leaves together. */
-static const uint32_t PATHS = 512;
+static const uint32_t PATHS = 1024;
 
 static truth trace_truth(const gi_leaf *leaves, uint32_t count)
 {
@@ -347,7 +347,7 @@ static void leaves_change_the_scatter_alone(void **state)
 	double roots[2];
 	for (int k = 0; k < 2; k++) {
 		const settings with = {.1f, 4, k ? 256 : 64};
-		gi_context *gi = create(&SCENES[0], &with);
+		gi_context *gi = create(CORRIDOR, &with);
 		const series e = repeat(gi, updates);
 		roots[k] = e.root;
 		printf("  %3u leaves, %d updates: %.2f %% of H, single ones %.2f..%.2f %%, scatter %.0f %% of it\n",
