@@ -50,7 +50,7 @@ static const struct argp_option table[] = {
     {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6 < T <= 1 (0.01)", 1},
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
-    {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at each frame to estimate the error of the rows, 0..65536 (0)", 1},
+    {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at to estimate the error of the rows, 0..65536 (0)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
     {"budget-ms", KEY_BUDGET_MS, "MS", 0, "aim for so many milliseconds an update; what does not fit waits", 1},
     {"budget-rays", KEY_BUDGET_RAYS, "N", 0, "about so many rays an update", 1},

@@ -177,7 +177,7 @@ typedef struct truth {
 	double *areas;
 } truth;
 
-/* Noise of the reference drops out of the measure but for its standard error: about 0.1 % of H, with all leaves together. */
+/* Noise of the reference drops out of the measure but for its standard error: about 0.1 % of H. */
 static const uint32_t PATHS = 1024;
 
 static truth trace_truth(const gi_leaf *leaves, uint32_t count)

@@ -317,7 +317,7 @@ typedef struct gi_report {
 	 * 0 without def.estimate_leaves, or where it drowns in the estimate's own noise. See docs/accuracy.md. */
 	float sampling_estimate;
 	float sampling_relative;
-	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so: average this over updates */
+	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so; average this */
 	uint64_t sampling_rays; /* taken for it, not in rays */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
