@@ -10,7 +10,7 @@ import unittest
 PROGRAM = sys.argv.pop(1)
 METHODS = {
     "scratch": {"engine", "Embree paths", "shader paths"},
-    "moving": {"engine", "engine rebuilt", "Embree paths", "shader paths"},
+    "moving": {"engine", "engine rebuilt", "engine budget", "engine error", "Embree paths", "shader paths"},
 }
 
 
@@ -32,7 +32,10 @@ class ErrorTime(unittest.TestCase):
                 self.assertGreater(float(r[column]), 0, r)
             self.assertTrue(math.isfinite(float(r["bias_percent"])), r)
             self.assertEqual(r["entries_per_leaf"] != "", r["method"].startswith("engine"), r)
-        self.assertEqual(text.count("| engine |"), 2)
+        # A line in the table of each phase, and one a setting in that of the budgets.
+        settings = {m: sum(r["method"] == m and r["phase"] == "moving" for r in rows) for m in METHODS["moving"]}
+        self.assertEqual(text.count("| engine |"), 2 + settings["engine"])
+        self.assertEqual(text.count("| engine budget |"), 1 + settings["engine budget"])
         self.assertEqual(text.count("| engine rebuilt |"), 1)
 
     def test_unknown_scene(self):
