@@ -47,6 +47,8 @@ typedef struct session {
 /* The pose that errors are measured at, seconds along the mover's way, and the step of a frame. */
 static const float LAST_POSE = 1.5f, FRAME = 1 / 30.0f;
 
+enum { ESTIMATE_LEAVES = 256 };
+
 /* Shares of a scene's time: the reference; the most that a series goes on to: each next setting costs more. */
 static const double REFERENCE_SHARE = 0.25, SETTING_SHARE = 0.1;
 
@@ -82,7 +84,7 @@ typedef struct frame_kind {
 static const frame_kind frame_kinds[] = {{.method = "engine"}, {.method = "engine rebuilt", .rebuild = true}};
 enum { FRAME_KINDS = sizeof frame_kinds / sizeof *frame_kinds };
 
-static gi_context *open_gi(const session *s, float row_tolerance, gi_object *mover)
+static gi_context *open_gi(const session *s, float row_tolerance, uint32_t estimate_leaves, gi_object *mover)
 {
 	gi_context_def def = gi_context_def_default();
 	def.get_proc_address = engine_context_get_proc_address(s->context);
@@ -90,6 +92,7 @@ static gi_context *open_gi(const session *s, float row_tolerance, gi_object *mov
 	def.emitter_refinement = s->options->emitter_refinement;
 	def.near_samples = 1;
 	def.sky = s->kind->sky;
+	def.estimate_leaves = estimate_leaves;
 	def.profile = false; /* on a software renderer it waits after every pass */
 	gi_context *gi;
 	check(gi_context_create(&def, &gi));
@@ -201,10 +204,22 @@ static uint32_t repeats(const session *s, double ms, uint32_t most)
 	return fit < 1 ? 1 : fit > most ? most : (uint32_t)fit;
 }
 
+/* The engine's own estimate of the error, %; apart from what is timed. */
+static double estimated_error(const session *s, float tolerance)
+{
+	gi_object mover;
+	gi_context *gi = open_gi(s, tolerance, ESTIMATE_LEAVES, &mover);
+	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
+	advance(gi, &frame_kinds[0]);
+	const double estimate = 100 * (double)report_of(gi).sampling_relative;
+	gi_context_destroy(gi);
+	return estimate;
+}
+
 static void run_engine_setting(session *s, float tolerance)
 {
 	gi_object mover;
-	gi_context *gi = open_gi(s, tolerance, &mover);
+	gi_context *gi = open_gi(s, tolerance, 0, &mover);
 	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
 	static samples scratch, moving[FRAME_KINDS];
 	scratch.count = 0;
@@ -214,6 +229,7 @@ static void run_engine_setting(session *s, float tolerance)
 	for (uint32_t k = 1; k < repeats(s, ms, 5); k++)
 		samples_add(&scratch, timed_scratch(gi));
 	add_engine(s, gi, frame_kinds[0].method, (double)tolerance, samples_median(&scratch), PHASE_SCRATCH);
+	s->table.records[s->table.count - 1].sampling_error = estimated_error(s, tolerance);
 	const uint32_t frames = repeats(s, ms, 8), rounds = frames > 1 ? 2 : 1;
 	for (int kind = 0; kind < FRAME_KINDS; kind++)
 		moving[kind].count = 0;
@@ -258,7 +274,7 @@ static void run_budgets(session *s)
 	const float tolerance = s->options->quick ? 0.4f : TOLERANCE;
 	const uint32_t frames = s->options->quick ? 2 : FRAMES;
 	gi_object mover;
-	gi_context *gi = open_gi(s, tolerance, &mover);
+	gi_context *gi = open_gi(s, tolerance, 0, &mover);
 	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
 	advance(gi, &frame_kinds[0]);
 	check(gi_set_pose(gi, mover, s->kind->pose(0)));
@@ -326,7 +342,7 @@ static void run_paths(session *s)
 {
 	double *h = allocate(3 * (size_t)s->leaf_count, sizeof *h);
 	gi_object mover;
-	gi_context *gi = open_gi(s, 0.5f, &mover);
+	gi_context *gi = open_gi(s, 0.5f, 0, &mover);
 	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
 	advance(gi, &frame_kinds[0]);
 	trace_embree(s, 2, RIVAL_SEED, h);
@@ -369,7 +385,7 @@ static uint32_t reference_paths(const session *s)
 static void find_truth(session *s)
 {
 	gi_object mover;
-	gi_context *gi = open_gi(s, 0.5f, &mover);
+	gi_context *gi = open_gi(s, 0.5f, 0, &mover);
 	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
 	advance(gi, &frame_kinds[0]);
 	gi_leaf *leaves = read_leaves(gi, &s->leaf_count);
@@ -436,6 +452,20 @@ static void print_budgets(FILE *out, const error_table *t, const char *scene)
 	fprintf(out, "\n");
 }
 
+/* The estimate beside what it estimates. */
+static void print_estimates(FILE *out, const error_table *t, const char *scene)
+{
+	fprintf(out, "The engine's own estimate of its error (one update, %u leaves looked at), beside the measured one.\n\n"
+		     "| row tolerance | estimated, %% | measured, %% |\n|---|---|---|\n",
+		ESTIMATE_LEAVES);
+	for (uint32_t k = 0; k < t->count; k++) {
+		const error_record *r = &t->records[k];
+		if (strcmp(r->scene, scene) == 0 && isfinite(r->sampling_error))
+			fprintf(out, "| %g | %.3g | %.3g |\n", r->setting, r->sampling_error, r->error);
+	}
+	fprintf(out, "\n");
+}
+
 static void print_document(FILE *out, const session *s)
 {
 	fprintf(out,
@@ -466,6 +496,7 @@ static void print_document(FILE *out, const session *s)
 			error_table_print(&s->table, out, kind->name, (error_phase)phase);
 		}
 		print_budgets(out, &s->table, kind->name);
+		print_estimates(out, &s->table, kind->name);
 	}
 }
 
