@@ -28,7 +28,7 @@ typedef struct options {
 	float sky;           /* exitance of a white sky, W/m2; 0: black */
 	float exposure;      /* display value 1 per W/(m2 sr); 0: the program's choice */
 	gi_budget budget;    /* of every update; all zero: exact */
-	uint32_t pixel_lamps; /* polygons lit per pixel */
+	uint32_t pixel_lamps;                               /* polygons lit per pixel */
 	const char *images, *report, *field, *form_factors; /* files to write; NULL: none */
 	const char *out;                                    /* folder for what has no name of its own */
 } options;

@@ -69,7 +69,8 @@ static void add_figures(lines *l, const overlay *o)
 	    r->leaves ? (double)r->entries / r->leaves : 0);
 	add(l, "dirty %.2f %%  rays %llu", r->entries ? 100 * (double)r->dirty_entries / (double)r->entries : 0,
 	    (unsigned long long)r->rays);
-	add(l, "sweeps %u (%s)  amplification %.1f", r->sweeps, report_method_name(r->method), (double)r->amplification);
+	add(l, "sweeps %u (%s)  amplification %.1f", r->sweeps, report_method_name(r->method),
+	    (double)r->amplification);
 	add(l, "residual %.1e  bound %.1e W/m2, %.1e of it rounding", (double)r->residual, (double)r->solve_bound,
 	    (double)r->rounding_bound);
 	if (r->waiting_rows)

@@ -44,7 +44,8 @@ static void write_header(FILE *file)
 {
 	fputs("frame,time_s,outcome,objects,leaves,nodes,entries,links,new_entries,flagged_entries,dirty_entries,dirty_"
 	      "rows,rays,"
-	      "sweeps,jacobi_sweeps,method,residual_w_per_m2,contraction,amplification,solve_bound_w_per_m2,solve_relative,"
+	      "sweeps,jacobi_sweeps,method,residual_w_per_m2,contraction,amplification,solve_bound_w_per_m2,solve_"
+	      "relative,"
 	      "rounding_bound_w_per_m2,radiosity_max_w_per_m2,"
 	      "waiting_rows,waiting_entries,stale_bound_w_per_m2,stale_relative,"
 	      "sampling_estimate_w_per_m2,sampling_relative,sampling_rays,"

@@ -9,12 +9,12 @@ typedef struct scene_body {
 	const char *name;
 	gi_scheme scheme;
 	uint32_t levels;
-	float leaf_size;          /* > 0: instead of levels */
-	const float *rho;         /* 3 */
-	const float *exitance;    /* 3; NULL: dark */
+	float leaf_size;       /* > 0: instead of levels */
+	const float *rho;      /* 3 */
+	const float *exitance; /* 3; NULL: dark */
 	float position[3];
-	float scale;              /* 0: 1 */
-	const engine_mesh *draw;  /* drawn in the cage's place; NULL: the cage's surface */
+	float scale;             /* 0: 1 */
+	const engine_mesh *draw; /* drawn in the cage's place; NULL: the cage's surface */
 } scene_body;
 
 /* Creates the object and frees its cage. */

@@ -56,9 +56,9 @@ static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
 		const scene_body b = {.name = walls[k].name,
-				.levels = def->wall_levels,
-				.leaf_size = def->leaf_size,
-				.rho = walls[k].rho};
+				      .levels = def->wall_levels,
+				      .leaf_size = def->leaf_size,
+				      .rho = walls[k].rho};
 		result = scene_add_body(gi, &b, &mesh, walls[k].object);
 	}
 	return result;
@@ -117,11 +117,11 @@ static gi_result add_light(gi_context *gi, const cornell_def *def, cornell *out)
 	if (!shape_quad(corner, u, v, 1, 1, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const scene_body b = {.name = "light",
-			.levels = def->light_levels,
-			.leaf_size = def->leaf_size,
-			.rho = black,
-			.exitance = LIGHT_EXITANCE,
-			.position = {0, HEIGHT, 0}};
+			      .levels = def->light_levels,
+			      .leaf_size = def->leaf_size,
+			      .rho = black,
+			      .exitance = LIGHT_EXITANCE,
+			      .position = {0, HEIGHT, 0}};
 	return scene_add_body(gi, &b, &mesh, &out->light);
 }
 
@@ -163,10 +163,10 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const scene_body b = {.name = "buddha",
-			.scheme = GI_SCHEME_CATMULL_CLARK,
-			.leaf_size = def->leaf_size,
-			.rho = STONE,
-			.scale = def->buddha_height};
+			      .scheme = GI_SCHEME_CATMULL_CLARK,
+			      .leaf_size = def->leaf_size,
+			      .rho = STONE,
+			      .scale = def->buddha_height};
 	return scene_add_body(gi, &b, &mesh, &out->buddha);
 }
 
@@ -179,10 +179,10 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 		if (!shape_sphere(places[k][1], def->ball_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
 		const scene_body b = {.name = k ? "small ball" : "ball",
-				.scheme = GI_SCHEME_CATMULL_CLARK,
-				.leaf_size = def->leaf_size,
-				.rho = WHITE,
-				.position = {places[k][0], places[k][1], places[k][2]}};
+				      .scheme = GI_SCHEME_CATMULL_CLARK,
+				      .leaf_size = def->leaf_size,
+				      .rho = WHITE,
+				      .position = {places[k][0], places[k][1], places[k][2]}};
 		result = scene_add_body(gi, &b, &mesh, &out->balls[k]);
 	}
 	return result;

@@ -31,12 +31,12 @@ static gi_result add_walls(gi_context *gi)
 		const float *rho;
 		float corner[3], u[3], v[3];
 	} walls[] = {
-		{"floor", STONE, {-HALF, 0, -END}, {0, 0, length}, {width, 0, 0}},
-		{"ceiling", WHITE, {-HALF, HEIGHT, -END}, {width, 0, 0}, {0, 0, length}},
-		{"left", OCHRE, {-HALF, 0, -END}, {0, HEIGHT, 0}, {0, 0, length}},
-		{"right", SAGE, {HALF, 0, -END}, {0, 0, length}, {0, HEIGHT, 0}},
-		{"far end", WHITE, {-HALF, 0, -END}, {width, 0, 0}, {0, HEIGHT, 0}},
-		{"near end", WHITE, {-HALF, 0, END}, {0, HEIGHT, 0}, {width, 0, 0}},
+	    {"floor", STONE, {-HALF, 0, -END}, {0, 0, length}, {width, 0, 0}},
+	    {"ceiling", WHITE, {-HALF, HEIGHT, -END}, {width, 0, 0}, {0, 0, length}},
+	    {"left", OCHRE, {-HALF, 0, -END}, {0, HEIGHT, 0}, {0, 0, length}},
+	    {"right", SAGE, {HALF, 0, -END}, {0, 0, length}, {0, HEIGHT, 0}},
+	    {"far end", WHITE, {-HALF, 0, -END}, {width, 0, 0}, {0, HEIGHT, 0}},
+	    {"near end", WHITE, {-HALF, 0, END}, {0, HEIGHT, 0}, {width, 0, 0}},
 	};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof walls / sizeof *walls; k++) {
@@ -57,7 +57,8 @@ static gi_result add_lamps(gi_context *gi, const char *name, float x, const floa
 	for (int k = 0; k < LAMPS_A_ROW; k++) {
 		const float z = LAMP_STEP * ((float)k - .5f * (LAMPS_A_ROW - 1));
 		const float corner[3] = {x - .5f * LAMP_SIZE, HEIGHT - LAMP_BELOW, z - .5f * LAMP_SIZE};
-		if (!shape_append_quad(&mesh, corner, (float[]){LAMP_SIZE, 0, 0}, (float[]){0, 0, LAMP_SIZE}, LAMP_SIZE))
+		if (!shape_append_quad(&mesh, corner, (float[]){LAMP_SIZE, 0, 0}, (float[]){0, 0, LAMP_SIZE},
+				       LAMP_SIZE))
 			return GI_ERROR_OUT_OF_MEMORY;
 	}
 	gi_object object;

@@ -1,5 +1,5 @@
-/* A closed room and a Buddha in it, all of one reflectance and one exitance: nothing can be told from anything else, and
- * H = E / (1 - rho) everywhere, wherever the Buddha is. */
+/* A closed room and a Buddha in it, all of one reflectance and one exitance: nothing can be told from anything else,
+ * and H = E / (1 - rho) everywhere, wherever the Buddha is. */
 #include "scenes/scenes.h"
 
 #include "scenes/body.h"
@@ -22,11 +22,8 @@ gi_result furnace_create(gi_context *gi, gi_object *buddha)
 		return result;
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const scene_body figure = {.name = "buddha",
-				   .scheme = GI_SCHEME_CATMULL_CLARK,
-				   .rho = RHO,
-				   .exitance = EXITANCE,
-				   .scale = 1.9f};
+	const scene_body figure = {
+	    .name = "buddha", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = RHO, .exitance = EXITANCE, .scale = 1.9f};
 	result = scene_add_body(gi, &figure, &mesh, buddha);
 	return result ? result : gi_set_pose(gi, *buddha, cornell_buddha_pose(0));
 }

@@ -1,5 +1,5 @@
-/* Two rooms side by side and a doorway in the wall between them, whose door swings. The lamp is on the lit room's side of
- * that wall, above the door, and looks away from it: whatever arrives in the other room was reflected at least once.
+/* Two rooms side by side and a doorway in the wall between them, whose door swings. The lamp is on the lit room's side
+ * of that wall, above the door, and looks away from it: whatever arrives in the other room was reflected at least once.
  *
  *      +-----------+|+-----------+    4.1 x 4 m and 2.7 m high each; the doorway is 1.5 m wide, 2.1 m high.
  *      |           |||           |

@@ -43,7 +43,6 @@ void corridor_camera(float aspect, float view_from_world[16], float clip_from_vi
 gi_result furnace_create(gi_context *gi, gi_object *buddha);
 void furnace_camera(float aspect, float view_from_world[16], float clip_from_view[16]);
 
-
 /* A camera at `eye` that looks at `target`, y up; field of view in degrees, from bottom to top. */
 void scene_camera(const float eye[3], const float target[3], float fov, float aspect, float view_from_world[16],
 		  float clip_from_view[16]);

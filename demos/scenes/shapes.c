@@ -178,11 +178,12 @@ bool shape_append(engine_mesh *to, engine_mesh *more)
 	const size_t word = sizeof(uint32_t), vertex = 3 * sizeof(float);
 	for (uint32_t k = 0; k < more->index_count; k++)
 		more->indices[k] += to->vertex_count;
-	const bool ok = append_array((void **)&to->positions, vertex * to->vertex_count, more->positions,
-				     vertex * more->vertex_count) &&
-			append_array((void **)&to->face_counts, word * to->face_count, more->face_counts,
-				     word * more->face_count) &&
-			append_array((void **)&to->indices, word * to->index_count, more->indices, word * more->index_count);
+	const bool ok =
+	    append_array((void **)&to->positions, vertex * to->vertex_count, more->positions,
+			 vertex * more->vertex_count) &&
+	    append_array((void **)&to->face_counts, word * to->face_count, more->face_counts,
+			 word * more->face_count) &&
+	    append_array((void **)&to->indices, word * to->index_count, more->indices, word * more->index_count);
 	to->vertex_count += more->vertex_count;
 	to->face_count += more->face_count;
 	to->index_count += more->index_count;

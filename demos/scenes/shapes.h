@@ -19,8 +19,8 @@ bool shape_sphere(float radius, uint32_t n, engine_mesh *out);
  * of the disc's area. */
 bool shape_disc(float radius, uint32_t n, engine_mesh *out);
 
-/* Appends a copy of `more` to `to` (an empty mesh, all zero, will do) and frees `more`; vertices in one place stay two. On
- * failure both are freed. */
+/* Appends a copy of `more` to `to` (an empty mesh, all zero, will do) and frees `more`; vertices in one place stay two.
+ * On failure both are freed. */
 bool shape_append(engine_mesh *to, engine_mesh *more);
 
 /* Appends a parallelogram as shape_quad makes it, of quads about `cell` wide. */

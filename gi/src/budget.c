@@ -7,9 +7,9 @@
  *   (rows, solve)
  *   stale    the largest bound of a row that waits
  *
- * Let B* solve the rows that an exact update would have. |B - B*| <= d + r + rho F* |B - B*| leaf by leaf, d bounding what
- * refreshing the row changes at B and r the residual of the solve; since no row sums to more than 1, the leaf that is off
- * most bounds them all: |B - B*| <= max d / (1 - rho) + max r / (1 - max rho).
+ * Let B* solve the rows that an exact update would have. |B - B*| <= d + r + rho F* |B - B*| leaf by leaf, d bounding
+ * what refreshing the row changes at B and r the residual of the solve; since no row sums to more than 1, the leaf that
+ * is off most bounds them all: |B - B*| <= max d / (1 - rho) + max r / (1 - max rho).
  */
 #include "bits.h"
 #include "context.h"

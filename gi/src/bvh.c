@@ -257,8 +257,8 @@ static gi_vec4 corner(const gi_hierarchy *h, uint32_t vertex, uint32_t bits)
 static gi_primitive primitive_of(const gi_hierarchy *h, uint32_t node)
 {
 	const gi_uvec4 corners = h->topology[node].corners, range = h->topology[node].range;
-	gi_primitive p = {corner(h, corners.x, range.y), corner(h, corners.y, range.y + range.z), h->vertices[corners.z],
-			  h->vertices[corners.w]};
+	gi_primitive p = {corner(h, corners.x, range.y), corner(h, corners.y, range.y + range.z),
+			  h->vertices[corners.z], h->vertices[corners.w]};
 	const gi_vec3d a = gi_vec3d_from(p.a), b = gi_vec3d_from(p.b), c = gi_vec3d_from(p.c), d = gi_vec3d_from(p.d);
 	p.c.w = (float)(2 * gi_vec3d_length(gi_vec3d_triangle(a, b, c)));
 	p.d.w = (float)(2 * gi_vec3d_length(gi_vec3d_triangle(a, c, d)));

@@ -18,7 +18,7 @@ const char *gi_result_text(gi_result result)
 
 const char *gi_pass_name(gi_pass pass)
 {
-	static const char *const names[] = {"pose",  "choose", "cut",   "factor", "flag", "trace",
+	static const char *const names[] = {"pose",  "choose", "cut",   "factor",   "flag",   "trace",
 					    "close", "solve",  "light", "estimate", "shadow", "draw"};
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }
@@ -26,15 +26,15 @@ const char *gi_pass_name(gi_pass pass)
 gi_context_def gi_context_def_default(void)
 {
 	return (gi_context_def){
-		.row_tolerance = 0.01f,
-		.emitter_refinement = 20.0f,
-		.emitter_samples = 16,
-		.near_samples = 4,
-		.solve_tolerance = 1e-4f,
-		.max_sweeps = 100,
-		.pixel_lamps = GI_LAMP_MAX,
-		.profile = true,
-		.internal = CONTEXT_COOKIE,
+	    .row_tolerance = 0.01f,
+	    .emitter_refinement = 20.0f,
+	    .emitter_samples = 16,
+	    .near_samples = 4,
+	    .solve_tolerance = 1e-4f,
+	    .max_sweeps = 100,
+	    .pixel_lamps = GI_LAMP_MAX,
+	    .profile = true,
+	    .internal = CONTEXT_COOKIE,
 	};
 }
 

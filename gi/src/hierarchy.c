@@ -26,8 +26,8 @@
  * halves of one wall do. */
 #define NORMAL_WEIGHT 0.5
 
-/* Keys are rounded to this part of the diagonal: symmetric cages are full of ties, and rounding of the positions must not
- * decide them, or the same cage at another scale would be another tree. */
+/* Keys are rounded to this part of the diagonal: symmetric cages are full of ties, and rounding of the positions must
+ * not decide them, or the same cage at another scale would be another tree. */
 #define KEY_STEPS 1048576.0
 
 /* Relative: distances closer than this are equal but for rounding of the positions. */

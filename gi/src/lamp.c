@@ -272,7 +272,8 @@ static uint32_t next_emitter(const gi_context *gi, double *power, uint32_t after
 static void take_object(const gi_context *gi, gi_lamps *next, uint32_t slot)
 {
 	static _Thread_local candidates cut;
-	if (!cut_object(&gi->scene.objects[gi->scene.slots[slot]], &cut) || next->count + cut.count > gi->def.pixel_lamps)
+	if (!cut_object(&gi->scene.objects[gi->scene.slots[slot]], &cut) ||
+	    next->count + cut.count > gi->def.pixel_lamps)
 		return;
 	for (uint32_t k = 0; k < cut.count; k++) {
 		cut.list[k].polygon.slot = slot;

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second on
- * two cores, under a tenth on a GPU of 2020. Runs are not longer than single precision adds up well. */
+/* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second
+ * on two cores, under a tenth on a GPU of 2020. Runs are not longer than single precision adds up well. */
 static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFTWARE = 1 << 16, MOST_GPU = 1 << 20,
 		      LONGEST_RUN = 1 << 10;
 
@@ -59,8 +59,9 @@ static void sobol_directions(uint32_t out[GI_SOBOL_DIMENSIONS][32])
 {
 	static const struct {
 		uint32_t degree, polynomial, m[4];
-	} dimensions[GI_SOBOL_DIMENSIONS] = {{0, 0, {0}},       {1, 0, {1}},          {2, 1, {1, 3}},      {3, 1, {1, 3, 1}},
-					     {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}, {4, 4, {1, 3, 5, 13}}};
+	} dimensions[GI_SOBOL_DIMENSIONS] = {{0, 0, {0}},          {1, 0, {1}},       {2, 1, {1, 3}},
+					     {3, 1, {1, 3, 1}},    {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}},
+					     {4, 4, {1, 3, 5, 13}}};
 	for (uint32_t d = 0; d < GI_SOBOL_DIMENSIONS; d++) {
 		const uint32_t degree = dimensions[d].degree;
 		uint32_t v[32];
@@ -125,7 +126,8 @@ static void to_world(const gi_object_data *o, const gi_vec4 *p, float out[3])
 {
 	const gi_vec4 rows[3] = {o->row0, o->row1, o->row2};
 	for (int k = 0; k < 3; k++)
-		out[k] = (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
+		out[k] =
+		    (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
 }
 
 static double triangle_area(const float a[3], const float b[3], const float c[3])
@@ -260,7 +262,8 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 /* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
 static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, double *totals)
 {
-	static const uint32_t minus_one[4] = {0xBF800000u, 0xBF800000u, 0xBF800000u, 0xBF800000u}; /* -1.0f: not begun */
+	static const uint32_t minus_one[4] = {0xBF800000u, 0xBF800000u, 0xBF800000u,
+					      0xBF800000u}; /* -1.0f: not begun */
 	gi_paths *p = gi->paths;
 	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, count = slots_of(b);
 	for (int k = 0; k < 5; k++)
@@ -322,10 +325,12 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	const gi_path_options o = options ? *options : gi_path_options_default();
 	*count = 0;
 	if (o.paths < 1 || o.paths > MOST_PATHS)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "paths %u is outside 1..%d", o.paths, MOST_PATHS);
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "paths %u is outside 1..%d", o.paths,
+			       MOST_PATHS);
 	if (gi->scene.uncommitted || !gi->rows.fitted)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
-			       "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
+		return gi_fail(
+		    &gi->gpu.log, GI_ERROR_NOT_COMMITTED,
+		    "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
 	const uint32_t leaves = gi->scene.leaf_count;
 	*count = leaves;
 	if (!leaves || !capacity)

@@ -125,7 +125,8 @@ gi_result rows_allocate(gi_context *gi)
 	clear_rows(r);
 	const double emitting = emitting_share(gi);
 	const double finer = 1 + emitting * (gi->def.emitter_refinement - 1);
-	const double per_leaf = fmin(ENTRIES_TIMES_TOLERANCE * finer / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
+	const double per_leaf =
+	    fmin(ENTRIES_TIMES_TOLERANCE * finer / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
 	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
 	r->entry_limit = limit < most ? limit : most;

@@ -25,13 +25,14 @@ bool error_table_write_csv(const error_table *t, const char *path)
 	FILE *out = fopen(path, "w");
 	if (!out)
 		return false;
-	fprintf(out, "scene,method,phase,setting,ms,error_percent,bias_percent,reference_noise_percent,entries_per_leaf,"
-		     "solve_bound_percent,stale_bound_percent,sampling_error_percent,leaves\n");
+	fprintf(out,
+		"scene,method,phase,setting,ms,error_percent,bias_percent,reference_noise_percent,entries_per_leaf,"
+		"solve_bound_percent,stale_bound_percent,sampling_error_percent,leaves\n");
 	for (uint32_t k = 0; k < t->count; k++) {
 		const error_record *r = &t->records[k];
 		fprintf(out, "%s,%s,%s,%.6g", r->scene, r->method, phase_names[r->phase], r->setting);
-		const double numbers[] = {r->ms,          r->error,       r->bias,          r->reference_noise,
-					  r->entries,     r->solve_bound, r->stale_bound,   r->sampling_error};
+		const double numbers[] = {r->ms,      r->error,       r->bias,        r->reference_noise,
+					  r->entries, r->solve_bound, r->stale_bound, r->sampling_error};
 		for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++)
 			print_number(out, numbers[n]);
 		fprintf(out, ",%u\n", r->leaves);
@@ -89,7 +90,8 @@ double error_table_time(const error_table *t, const char *scene, const char *met
 		if (e.points[k].error > error)
 			continue;
 		return k == 0 ? e.points[0].ms
-			      : interpolate(error, e.points[k - 1].error, e.points[k - 1].ms, e.points[k].error, e.points[k].ms);
+			      : interpolate(error, e.points[k - 1].error, e.points[k - 1].ms, e.points[k].error,
+					    e.points[k].ms);
 	}
 	return NAN;
 }
@@ -102,7 +104,8 @@ double error_table_error(const error_table *t, const char *scene, const char *me
 		if (e.points[k].ms <= ms)
 			continue;
 		return k == 0 ? NAN
-			      : interpolate(ms, e.points[k - 1].ms, e.points[k - 1].error, e.points[k].ms, e.points[k].error);
+			      : interpolate(ms, e.points[k - 1].ms, e.points[k - 1].error, e.points[k].ms,
+					    e.points[k].error);
 	}
 	return e.count ? e.points[e.count - 1].error : NAN;
 }

@@ -17,12 +17,12 @@ typedef enum error_phase {
 typedef struct error_record {
 	const char *scene, *method; /* must outlive the table */
 	error_phase phase;
-	double setting;             /* row tolerance, paths a leaf, ... */
+	double setting; /* row tolerance, paths a leaf, ... */
 	double ms;
-	double error, bias;         /* of H, area-weighted, relative RMS and mean, % */
-	double reference_noise;     /* %, already taken out of the error */
-	double entries;             /* per leaf */
-	double solve_bound;         /* reported: of the largest B, % */
+	double error, bias;                 /* of H, area-weighted, relative RMS and mean, % */
+	double reference_noise;             /* %, already taken out of the error */
+	double entries;                     /* per leaf */
+	double solve_bound;                 /* reported: of the largest B, % */
 	double stale_bound, sampling_error; /* reported likewise */
 	uint32_t leaves;
 } error_record;

@@ -1,5 +1,5 @@
-/* Error against time: this engine, updated or rebuilt, and path tracing of the same leaves, on the CPU with Embree and in
- * this engine's shaders, in four scenes, from scratch and per frame while something moves.
+/* Error against time: this engine, updated or rebuilt, and path tracing of the same leaves, on the CPU with Embree and
+ * in this engine's shaders, in four scenes, from scratch and per frame while something moves.
  *
  * The truth is Embree's, in two independent halves whose noise drops out of the errors (reference/error.h), or known
  * exactly. All errors are of the irradiance of the same leaves at the same pose, the last one of the moving frames.
@@ -27,7 +27,7 @@ typedef struct options {
 	engine_context_kind kind;
 	const char *scene; /* NULL: all */
 	const char *out;
-	double seconds;    /* that the whole may take, about */
+	double seconds; /* that the whole may take, about */
 	float emitter_refinement;
 	bool quick;
 } options;
@@ -153,8 +153,8 @@ static void add(session *s, error_record r, error_phase phase)
 
 static void say(const error_record *r, const char *what)
 {
-	fprintf(stderr, "%s: %s at %g, %s: %.1f ms, error %.2f %% (bias %+.2f %%)\n", r->scene, r->method, r->setting, what,
-		r->ms, r->error, r->bias);
+	fprintf(stderr, "%s: %s at %g, %s: %.1f ms, error %.2f %% (bias %+.2f %%)\n", r->scene, r->method, r->setting,
+		what, r->ms, r->error, r->bias);
 }
 
 static void add_engine(session *s, gi_context *gi, const char *method, double setting, double ms, error_phase phase)
@@ -187,7 +187,8 @@ static double timed_scratch(gi_context *gi)
 }
 
 /* The mover's last frames up to the pose that is measured; the frame before them is at rest. */
-static void play(const session *s, gi_context *gi, gi_object mover, const frame_kind *kind, uint32_t frames, samples *times)
+static void play(const session *s, gi_context *gi, gi_object mover, const frame_kind *kind, uint32_t frames,
+		 samples *times)
 {
 	for (uint32_t k = 0; k <= frames; k++) {
 		check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE - FRAME * (float)(frames - k))));
@@ -237,8 +238,8 @@ static void run_engine_setting(session *s, float tolerance)
 		for (int kind = 0; kind < FRAME_KINDS; kind++) {
 			play(s, gi, mover, &frame_kinds[kind], frames, &moving[kind]);
 			if (round + 1 == rounds)
-				add_engine(s, gi, frame_kinds[kind].method, (double)tolerance, samples_median(&moving[kind]),
-					   PHASE_MOVING);
+				add_engine(s, gi, frame_kinds[kind].method, (double)tolerance,
+					   samples_median(&moving[kind]), PHASE_MOVING);
 		}
 	gi_context_destroy(gi);
 }
@@ -253,23 +254,23 @@ static void run_engine(session *s)
 		const double began = now_ms();
 		run_engine_setting(s, tolerances[k]);
 		const double took = now_ms() - began;
-		if (k + 1 < count && took * (double)(tolerances[k] / tolerances[k + 1]) > 2 * SETTING_SHARE * s->budget_ms) {
+		if (k + 1 < count &&
+		    took * (double)(tolerances[k] / tolerances[k + 1]) > 2 * SETTING_SHARE * s->budget_ms) {
 			fprintf(stderr, "%s: finer row tolerances would take too long here\n", s->kind->name);
 			break;
 		}
 	}
 }
 
-/* Frames under a budget, long enough for rows to wait their turn; settings are rays, or the error in % of the largest B. */
+/* Frames under a budget, long enough for rows to wait their turn; settings are rays, or the error in % of the largest
+ * B. */
 static void run_budgets(session *s)
 {
 	static const float TOLERANCE = 0.1f;
-	static const frame_kind kinds[] = {{.method = "engine budget", .budget.rays = 2000},
-					   {.method = "engine budget", .budget.rays = 8000},
-					   {.method = "engine budget", .budget.rays = 32000},
-					   {.method = "engine error", .budget.error = 0.3f},
-					   {.method = "engine error", .budget.error = 0.1f},
-					   {.method = "engine error", .budget.error = 0.03f}};
+	static const frame_kind kinds[] = {
+	    {.method = "engine budget", .budget.rays = 2000},  {.method = "engine budget", .budget.rays = 8000},
+	    {.method = "engine budget", .budget.rays = 32000}, {.method = "engine error", .budget.error = 0.3f},
+	    {.method = "engine error", .budget.error = 0.1f},  {.method = "engine error", .budget.error = 0.03f}};
 	enum { KINDS = sizeof kinds / sizeof *kinds, FRAMES = 24 };
 	const float tolerance = s->options->quick ? 0.4f : TOLERANCE;
 	const uint32_t frames = s->options->quick ? 2 : FRAMES;
@@ -442,12 +443,14 @@ static void print_processor(FILE *out)
 static void print_budgets(FILE *out, const error_table *t, const char *scene)
 {
 	fprintf(out, "Under a budget: what was reported, and measured.\n\n"
-		     "| method | setting | ms a frame | stale bound, %% of the largest B | error of H measured, %% |\n|---|---|---|---|---|\n");
+		     "| method | setting | ms a frame | stale bound, %% of the largest B | error of H measured, %% "
+		     "|\n|---|---|---|---|---|\n");
 	for (uint32_t k = 0; k < t->count; k++) {
 		const error_record *r = &t->records[k];
 		if (strcmp(r->scene, scene) == 0 && r->phase == PHASE_MOVING && strncmp(r->method, "engine", 6) == 0 &&
 		    strcmp(r->method, "engine rebuilt") != 0)
-			fprintf(out, "| %s | %g | %.1f | %.2f | %.2f |\n", r->method, r->setting, r->ms, r->stale_bound, r->error);
+			fprintf(out, "| %s | %g | %.1f | %.2f | %.2f |\n", r->method, r->setting, r->ms, r->stale_bound,
+				r->error);
 	}
 	fprintf(out, "\n");
 }
@@ -455,8 +458,9 @@ static void print_budgets(FILE *out, const error_table *t, const char *scene)
 /* The estimate beside what it estimates. */
 static void print_estimates(FILE *out, const error_table *t, const char *scene)
 {
-	fprintf(out, "The engine's own estimate of its error (one update, %u leaves looked at), beside the measured one.\n\n"
-		     "| row tolerance | estimated, %% | measured, %% |\n|---|---|---|\n",
+	fprintf(out,
+		"The engine's own estimate of its error (one update, %u leaves looked at), beside the measured one.\n\n"
+		"| row tolerance | estimated, %% | measured, %% |\n|---|---|---|\n",
 		ESTIMATE_LEAVES);
 	for (uint32_t k = 0; k < t->count; k++) {
 		const error_record *r = &t->records[k];
@@ -468,19 +472,24 @@ static void print_estimates(FILE *out, const error_table *t, const char *scene)
 
 static void print_document(FILE *out, const session *s)
 {
-	fprintf(out,
-		"# Error against time\n\n"
-		"Made by `scripts/bench error-time --docs`%s; every figure is of that one run.\n\n"
-		"How wrong the irradiance of the leaves is after so many milliseconds, for this engine and for path tracing of "
-		"the same\nleaves: with Embree on all processors (`Embree paths`) and in this engine's own shaders "
-		"(`shader paths`, `gi_trace_paths`).\nThe error is area-weighted, relative RMS, against a path-traced "
-		"reference whose noise is taken out (or the exact value in the\nfurnace). A frame of the engine is "
-		"`gi_update` and waiting for it, at row tolerances from 0.4 down, one ray an indirect entry, emitters\ncut %g times finer; "
-		"`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
-		"what any does.\n`engine budget` updates under so many rays and `engine error` lets rows wait for such a share of the "
-		"largest B, at a row tolerance\nof 0.1 and after 24 frames of it. Picture and post-processing cost the same for all and are in none. Tables are read off the "
-		"log-log lines between\nmeasurements; - is not reached.\n\n",
-		s->options->quick ? " with --quick, too short to quote" : "", (double)s->options->emitter_refinement);
+	fprintf(
+	    out,
+	    "# Error against time\n\n"
+	    "Made by `scripts/bench error-time --docs`%s; every figure is of that one run.\n\n"
+	    "How wrong the irradiance of the leaves is after so many milliseconds, for this engine and for path "
+	    "tracing of "
+	    "the same\nleaves: with Embree on all processors (`Embree paths`) and in this engine's own shaders "
+	    "(`shader paths`, `gi_trace_paths`).\nThe error is area-weighted, relative RMS, against a path-traced "
+	    "reference whose noise is taken out (or the exact value in the\nfurnace). A frame of the engine is "
+	    "`gi_update` and waiting for it, at row tolerances from 0.4 down, one ray an indirect entry, emitters\ncut "
+	    "%g times finer; "
+	    "`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
+	    "what any does.\n`engine budget` updates under so many rays and `engine error` lets rows wait for such a "
+	    "share of the "
+	    "largest B, at a row tolerance\nof 0.1 and after 24 frames of it. Picture and post-processing cost the "
+	    "same for all and are in none. Tables are read off the "
+	    "log-log lines between\nmeasurements; - is not reached.\n\n",
+	    s->options->quick ? " with --quick, too short to quote" : "", (double)s->options->emitter_refinement);
 	fprintf(out, "- ");
 	print_processor(out);
 	fprintf(out, "- %s\n- commit %s\n\n", engine_context_describe(s->context), RELUME_COMMIT);
@@ -489,8 +498,8 @@ static void print_document(FILE *out, const session *s)
 		const scene_kind *kind = &scene_kinds[k];
 		if (s->options->scene && strcmp(s->options->scene, kind->name) != 0)
 			continue;
-		fprintf(out, "## %s\n\n![Error against time: %s](pictures/error-time-%s.png)\n\n", kind->title, kind->title,
-			kind->name);
+		fprintf(out, "## %s\n\n![Error against time: %s](pictures/error-time-%s.png)\n\n", kind->title,
+			kind->title, kind->name);
 		for (int phase = 0; phase < PHASE_COUNT; phase++) {
 			fprintf(out, "%s:\n\n", phases[phase]);
 			error_table_print(&s->table, out, kind->name, (error_phase)phase);
@@ -557,13 +566,13 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-		{"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
-		{"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},
-		{"out", 'o', "FOLDER", 0, "where error-time.csv and error-time.md go, default out", 0},
-		{"seconds", 't', "S", 0, "how long all of it may take, about; default 480", 0},
-		{"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 20", 0},
-		{"quick", 'q', NULL, 0, "two coarse settings, 30 seconds: to see that it works", 0},
-		{0},
+	    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},
+	    {"out", 'o', "FOLDER", 0, "where error-time.csv and error-time.md go, default out", 0},
+	    {"seconds", 't', "S", 0, "how long all of it may take, about; default 480", 0},
+	    {"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 20", 0},
+	    {"quick", 'q', NULL, 0, "two coarse settings, 30 seconds: to see that it works", 0},
+	    {0},
 	};
 	const struct argp argp = {list, parse_option, NULL, "Error of the irradiance against run time.", 0, 0, 0};
 	options o = {.out = "out", .seconds = 480, .emitter_refinement = 20};

@@ -109,7 +109,8 @@ static void print_frames(const frame_figures *f, const gi_report *r)
 	printf("|---|---|---|---|---|---|---|---|\n");
 	printf("| %u | %.1f | %.1f | %.1f %% | %.1f %% | %.0f | %.0f | %.1f MB |\n\n", r->leaves,
 	       (double)r->entries / r->leaves, (double)r->links / r->leaves, 100 * samples_median(&f->new_share),
-	       100 * samples_median(&f->flagged_share), samples_median(&f->rays), samples_median(&f->sweeps), 1e-6 * (double)r->gpu_bytes);
+	       100 * samples_median(&f->flagged_share), samples_median(&f->rays), samples_median(&f->sweeps),
+	       1e-6 * (double)r->gpu_bytes);
 	printf("| pass |");
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		printf(" %s |", gi_pass_name((gi_pass)k));
@@ -150,7 +151,8 @@ static void print_waiting(gi_context *gi, const frame_figures *f, const gi_repor
 			off += (double)exact[k].area * d * d;
 			whole += (double)exact[k].area * b * b;
 		}
-	printf("rows that wait: median %.1f %%; reported stale bound: median %.3g W/m2, of the last frame %.3g; measured against an "
+	printf("rows that wait: median %.1f %%; reported stale bound: median %.3g W/m2, of the last frame %.3g; "
+	       "measured against an "
 	       "exact update of it: %.3g W/m2 at most, %.2f %% of B - E (RMS); largest B %.3g\n\n",
 	       100 * samples_median(&f->waiting), samples_median(&f->stale), (double)last->stale_bound, most,
 	       100 * sqrt(off / whole), (double)last->radiosity_max);
@@ -252,10 +254,11 @@ static void run_update_and_rebuild(engine_context *context, const options *o, fl
 	check(gi_get_report(sides[0], &report));
 	printf("| %s | %g | %.0f | %.1f %% | %.1f | %.1f | %.2f |", ball ? "small ball" : "Buddha",
 	       (double)row_tolerance, (double)report.entries / report.leaves,
-	       100.0 * (double)report.dirty_entries / (double)report.entries, samples_median(&times[0]), samples_median(&times[1]),
-	       samples_median(&times[1]) / samples_median(&times[0]));
+	       100.0 * (double)report.dirty_entries / (double)report.entries, samples_median(&times[0]),
+	       samples_median(&times[1]), samples_median(&times[1]) / samples_median(&times[0]));
 	if (restart.count)
-		printf(" %.0f | %.1f |\n", samples_median(&restart), samples_median(&restart) / samples_median(&times[0]));
+		printf(" %.0f | %.1f |\n", samples_median(&restart),
+		       samples_median(&restart) / samples_median(&times[0]));
 	else
 		printf(" | |\n");
 	for (int k = 0; k < 2; k++)
@@ -315,21 +318,28 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-		{"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
-		{"frames", 'n', "N", 0, "frames measured, default 40", 0},
-		{"size", 's', "PIXELS", 0, "width and height, default 512", 0},
-		{"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},
-		{"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 4", 0},
-		{"wall-levels", 'w', "N", 0, "refinement of the walls, default 3: 4,124 leaves in all", 0},
-		{"budget-ms", 'm', "MS", 0, "budget of an update of the frame-rate run", 0},
-		{"budget-rays", 'r', "N", 0, "likewise", 0},
-		{"pixel-lamps", 'l', "N", 0, "polygons that light per pixel, default 32; 0: all light through the leaves", 0},
-		{"fps", 'f', "R", 0, "frames a second of the frame-rate run's animation, default 10", 0},
-		{0},
+	    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+	    {"frames", 'n', "N", 0, "frames measured, default 40", 0},
+	    {"size", 's', "PIXELS", 0, "width and height, default 512", 0},
+	    {"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},
+	    {"emitter-refinement", 'e', "F", 0, "emitters are cut at the row tolerance over this, default 4", 0},
+	    {"wall-levels", 'w', "N", 0, "refinement of the walls, default 3: 4,124 leaves in all", 0},
+	    {"budget-ms", 'm', "MS", 0, "budget of an update of the frame-rate run", 0},
+	    {"budget-rays", 'r', "N", 0, "likewise", 0},
+	    {"pixel-lamps", 'l', "N", 0, "polygons that light per pixel, default 32; 0: all light through the leaves",
+	     0},
+	    {"fps", 'f', "R", 0, "frames a second of the frame-rate run's animation, default 10", 0},
+	    {0},
 	};
 	const struct argp argp = {
 	    list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
-	options o = {.frames = 40, .size = 512, .row_tolerance = 0.1f, .emitter_refinement = 4, .wall_levels = 3, .pixel_lamps = 32, .fps = 10};
+	options o = {.frames = 40,
+		     .size = 512,
+		     .row_tolerance = 0.1f,
+		     .emitter_refinement = 4,
+		     .wall_levels = 3,
+		     .pixel_lamps = 32,
+		     .fps = 10};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 
 	engine_context_def def = engine_context_def_default();

@@ -74,7 +74,7 @@ enum { MOST_RATIOS = 4096 };
 typedef struct tally {
 	double ratios[MOST_RATIOS]; /* bound over distance, where rows wait */
 	uint32_t count, frames, with_waiting;
-	double waiting; /* sum of the share of rows */
+	double waiting;    /* sum of the share of rows */
 	double off, bound; /* sums, relative to the largest B */
 } tally;
 
@@ -92,8 +92,9 @@ static void expect_bounded(const pair *p, const gi_report *a, const gi_report *b
 	/* Both B are stored in single precision: half a unit in the last place of the largest, each. */
 	const double rounding = 2 * snapshot_largest(&exact) / 16777216.0;
 	if (!(distance <= bound + (double)b->solve_bound + rounding))
-		fail_msg("%s: B is %.4g from the exact update's; solve_bound %.4g, stale_bound %.4g, %llu rows wait", when,
-			 distance, (double)a->solve_bound, (double)a->stale_bound, (unsigned long long)a->waiting_rows);
+		fail_msg("%s: B is %.4g from the exact update's; solve_bound %.4g, stale_bound %.4g, %llu rows wait",
+			 when, distance, (double)a->solve_bound, (double)a->stale_bound,
+			 (unsigned long long)a->waiting_rows);
 	assert_true(a->waiting_rows == 0 || a->stale_bound > 0);
 	assert_true(a->waiting_rows > 0 || a->stale_bound == 0);
 	assert_true((a->waiting_rows > 0) == (a->waiting_entries > 0));
@@ -111,10 +112,11 @@ static void expect_bounded(const pair *p, const gi_report *a, const gi_report *b
 static void print_tally(const char *name, tally *t)
 {
 	qsort(t->ratios, t->count, sizeof *t->ratios, order_doubles);
-	printf("  %s: %u frames, %u with waiting rows, %.1f %% of the rows in the mean; bound over distance: median %.1f, "
-	       "least %.2f; mean %.2f %% and %.2f %% of the largest B\n",
-	       name, t->frames, t->with_waiting, 100 * t->waiting / t->frames, t->count ? t->ratios[t->count / 2] : 0,
-	       t->count ? t->ratios[0] : 0, 100 * t->bound / t->frames, 100 * t->off / t->frames);
+	printf(
+	    "  %s: %u frames, %u with waiting rows, %.1f %% of the rows in the mean; bound over distance: median %.1f, "
+	    "least %.2f; mean %.2f %% and %.2f %% of the largest B\n",
+	    name, t->frames, t->with_waiting, 100 * t->waiting / t->frames, t->count ? t->ratios[t->count / 2] : 0,
+	    t->count ? t->ratios[0] : 0, 100 * t->bound / t->frames, 100 * t->off / t->frames);
 }
 
 /* Rows of the bounded scene against the exact one's, which waits for nothing. */
@@ -186,7 +188,8 @@ static void any_budget(void **state)
 {
 	(void)state;
 	enum { EXACT_EVERY = 20 };
-	static const gi_budget budgets[] = {{.rays = 500}, {.rays = 3000}, {.error = .3f}, {.rays = 20000, .error = .02f}, {.ms = 0}};
+	static const gi_budget budgets[] = {
+	    {.rays = 500}, {.rays = 3000}, {.error = .3f}, {.rays = 20000, .error = .02f}, {.ms = 0}};
 	const gi_context_def def = coarse_def();
 	const char *text = getenv("RELUME_FRAMES");
 	const uint32_t frames = text ? (uint32_t)atoi(text) : 60;
@@ -246,7 +249,8 @@ static void nothing_waits_for_ever(void **state)
 	close_pair(&p);
 }
 
-/* Rows whose change is bounded as small wait while nothing moves, for nothing; a smaller error or none brings them up. */
+/* Rows whose change is bounded as small wait while nothing moves, for nothing; a smaller error or none brings them up.
+ */
 static void small_changes_wait(void **state)
 {
 	(void)state;
@@ -305,8 +309,9 @@ static void switches_and_commits(void **state)
 	static tally t;
 	t = (tally){0};
 	for (int frame = 0; frame < 12; frame++) {
-		const gi_material m = frame % 3 ? (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {0, (float)(frame % 2) * 5, 5}}
-						: (gi_material){.rho = {.7f, .2f, .2f}};
+		const gi_material m =
+		    frame % 3 ? (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {0, (float)(frame % 2) * 5, 5}}
+			      : (gi_material){.rho = {.7f, .2f, .2f}};
 		assert_gi(gi_set_material(p.bounded.gi, p.bounded.mover[BLOCK], 0, m));
 		assert_gi(gi_set_material(p.exact.gi, p.exact.mover[BLOCK], 0, m));
 		move_both(&p);
@@ -326,8 +331,8 @@ static void bad_budgets(void **state)
 	(void)state;
 	gi_context_def def = coarse_def();
 	pair p = open_pair(open_box, &def, 1, false);
-	const gi_budget bad[] = {{.ms = -1}, {.ms = NAN}, {.ms = INFINITY}, {.error = -.1f}, {.error = 1.5f},
-				 {.error = NAN}, {.ms = 5} /* without profile */};
+	const gi_budget bad[] = {{.ms = -1},      {.ms = NAN},    {.ms = INFINITY}, {.error = -.1f},
+				 {.error = 1.5f}, {.error = NAN}, {.ms = 5} /* without profile */};
 	for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
 		assert_int_equal(gi_update(p.bounded.gi, &bad[k]), GI_ERROR_INVALID_ARGUMENT);
 		assert_non_null(harness_last_message()[0] ? harness_last_message() : NULL);
@@ -338,9 +343,15 @@ static void bad_budgets(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(any_budget),cmocka_unit_test(rays),		  cmocka_unit_test(bright_sky),		cmocka_unit_test(error),
-	    cmocka_unit_test(nothing_waits_for_ever), cmocka_unit_test(small_changes_wait),	cmocka_unit_test(no_budget_is_exact),
-	    cmocka_unit_test(switches_and_commits),   cmocka_unit_test(bad_budgets),
+	    cmocka_unit_test(any_budget),
+	    cmocka_unit_test(rays),
+	    cmocka_unit_test(bright_sky),
+	    cmocka_unit_test(error),
+	    cmocka_unit_test(nothing_waits_for_ever),
+	    cmocka_unit_test(small_changes_wait),
+	    cmocka_unit_test(no_budget_is_exact),
+	    cmocka_unit_test(switches_and_commits),
+	    cmocka_unit_test(bad_budgets),
 	};
 	return cmocka_run_group_tests_name("budget", tests, harness_open, harness_close);
 }

@@ -1,6 +1,7 @@
 /* The certified bounds on thousands of random scenes and moves: |B - B*| is never above them, B as stored in single
- * precision. Without a budget B* is the double-precision solution of the same links; with one it is that of the links an
- * exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have it.
+ * precision. Without a budget B* is the double-precision solution of the same links; with one it is that of the links
+ * an exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have
+ * it.
  *
  * RELUME_SCENES=N: as many scenes of four frames each. The default takes about twenty seconds.
  */
@@ -71,7 +72,8 @@ static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t
 }
 
 /* Updates under a budget, then exactly, and holds the first B against the solution of the second rows. */
-static void expect_bounded(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame, tally *t)
+static void expect_bounded(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame,
+			   tally *t)
 {
 	const double kind = random_scene_draw(scene);
 	const gi_budget budget = {.rays = kind < .6 ? 1 + (uint64_t)(random_scene_draw(scene) * 2000) : 0,
@@ -88,7 +90,8 @@ static void expect_bounded(gi_context *gi, const gi_context_def *def, random_sce
 	const double bound = (double)r.solve_bound + (double)r.stale_bound;
 	const double distance = exact_distance(&exact, &full, def->sky_exitance, bound);
 	if (!(distance <= bound))
-		fail_msg("scene %llu, frame %d: B is %.6g from the solution of the exact rows; solve_bound %.6g, stale_bound %.6g "
+		fail_msg("scene %llu, frame %d: B is %.6g from the solution of the exact rows; solve_bound %.6g, "
+			 "stale_bound %.6g "
 			 "(%llu of %u rows wait)",
 			 (unsigned long long)seed, frame, distance, (double)r.solve_bound, (double)r.stale_bound,
 			 (unsigned long long)r.waiting_rows, r.leaves);
@@ -161,7 +164,8 @@ static void budgets_never_exceeded(void **state)
 		gi_context_destroy(gi);
 	}
 	qsort(t.ratios, t.count, sizeof *t.ratios, order_doubles);
-	printf("  %u of %u frames under a budget with waiting rows; bound over true distance: median %.1f, least %.3f (scene %llu)\n",
+	printf("  %u of %u frames under a budget with waiting rows; bound over true distance: median %.1f, least %.3f "
+	       "(scene %llu)\n",
 	       t.waited, scenes * (FRAMES - 1), t.ratios[t.count / 2], t.least, (unsigned long long)t.least_seed);
 	assert_true(t.waited > scenes / 2);
 	free(t.ratios);

@@ -56,8 +56,8 @@ static void expect_converged(const gi_report *r, const gi_context_def *def)
 	assert_int_equal(r->outcome, GI_OUTCOME_CONVERGED);
 	assert_true(r->solve_relative <= def->solve_tolerance);
 	assert_true(r->contraction > 0 && r->contraction < 1);
-	/* The report's own formula and a unit in the last place of the largest B. Channel by channel, the largest of each
-	 * is no less. */
+	/* The report's own formula and a unit in the last place of the largest B. Channel by channel, the largest of
+	 * each is no less. */
 	const double amplified = (double)r->residual * ((double)r->amplification - 1);
 	assert_true((double)r->solve_bound <= (amplified + 1.2e-7 * (double)r->radiosity_max) * (1 + 1e-5));
 	assert_true(r->amplification >= 1 && (double)r->amplification <= (1 + 1e-5) / (1 - (double)r->contraction));
@@ -178,8 +178,8 @@ static void budget_of_one_sweep(void **state)
 	gi_context_destroy(gi);
 }
 
-/* A tolerance that single precision cannot meet: the GPU sees it and says so in the very frame, with the bound it has and
- * how much of that is rounding; the next frame is at rest, and wakes up when something moves. */
+/* A tolerance that single precision cannot meet: the GPU sees it and says so in the very frame, with the bound it has
+ * and how much of that is rounding; the next frame is at rest, and wakes up when something moves. */
 static void rounding_floor(void **state)
 {
 	(void)state;
@@ -202,8 +202,8 @@ static void rounding_floor(void **state)
 		const gi_report r = harness_update(gi);
 		assert_int_equal(r.outcome, GI_OUTCOME_ROUNDING);
 		assert_true(r.solve_relative > def.solve_tolerance);
-		/* Half a unit in the last place, 2^-24, and the doubts of a row, as much, times 1 / (1 - q); twice the floor
-		 * is where the solve may end. */
+		/* Half a unit in the last place, 2^-24, and the doubts of a row, as much, times 1 / (1 - q); twice the
+		 * floor is where the solve may end. */
 		assert_true(r.solve_relative < 4 * 6e-8f * 100);
 		assert_true(r.rounding_bound >= .3f * r.solve_bound);
 		expect_certified(gi, &r, "at rounding", (uint32_t)k);

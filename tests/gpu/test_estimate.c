@@ -130,9 +130,9 @@ static void build_corridor(gi_context *gi)
 	for (int side = 0; side < 6; side++) {
 		/* corner, u, v of each wall seen from inside */
 		static const float walls[6][3][3] = {
-		    {{-1, 0, 0}, {0, 0, 16}, {2, 0, 0}},   {{-1, 2.5f, 0}, {2, 0, 0}, {0, 0, 16}},
+		    {{-1, 0, 0}, {0, 0, 16}, {2, 0, 0}},    {{-1, 2.5f, 0}, {2, 0, 0}, {0, 0, 16}},
 		    {{-1, 0, 0}, {0, 2.5f, 0}, {0, 0, 16}}, {{1, 0, 0}, {0, 0, 16}, {0, 2.5f, 0}},
-		    {{-1, 0, 0}, {2, 0, 0}, {0, 2.5f, 0}}, {{-1, 0, 16}, {0, 2.5f, 0}, {2, 0, 0}}};
+		    {{-1, 0, 0}, {2, 0, 0}, {0, 2.5f, 0}},  {{-1, 0, 16}, {0, 2.5f, 0}, {2, 0, 0}}};
 		const surface s = {.name = "wall", .levels = fine, .rho = side < 2 ? .5f : .7f};
 		engine_mesh mesh;
 		uint32_t n[2];
@@ -311,8 +311,8 @@ static void compare(const scene *s, const settings *with, truth *t)
 	const double error = s->furnace ? measure_furnace(gi, e.last.leaves) : measure_error(gi, e.last.leaves, t);
 	printf("  %-9s  %5.2f %4u %8.0f  %8.4f  %8.4f  %5.2f   %.2f..%.2f  %7llu %6.0f\n", s->name,
 	       (double)with->row_tolerance, with->near_samples, (double)e.last.entries / e.last.leaves, 100 * error,
-	       100 * e.root, e.root / error, e.least / error, e.most / error,
-	       (unsigned long long)e.last.sampling_rays, (double)e.last.pass_ms[GI_PASS_ESTIMATE]);
+	       100 * e.root, e.root / error, e.least / error, e.most / error, (unsigned long long)e.last.sampling_rays,
+	       (double)e.last.pass_ms[GI_PASS_ESTIMATE]);
 	gi_context_destroy(gi);
 	if (s->furnace && error < FURNACE_ROUNDING)
 		expect_within("estimate in a furnace without error", e.root, 0, FURNACE_ROUNDING);
@@ -418,7 +418,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(estimate_within_a_factor), cmocka_unit_test(leaves_change_the_scatter_alone),
-	    cmocka_unit_test(same_input_same_bits),	cmocka_unit_test(off_costs_nothing),
+	    cmocka_unit_test(same_input_same_bits),     cmocka_unit_test(off_costs_nothing),
 	    cmocka_unit_test(rest_keeps_the_estimate),
 	};
 	return cmocka_run_group_tests_name("estimate", tests, harness_open, harness_close);

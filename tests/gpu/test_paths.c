@@ -1,7 +1,7 @@
 /* gi_trace_paths against the reference path tracer, closed forms, and itself.
  *
- * A comparison of noisy figures is made in their own standard error, which the leaves give: the differences of N leaves,
- * independent of each other, have a mean whose standard error is their deviation over sqrt(N).
+ * A comparison of noisy figures is made in their own standard error, which the leaves give: the differences of N
+ * leaves, independent of each other, have a mean whose standard error is their deviation over sqrt(N).
  */
 #include "harness.h"
 
@@ -114,15 +114,16 @@ static void agrees_with_the_reference(void **state)
 				difference[k] = 0.5 * (a.irradiance[at] + b.irradiance[at]) -
 						0.5 * (r.irradiance[0][at] + r.irradiance[1][at]);
 			}
-			expect_below("standard errors of an object's mean", sigmas_from_zero(difference + first, end - first),
-				     SIGMAS);
+			expect_below("standard errors of an object's mean",
+				     sigmas_from_zero(difference + first, end - first), SIGMAS);
 		}
 		first = end;
 	}
 	/* |H - R|^2 without both noises: what is left is the difference of expectations. 64 paths leave a noise of 5 %
-	 * of a leaf's irradiance; products of two have a mean with a standard error of (0.05)^2 / sqrt(500), as large leaves
-	 * count most and channels are alike. */
-	assert_true(reference_error_measure(a.irradiance, r.irradiance[0], r.irradiance[1], scene.areas, count, &error));
+	 * of a leaf's irradiance; products of two have a mean with a standard error of (0.05)^2 / sqrt(500), as large
+	 * leaves count most and channels are alike. */
+	assert_true(
+	    reference_error_measure(a.irradiance, r.irradiance[0], r.irradiance[1], scene.areas, count, &error));
 	double cross = 0, size = 0;
 	for (uint32_t k = 0; k < 3 * count; k++) {
 		const double area = scene.areas[k / 3];
@@ -158,7 +159,8 @@ static void noise_falls_and_seeds_decide(void **state)
 	assert_memory_equal(again.irradiance, coarse[0].irradiance, sizeof(double) * 3 * again.count);
 	const double noise[2] = {rms_difference(&coarse[0], &coarse[1]), rms_difference(&fine[0], &fine[1])};
 	printf("  noise at 4 and 64 paths: ratio %.2f\n", noise[0] / noise[1]);
-	/* sqrt(16) = 4 without stratification, at most 16 with a perfect one; 3 % of sampling error of the ratio itself */
+	/* sqrt(16) = 4 without stratification, at most 16 with a perfect one; 3 % of sampling error of the ratio itself
+	 */
 	expect_below("1 / sqrt(paths)", 0.97 * 4, noise[0] / noise[1]);
 	expect_below("noise that still falls as paths do", noise[0] / noise[1], 16);
 	for (int k = 0; k < 2; k++) {
@@ -180,7 +182,8 @@ static void furnace(void **state)
 		gi_context_def def = harness_def();
 		def.row_tolerance = 0.2f;
 		gi_context *gi = harness_context(&def);
-		harness_object o = {.name = "room", .levels = 1, .rho = {rho[k], rho[k], rho[k]}, .exitance = {1, 1, 1}};
+		harness_object o = {
+		    .name = "room", .levels = 1, .rho = {rho[k], rho[k], rho[k]}, .exitance = {1, 1, 1}};
 		engine_mesh mesh;
 		assert_true(shape_box((float[]){-1, -1, -1}, (float[]){1, 1, 1}, 2, true, &mesh));
 		harness_add(gi, &o, &mesh);
@@ -242,8 +245,8 @@ static void sky(void **state)
 
 /* Parallel unit squares, gap 1, the upper one lit, rho 0.5 on both. Its light arrives below: B_2 = 0.1009198803 for
  * E = 1 when both are one leaf, whose irradiance is even; true irradiance is not, and its mean differs by 0.04 %. With
- * the lamp turned over only its black back is seen, and a sheet between them that reflects on both sides keeps all light
- * above it. */
+ * the lamp turned over only its black back is seen, and a sheet between them that reflects on both sides keeps all
+ * light above it. */
 static void backs_and_sheets(void **state)
 {
 	(void)state;

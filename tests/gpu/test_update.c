@@ -103,15 +103,18 @@ static void expect_flat_memory(const memory *before, gi_context *gi, const tally
 	const memory now = memory_now(gi);
 	if (!before->gpu_bytes)
 		return;
-	printf("  memory after %d frames and at the end: %.1f and %.1f MB on the GPU, %ld and %ld MB of the process at most\n",
+	printf("  memory after %d frames and at the end: %.1f and %.1f MB on the GPU, %ld and %ld MB of the process at "
+	       "most\n",
 	       WARM_FRAMES, 1e-6 * (double)before->gpu_bytes, 1e-6 * (double)now.gpu_bytes, before->resident_kib >> 10,
 	       now.resident_kib >> 10);
 	assert_true(now.gpu_bytes == before->gpu_bytes || t->regrown);
 	assert_true(now.resident_kib <= before->resident_kib + (64 << 10));
 }
 
-/* Compares every `every`-th frame: an update accumulates nothing, so what went wrong in between would show there too. */
-static void run(const char *name, open_fn *open, const gi_context_def *def, uint32_t frames, uint32_t every, bool stay_inside)
+/* Compares every `every`-th frame: an update accumulates nothing, so what went wrong in between would show there too.
+ */
+static void run(const char *name, open_fn *open, const gi_context_def *def, uint32_t frames, uint32_t every,
+		bool stay_inside)
 {
 	memory before = {0};
 	scene pair[2];
@@ -174,7 +177,8 @@ static void open_front(void **state)
 	const gi_context_def def = coarse_def();
 	const char *frames = getenv("RELUME_FRAMES");
 	const char *every = getenv("RELUME_COMPARE_EVERY");
-	run("open box", open_box, &def, frames ? (uint32_t)atoi(frames) : 200, every ? (uint32_t)atoi(every) : 1, false);
+	run("open box", open_box, &def, frames ? (uint32_t)atoi(frames) : 200, every ? (uint32_t)atoi(every) : 1,
+	    false);
 }
 
 static void bright_sky(void **state)
