@@ -271,7 +271,7 @@ static void run_budgets(session *s)
 	    {.method = "engine budget", .budget.rays = 2000},  {.method = "engine budget", .budget.rays = 8000},
 	    {.method = "engine budget", .budget.rays = 32000}, {.method = "engine error", .budget.error = 0.3f},
 	    {.method = "engine error", .budget.error = 0.1f},  {.method = "engine error", .budget.error = 0.03f}};
-	enum { KINDS = sizeof kinds / sizeof *kinds, FRAMES = 24 };
+	enum { KINDS = sizeof kinds / sizeof *kinds, FRAMES = 24, SECONDS = 1000 };
 	const float tolerance = s->options->quick || s->kind->exact_irradiance > 0 ? COARSE : TOLERANCE;
 	gi_object mover;
 	gi_context *gi = open_gi(s, tolerance, 0, &mover);
@@ -281,7 +281,8 @@ static void run_budgets(session *s)
 	const double began = now_ms();
 	check(gi_set_pose(gi, mover, s->kind->pose(0)));
 	advance(gi, &frame_kinds[0]);
-	const uint32_t frames = s->options->quick ? 2 : repeats(s, now_ms() - began, FRAMES);
+	const double ms = now_ms() - began;
+	const uint32_t frames = s->options->quick ? 2 : ms < SECONDS ? FRAMES : repeats(s, ms, FRAMES);
 	check(gi_set_pose(gi, mover, s->kind->pose(FRAME)));
 	advance(gi, &kinds[0]); /* shaders compile */
 	static samples times;
