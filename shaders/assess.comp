@@ -2,17 +2,15 @@
 // Under a budget: what has to be refreshed of each row, what that takes, and a bound on what it changes. One thread a
 // leaf.
 //
-// A closed row shares out a weight of 1. Let T be the sum of F V of its entries, D = |1 - T|, X and X' what the touched
-// ones have of it and may have afterwards, U = T - X the rest. Entries that nothing touched keep F and V. Closing corrects
-// all entries of a row one way, by 1 - T in sum before and by 1 - T' afterwards, with U <= T' <= U + X'. So of the untouched
-// entries those that rise do so by no more than X + D, those that fall by no more than X' + D:
+// A closed row shares out a weight of 1. Let T be the sum of F V of its entries, T' what it becomes. Closing gives what
+// is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry, beta
+// and beta' the means of those that get it, and delta what each touched entry gains or loses of F V,
 //
-//     H rises by at most  gain + (X + D) B_firm + what emitters are raised by
-//     H falls by at most  loss + (X' + D) B_firm + what emitters are raised or lowered by, and by no more than H
+//     H' - H = sum of delta (b - beta') + (1 - T) (beta' - beta),   darkest <= beta, beta' <= brightest of the row
 //
-// gain: what the touched entries can bring, loss: what they bring now, B_firm: the brightest untouched entry but for
-// emitters, which are corrected only when the others are at their limits. Where the row may not close, everything counts as
-// touched.
+// An entry that was flagged gains at most F (1 - V) and loses at most F V; of a source that is cut anew all goes, and as
+// much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
+// raised or lowered by counts on its own. A row that may not close may become anything.
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
@@ -25,7 +23,6 @@
 #define USE_SUSPECTS
 #define USE_ROWS
 #define USE_RADIOSITY
-#define USE_LEAF_RADIOSITY
 #define USE_CHOICES
 #define USE_PENDING
 #define USE_SHINE
@@ -39,10 +36,11 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// As closing has them (close.comp): no entry more than doubles, rows that lack more stay open, sums end this close to 1.
+// As closing has them (close.comp): no entry more than doubles, rows that all doubled lack much stay open, sums end this
+// close to 1.
 const float CLOSE_RAISE = 2.0;
 const float OPEN_RAISE = 2.5; // and is scaled to what is missing of 1
-const float CLOSES_ABOVE = 0.41;
+const float CLOSES_ABOVE = 0.5;
 const float CLOSE_SLACK = 4e-5;
 
 // Emitters of more weight than this may have to be lowered for a row to close.
@@ -51,89 +49,113 @@ const float EMITTERS_MOVE_ABOVE = 0.9;
 // After so many updates (and up to half as many more) a row goes first, whatever its bound.
 const float OLDEST = 48.0;
 
-struct part {
-	float weight;
-	float emitters; // part of weight
-	vec3 brightest; // B of those that are no emitters
-	vec3 brightest_emitter;
+// More than the rounding of the sum of a row's links.
+const float SUM_SLACK = 1e-5;
+
+struct range {
+	vec3 least, most;
 };
+
+const range NOTHING = range(vec3(3e38), vec3(0.0));
+
+void include(inout range r, range b)
+{
+	r = range(min(r.least, b.least), max(r.most, b.most));
+}
+
+// Weight that entries lose or gain.
+struct part {
+	float others, emitters;
+	vec3 low;  // sum of weight times the least B, of the others
+	vec3 high; // sum of weight times the largest B, of all
+};
+
+float weight_of(part p)
+{
+	return p.others + p.emitters;
+}
+
+void add(inout part p, float weight, range b, bool emitter)
+{
+	p.others += emitter ? 0.0 : weight;
+	p.emitters += emitter ? weight : 0.0;
+	p.low += emitter ? vec3(0.0) : weight * b.least;
+	p.high += weight * b.most;
+}
 
 struct sums {
-	part firm;            // untouched: F V, each taken as bright as the brightest of its object
-	part touched;         // what they may weigh afterwards: F, or the most that a new cut may have
-	float weight_before;  // F V of the touched
-	vec3 gain, loss;      // touched: F B, and F V B now
+	float firm_others, firm_emitters; // F V of the untouched
+	part lost, gained;                // of the touched
+	float kept;                       // what the touched may weigh afterwards
+	range others, emitters;           // B of the entries, before and afterwards
 	uint rays, entries;
 };
-
-void add(inout part p, float weight, vec3 b, bool emitter)
-{
-	p.weight += weight;
-	if (emitter) {
-		p.emitters += weight;
-		p.brightest_emitter = max(p.brightest_emitter, b);
-	} else {
-		p.brightest = max(p.brightest, b);
-	}
-}
-
-vec3 brightest(part p)
-{
-	return max(p.brightest, p.brightest_emitter);
-}
-
-vec3 shine_of(uint object)
-{
-	return vec3(uintBitsToFloat(shine[4u * object]), uintBitsToFloat(shine[4u * object + 1u]), uintBitsToFloat(shine[4u * object + 2u]));
-}
 
 // What a row has of one source object.
 struct source_part {
 	uint object;
-	vec3 shine;   // the largest B that may come from it
-	bool emits;   // some of it
+	range others;   // B of its leaves that are no emitters
+	vec3 brightest; // B of all of them
+	bool emits;     // some of it
 };
 
 source_part load_source(uint object)
 {
-	uint root = objects[object].nodes.x;
-	bool sky = (objects[object].bvh.z & GI_OBJECT_SKY) != 0u;
-	return source_part(object, sky ? radiosity[root].xyz : shine_of(object), (topology[root].range.w & GI_NODE_EMITTER) != 0u);
-}
-
-bool is_emitter(source_part from, uint node)
-{
-	return from.emits && (topology[node].range.w & GI_NODE_EMITTER) != 0u;
+	uint root = objects[object].nodes.x, flags = topology[root].range.w;
+	bool emits = (flags & GI_NODE_EMITTER) != 0u;
+	vec3 b = radiosity[root].xyz;
+	if ((objects[object].bvh.z & GI_OBJECT_SKY) != 0u)
+		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits);
+	source_part from = source_part(object, NOTHING, vec3(0.0), emits);
+	for (uint c = 0u; c < 3u; c++) {
+		uint at = GI_SHINE_WORDS * object + c;
+		from.others.most[c] = uintBitsToFloat(shine[at + GI_SHINE_OTHERS]);
+		from.brightest[c] = uintBitsToFloat(shine[at + GI_SHINE_ALL]);
+		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~shine[at + GI_SHINE_LEAST]);
+	}
+	return from;
 }
 
 void add_entry(inout sums s, source_part from, uvec4 e, bool touched, bool stays)
 {
 	uint taken = samples_of(e);
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
-	bool emitter = is_emitter(from, e.x);
+	s.rays += touched ? max(taken, 1u) : 0u;
+	s.entries += touched ? 1u : 0u;
+	if (v == 0.0 && !(touched && stays))
+		return;
+	bool emitter = from.emits && (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
+	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	range b = range(mean, mean);
+	if (emitter)
+		include(s.emitters, b);
+	else
+		include(s.others, b);
 	if (!touched) {
-		if (v > 0.0)
-			add(s.firm, v, from.shine, emitter);
+		s.firm_others += emitter ? 0.0 : v;
+		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
-	s.weight_before += v;
-	s.loss += v * b;
-	s.rays += max(taken, 1u);
-	s.entries++;
-	add(s.touched, stays ? f : 0.0, b, emitter);
-	s.gain += stays ? f * b : vec3(0.0);
+	add(s.lost, v, b, emitter);
+	if (stays) {
+		add(s.gained, max(f - v, 0.0), b, emitter);
+		s.kept += f;
+	}
 }
 
-// What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
-void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
+// What a new cut of a source may bring.
+void add_cut(inout sums s, source_part from, gi_node_geometry p, uint count)
 {
 	bool sky = (objects[from.object].bvh.z & GI_OBJECT_SKY) != 0u;
-	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
+	float f = sky ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
-	add(s.touched, f, from.shine, from.emits);
-	s.gain += f * from.shine;
+	range b = range(from.others.least, from.brightest);
+	add(s.gained, f, b, from.emits);
+	s.kept += f;
+	include(s.others, from.others);
+	if (from.emits)
+		include(s.emitters, b);
 	s.rays += count == 0u ? 1u : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -141,7 +163,7 @@ void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uin
 sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
-	sums s = sums(none, none, 0.0, vec3(0.0), vec3(0.0), 0u, 0u);
+	sums s = sums(0.0, 0.0, none, none, 0.0, NOTHING, NOTHING, 0u, 0u);
 	gi_node_geometry p = world[leaves[leaf].x];
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		uvec4 block = segments[leaf * frame.counts.z + source];
@@ -153,7 +175,7 @@ sums sum_row(uint leaf, watch w)
 			add_entry(s, from, e, cut || is_flagged(w, p, e), !cut);
 		}
 		if (cut)
-			add_cut(s, from, p, w.moved, count);
+			add_cut(s, from, p, count);
 	}
 	return s;
 }
@@ -161,29 +183,27 @@ sums sum_row(uint leaf, watch w)
 // xyz: bound on what refreshing the row changes of H; w: on the share of its weight that moves.
 vec4 bound_of(sums s, vec3 h)
 {
-	float before = s.firm.weight + s.weight_before;
+	float firm = s.firm_others + s.firm_emitters, lost = weight_of(s.lost);
+	float emitters = s.firm_emitters + s.lost.emitters + s.gained.emitters;
+	vec3 darkest = min(s.others.least, s.emitters.least), dim = s.others.most, bright = max(dim, s.emitters.most);
 	// Whatever the row becomes: weights of 1 in sum, of which emitters have no more than raised and scaled.
-	vec3 emitted = OPEN_RAISE * (s.firm.emitters * s.firm.brightest_emitter + s.touched.emitters * s.touched.brightest_emitter);
-	vec3 dim = max(s.firm.brightest, s.touched.brightest);
-	vec3 all = min(dim + emitted, max(brightest(s.firm), brightest(s.touched)));
-	if (s.firm.weight < CLOSES_ABOVE || before < CLOSES_ABOVE)
-		return vec4(max(all, h), 1.0);
+	vec3 most = min(dim + OPEN_RAISE * emitters * s.emitters.most, bright);
+	vec3 rise_limit = max(most - h, vec3(0.0)) + SUM_SLACK * h, fall_limit = h * (1.0 + SUM_SLACK);
+	if (firm < CLOSES_ABOVE)
+		return vec4(max(rise_limit, fall_limit), 1.0);
+	float lacked = abs(1.0 - firm - lost);
 	// Touched entries are raised too: none more than doubles, together they gain no more than the row lacks.
-	float lacked = abs(1.0 - before);
-	float raise_old = min((CLOSE_RAISE - 1.0) * s.weight_before, max(0.0, 1.0 - before));
-	float raise_new = min((CLOSE_RAISE - 1.0) * s.touched.weight, max(0.0, 1.0 - s.firm.weight));
-	float moved = min(1.0, max(s.weight_before, s.touched.weight) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
+	float raise_old = min((CLOSE_RAISE - 1.0) * lost, max(0.0, 1.0 - firm - lost));
+	float raise_new = min((CLOSE_RAISE - 1.0) * s.kept, max(0.0, 1.0 - firm));
+	float moved = min(1.0, max(lost, s.kept) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
 	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
-	float others = s.firm.weight - s.firm.emitters;
-	float lack = max(0.0, 1.0 - CLOSE_RAISE * others - s.firm.emitters);
-	bool full = s.firm.emitters + s.touched.emitters > EMITTERS_MOVE_ABOVE;
-	vec3 raised = min(lack, s.firm.emitters) * s.firm.brightest_emitter + min(lack, s.touched.emitters) * s.touched.brightest_emitter;
-	vec3 lowered = (full ? s.firm.emitters : 0.0) * s.firm.brightest_emitter;
-	vec3 gain = s.gain + raise_new * s.touched.brightest;
-	vec3 loss = s.loss + raise_old * s.touched.brightest;
-	vec3 rise = min(gain + (s.weight_before + lacked) * s.firm.brightest + raised, all);
-	vec3 fall = min(loss + min(1.0, s.touched.weight + lacked) * s.firm.brightest + raised + lowered, h);
-	return vec4(max(rise, fall) + CLOSE_SLACK * all, moved);
+	float raised = min(emitters, max(0.0, 1.0 - CLOSE_RAISE * s.firm_others - s.firm_emitters));
+	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
+	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * bright + CLOSE_SLACK * most;
+	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
+	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low + s.lost.emitters * dim_emitters;
+	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
+	return vec4(max(min(max(rise, 0.0) + either, rise_limit), min(max(fall, 0.0) + either, fall_limit)), moved);
 }
 
 // Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go first.
@@ -204,16 +224,15 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	watch w = watch_of(leaf);
-	vec3 b = leaf_radiosity[leaf].xyz;
-	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), vec4(b, 0.0));
+	vec3 h = pending[leaf].bound.xyz;
+	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), pending[leaf].before);
 	bool changed = false;
 	for (uint k = frame.update.y; k < frame.update.z; k++)
 		changed = changed || max(objects[suspects[k]].changed.x, objects[suspects[k]].changed.y) > w.since;
 	if (changed) {
 		sums s = sum_row(leaf, w);
 		gi_material_data m = materials[leaves[leaf].z];
-		vec3 h = mix(vec3(0.0), (b - m.exitance.xyz) / m.rho.xyz, greaterThan(m.rho.xyz, vec3(0.0)));
-		vec4 bound = bound_of(s, max(h, vec3(0.0)));
+		vec4 bound = bound_of(s, h);
 		bound.xyz *= m.rho.xyz;
 		// As it will count in the end (stale.comp), if B goes about as far as it went in the update before.
 		float rho = max(m.rho.x, max(m.rho.y, m.rho.z));

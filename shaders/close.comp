@@ -196,10 +196,13 @@ float write_links(uint leaf, uint at, correction c, float scale)
 uvec2 fit_block(uvec2 block, uint needed)
 {
 	uint size_class = block.y >> 24u;
-	if (needed == 0u || (size_class != GI_BLOCK_NO_CLASS && needed <= GI_BLOCK_SMALLEST << size_class))
+	bool has = size_class != GI_BLOCK_NO_CLASS;
+	if (has && needed <= GI_BLOCK_SMALLEST << size_class && !is_too_large(size_class, needed))
 		return block;
-	if (size_class != GI_BLOCK_NO_CLASS)
+	if (has)
 		pool_give(block.x, size_class);
+	if (needed == 0u)
+		return uvec2(0u, GI_BLOCK_NO_CLASS << 24u);
 	size_class = class_of(needed);
 	uint offset = pool_take(size_class);
 	return uvec2(offset, (offset == GI_NONE ? GI_BLOCK_NO_CLASS : size_class) << 24u);

@@ -38,6 +38,11 @@ const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 const float SPARSE = 0.35;
 const float SPARSE_NEAR = 4.0;
 
+// Nor are several walls like anything at their middle: an open surface whose normals are farther apart than this cosine,
+// or what is flat and yet no quad.
+const float APART = 0.8;
+const float FLAT = 1.0 - 1e-6;
+
 gi_node_geometry geometry_of(uint node, bool same)
 {
 	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the
@@ -77,8 +82,8 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
 	// Of lamps what they show counts, so that rows of them seen edge-on are refined too.
 	float area = (flags & GI_NODE_EMITTER) != 0u ? shown : g.moment.w;
-	bool sparse = (flags & GI_NODE_POLYGON) == 0u && area < SPARSE * g.sphere.w * g.sphere.w;
-	if (sparse && d < SPARSE_NEAR * g.sphere.w)
+	bool sparse = area < SPARSE * g.sphere.w * g.sphere.w || ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
+	if (sparse && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
 	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
@@ -108,6 +113,25 @@ uvec2 grow(uvec2 block, uint count)
 		entries[offset + k] = entries[block.x + k];
 	pool_give(block.x, c);
 	return uvec2(offset, (c + 1u) << 24u);
+}
+
+// Gives back a block that holds nothing, or moves what little it holds.
+uvec2 shrink(uvec2 block, uint count)
+{
+	uint c = block.y >> 24u;
+	if (count == 0u) {
+		pool_give(block.x, c);
+		return uvec2(0u, GI_BLOCK_NO_CLASS << 24u);
+	}
+	if (!is_too_large(c, count))
+		return block;
+	uint offset = pool_try(class_of(count));
+	if (offset == GI_NONE)
+		return block;
+	for (uint k = 0u; k < count; k++)
+		entries[offset + k] = entries[block.x + k];
+	pool_give(block.x, c);
+	return uvec2(offset, class_of(count) << 24u);
 }
 
 // Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
@@ -165,6 +189,7 @@ void main()
 		}
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
 	}
+	block = shrink(block, count);
 	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
 
 	if (count != old_count)

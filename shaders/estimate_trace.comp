@@ -60,7 +60,7 @@ bool sees(pair p, segment_end a, vec2 u, uint t)
 	for (uint attempt = 0u; attempt < TRIES; attempt++) {
 		vec3 m;
 		segment_end b = source_end(p, item_numbers(t, attempt).zw, m);
-		if (faces(p, a, b, u, m))
+		if (transfer(p, a, b, u, m) > 0.0)
 			return segment_blocker(p.receiver, a, p.source, b) == GI_BLOCKER_NONE;
 	}
 	return false;

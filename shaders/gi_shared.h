@@ -204,6 +204,13 @@ GI_STRUCT(gi_pending) {
 #define GI_BUCKETS 1024u
 #define GI_BUCKETS_PER_OCTAVE 16u
 
+/* Of an object under a budget, words of three channels each as float bits: the largest B of its leaves that emit nothing,
+ * the largest of all, the complement of the least. */
+#define GI_SHINE_OTHERS 0u
+#define GI_SHINE_ALL 3u
+#define GI_SHINE_LEAST 6u
+#define GI_SHINE_WORDS 9u
+
 /* The buffer of choices: rays by bucket, then the chosen leaves. */
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
@@ -349,7 +356,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_SPREAD 31
 #define GI_BIND_CHOICES 32         /* uint: GI_BUCKETS, then leaves */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_SHINE 34           /* 4 uint per object slot: largest B of its leaves, rgb as float bits */
+#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

@@ -21,7 +21,8 @@ uint class_of(uint n)
 
 // Shaders that take blocks define POOL, the array of the allocator's words (GI_POOL_*), before including this file.
 #ifdef POOL
-uint pool_take(uint size_class)
+// GI_NONE when the pool is full.
+uint pool_try(uint size_class)
 {
 	int left = int(atomicAdd(POOL[GI_POOL_FREE + size_class], 0xFFFFFFFFu));
 	if (left > 0)
@@ -32,8 +33,16 @@ uint pool_take(uint size_class)
 	if (offset + size <= POOL[GI_POOL_LIMIT])
 		return offset;
 	atomicAdd(POOL[GI_POOL_BUMP], 0u - size);
-	atomicOr(state[GI_STATE_OVERFLOW], 1u);
 	return GI_NONE;
+}
+
+// The same, and the frame's rows do not count then.
+uint pool_take(uint size_class)
+{
+	uint offset = pool_try(size_class);
+	if (offset == GI_NONE)
+		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+	return offset;
 }
 
 void pool_give(uint offset, uint size_class)
@@ -43,5 +52,12 @@ void pool_give(uint offset, uint size_class)
 		POOL[GI_POOL_PENDING_LIST + 2u * k] = offset;
 		POOL[GI_POOL_PENDING_LIST + 2u * k + 1u] = size_class;
 	}
+}
+
+// Blocks that have become four times too large are changed for others: kept, each would grow to the most that its array
+// ever held, and the pool with them.
+bool is_too_large(uint size_class, uint n)
+{
+	return size_class >= class_of(n) + 2u;
 }
 #endif

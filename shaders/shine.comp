@@ -1,8 +1,14 @@
 #version 450 core
-// Largest B of each object's leaves before the solve. One thread a leaf.
+// What light there is before the solve. Of each object's leaves the largest B, that of those that emit nothing, the
+// least; of each leaf B, and H in the place of the bound that assess.comp makes with it. One thread a leaf.
 #define USE_FRAME
+#define USE_TOPOLOGY
 #define USE_LEAVES
+#define USE_ROWS
+#define USE_LINKS
+#define USE_RADIOSITY
 #define USE_LEAF_RADIOSITY
+#define USE_PENDING
 #define USE_SHINE
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -14,8 +20,17 @@ void main()
 	uint leaf = thread_number();
 	if (leaf >= frame.counts.x)
 		return;
-	uint object = leaves[leaf].y;
-	vec3 b = leaf_radiosity[leaf].xyz;
-	for (int c = 0; c < 3; c++)
-		atomicMax(shine[4u * object + uint(c)], floatBitsToUint(b[c]));
+	bool emitter = (topology[leaves[leaf].x].range.w & GI_NODE_EMITTER) != 0u;
+	for (uint c = 0u; c < 3u; c++) {
+		uint at = GI_SHINE_WORDS * leaves[leaf].y + c, b = floatBitsToUint(leaf_radiosity[leaf][c]);
+		atomicMax(shine[at + GI_SHINE_ALL], b);
+		atomicMax(shine[at + GI_SHINE_OTHERS], emitter ? 0u : b);
+		atomicMax(shine[at + GI_SHINE_LEAST], ~b);
+	}
+	uvec4 row = rows[leaf];
+	vec3 h = vec3(0.0);
+	for (uint k = row.x; k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++)
+		h += uintBitsToFloat(links[k].y) * radiosity[links[k].x].xyz;
+	pending[leaf].bound.xyz = h;
+	pending[leaf].before = vec4(leaf_radiosity[leaf].xyz, 0.0);
 }

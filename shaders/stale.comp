@@ -1,8 +1,9 @@
 #version 450 core
 // After the solve under a budget: what B may be off by since rows wait. STAGE 0: how far B went from what the bounds
-// were made with; STAGE 1: the bounds d, each entry's B taken that much brighter. One thread a leaf.
+// were made with; STAGE 1: the bounds d at the solution of the rows, each entry's B taken that much brighter and by the
+// solve's own bound. One thread a leaf.
 //
-// No row sums to more than 1, so the leaf whose B is off most, by e, has e <= d + rho e: e <= max d / (1 - rho).
+// No row sums to more than 1, so the leaf whose solution is off most, by e, has e <= d + rho e: e <= max d / (1 - rho).
 #define USE_FRAME
 #define USE_LEAVES
 #define USE_MATERIALS
@@ -35,7 +36,8 @@ void main()
 	} else if (row.key.z > 0u) {
 		// A share of weight leaves one place and comes to another.
 		float rho = largest(materials[leaves[leaf].z].rho.xyz);
-		float more = 2.0 * row.bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * rho;
+		float went = uintBitsToFloat(state[GI_STATE_STEP_BITS]) + uintBitsToFloat(state[GI_STATE_BOUND_BITS]);
+		float more = 2.0 * row.bound.w * went * rho;
 		float off = OUTWARD * (largest(row.bound.xyz) + more);
 		atomicMax(state[GI_STATE_STALE_BITS], floatBitsToUint(off / (1.0 - rho)));
 	}

@@ -23,19 +23,32 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 
 const uint PROBES = 4u;
 
-uint trace_sample(pair p, uint k)
+// A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
+// seldom hidden; so V is wanted of the light, not of the area. Of so many segments one is traced, drawn in proportion to
+// what they carry.
+const uint CANDIDATES = 4u;
+
+uint trace_sample(pair p, uint k, uint candidates)
 {
 	segment_end a, b;
-	bool facing = false;
-	for (uint attempt = 0u; attempt < TRIES && !facing; attempt++) {
-		vec4 u = sample_numbers(p.leaf, p.node, k + 16u * attempt);
+	float sum = 0.0;
+	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
+		uint number = k + 16u * attempt;
+		vec4 u = sample_numbers(p.leaf, p.node, number);
 		vec3 m;
-		a = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy));
-		b = source_end(p, u.zw, m);
-		facing = faces(p, a, b, u.xy, m);
+		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
+		float carried = transfer(p, from, to, u.xy, m);
+		if (carried == 0.0)
+			continue;
+		sum += carried;
+		// The first always, the next ones by their parts of the sum.
+		if (unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(number)))) * sum <= carried) {
+			a = from;
+			b = to;
+		}
 	}
 	// Hardly any of the source is before the receiver: what is not must not shine through its back.
-	if (!facing)
+	if (sum == 0.0)
 		return p.receiver.object;
 	return segment_blocker(p.receiver, a, p.source, b);
 }
@@ -60,9 +73,10 @@ void main()
 	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
 	// rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
+	uint candidates = emitter || p.sky ? 1u : CANDIDATES; // emitters are cut fine
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
 	while (taken < wanted) {
-		uint by = trace_sample(p, taken);
+		uint by = trace_sample(p, taken, candidates);
 		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else

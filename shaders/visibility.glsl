@@ -83,16 +83,21 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 	return end_on(p.source, leaf, point_on(q, u));
 }
 
-// Does the segment leave the front of the receiver and arrive on the side of the source that the entry is about?
-bool faces(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
+// Less than any transfer that is one.
+const float LEAST_TRANSFER = 1e-30;
+
+// How much light a segment carries, next to others of the same two surfaces, m: cos cos' area / d^2; 0 unless it leaves
+// the front of the receiver and arrives on the side of the source that the entry is about.
+float transfer(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 {
 	// Of the triangle of the receiver that the point is on (point_on_quad).
 	vec3 normal = u.x >= u.y || p.mine.c == p.mine.d ? cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a) : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
 	if (!p.same)
 		normal = direction_to_world(p.receiver, normal);
 	if (p.sky)
-		return dot(normal, b.world) > 0.0;
+		return max(dot(normal, b.world), 0.0);
 	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
 	vec3 n = p.same ? m : direction_to_world(p.source, m);
-	return dot(normal, d) > 0.0 && (dot(n, d) < 0.0) != p.back;
+	float leaves_at = dot(normal, d), arrives_at = p.back ? dot(n, d) : -dot(n, d), d2 = dot(d, d);
+	return leaves_at > 0.0 && arrives_at > 0.0 ? max((leaves_at / d2) * (arrives_at / d2), LEAST_TRANSFER) : 0.0;
 }

@@ -1,15 +1,15 @@
 /* Updates that may not refresh every row: which rows go first, and what those that wait may be off by.
  *
- *   shine    largest B of each object
+ *   shine    the range of B of each object
  *   assess   of every row: the rays that it takes, a bound on what refreshing it changes, the bucket of its priority
  *   choose   the lowest bucket that the budget reaches
  *   enlist   the rows to refresh, in a list that cut, flag and close work through
  *   (rows, solve)
  *   stale    the largest bound of a row that waits
  *
- * Let B* solve the rows that an exact update would have. |B - B*| <= d + r + rho F* |B - B*| leaf by leaf, d bounding
- * what refreshing the row changes at B and r the residual of the solve; since no row sums to more than 1, the leaf that
- * is off most bounds them all: |B - B*| <= max d / (1 - rho) + max r / (1 - max rho).
+ * Let B solve the rows that are there and B* those that an exact update would have. |B - B*| <= d + rho F* |B - B*| leaf
+ * by leaf, d bounding what refreshing the row changes at B; since no row sums to more than 1, the leaf that is off most
+ * bounds them all: |B - B*| <= max d / (1 - rho). The B of the frame is within solve_bound of B.
  */
 #include "bits.h"
 #include "context.h"
@@ -21,9 +21,6 @@ static const float LEARNING = 0.3f;
 
 /* Fewer rays tell the price of dispatches, not of rays. */
 static const uint64_t RAYS_TO_LEARN = 2000;
-
-/* More than a few units in the last place of single precision. */
-static const double ROUNDING = 1e-6;
 
 /* However little time is left, some rows are refreshed. */
 static const float LEAST_SHARE = 0.1f;
@@ -71,7 +68,7 @@ gi_result budget_allocate(gi_context *gi)
 		uint64_t bytes;
 	} sizes[] = {{&r->choices, sizeof(uint32_t) * (GI_BUCKETS + leaves)},
 		     {&r->pending, sizeof(gi_pending) * leaves},
-		     {&r->shine, 4 * sizeof(uint32_t) * slots}};
+		     {&r->shine, sizeof(uint32_t) * GI_SHINE_WORDS * slots}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++)
 		if (!sizes[k].buffer->name || sizes[k].buffer->size < sizes[k].bytes)
@@ -80,19 +77,6 @@ gi_result budget_allocate(gi_context *gi)
 }
 
 /* ---- limits ---- */
-
-/* 1 / (1 - q): what a change of one leaf's B grows to, whatever the rows. */
-static double amplification(const gi_context *gi)
-{
-	double q = 0;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		const scene_object *o = &gi->scene.objects[k];
-		for (uint32_t m = 0; o->committed && m < o->material_count; m++)
-			for (int c = 0; c < 3; c++)
-				q = fmax(q, (double)o->materials[m].rho[c]);
-	}
-	return 1 / (1 - q);
-}
 
 static float pass_sum(const gi_context *gi, const gi_pass *passes, size_t count)
 {
@@ -132,17 +116,14 @@ void budget_learn(gi_context *gi)
 	r->learned = report->frame;
 }
 
-void budget_report(const gi_context *gi, const uint32_t *state, gi_report *out)
+void budget_report(const uint32_t *state, gi_report *out)
 {
 	out->waiting_rows = state[GI_STATE_WAITING_ROWS];
 	out->waiting_entries = state[GI_STATE_WAITING_ENTRIES];
 	out->stale_bound = out->stale_relative = 0;
 	if (!out->waiting_rows)
 		return;
-	/* The residual is that of the B before the last sweep, which contracts it but for rounding. */
-	const double stale = (double)gi_float_from_bits(state[GI_STATE_STALE_BITS]);
-	const double residual = (double)out->residual + ROUNDING * (double)out->radiosity_max;
-	out->stale_bound = (float)((stale + residual * amplification(gi)) * (1 + ROUNDING));
+	out->stale_bound = gi_float_from_bits(state[GI_STATE_STALE_BITS]);
 	out->stale_relative = out->radiosity_max > 0 ? out->stale_bound / out->radiosity_max : 0;
 }
 

@@ -198,7 +198,7 @@ gi_result budget_allocate(gi_context *gi);
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_vec4 *limit);
 void budget_choose(gi_context *gi);  /* the rows to refresh; the movers' poses must be in the world */
 void budget_bound(gi_context *gi);   /* after the solve: what waiting rows may be off by */
-void budget_report(const gi_context *gi, const uint32_t *state, gi_report *out);
+void budget_report(const uint32_t *state, gi_report *out);
 void budget_learn(gi_context *gi);   /* what a ray costs, from the newest report */
 void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);

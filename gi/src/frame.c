@@ -45,7 +45,7 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->rounding_bound = gi_float_from_bits(state[GI_STATE_ROUNDING_BITS]);
 	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
-	budget_report(gi, state, r);
+	budget_report(state, r);
 	const float squared = gi_float_from_bits(state[GI_STATE_ESTIMATE_SQUARED]);
 	const float power = gi_float_from_bits(state[GI_STATE_ESTIMATE_POWER]);
 	r->sampling_estimate = squared > 0 ? sqrtf(squared) : 0;

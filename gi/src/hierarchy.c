@@ -8,6 +8,7 @@
  */
 #include "hierarchy.h"
 
+#include "quad_cover.h"
 #include "vec3d.h"
 
 #include <stdio.h>
@@ -20,6 +21,8 @@
 /* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
  * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */
 #define FLAT_TOLERANCE 1e-5
+/* Normals of what is flat. */
+#define FLAT_COSINE (1 - 1e-6f)
 /* Below this part of its area the moment is rounding noise: a closed surface has no mean normal. */
 #define NO_AXIS 1e-6
 /* Normals count this much of a bounds diagonal when base faces are clustered: opposite walls of a box part before the
@@ -374,6 +377,31 @@ static void set_spread(gi_hierarchy *h, uint32_t node)
 	h->spread[node].mixed = (gi_vec4){(float)t[3], (float)t[4], (float)t[5], (float)shape};
 }
 
+static bool is_of_one_material(const gi_hierarchy *h, uint32_t node)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	for (uint32_t leaf = range.y + 1; leaf < range.y + range.z; leaf++)
+		if (h->leaf_material[leaf] != h->leaf_material[range.y])
+			return false;
+	return true;
+}
+
+/* A cluster whose leaves tile a quad is as good as a face. */
+static void set_cover(gi_hierarchy *h, uint32_t node)
+{
+	gi_node_topology *t = &h->topology[node];
+	uint32_t corners[4];
+	const double tolerance = FLAT_TOLERANCE * h->geometry[node].sphere.w;
+	if (h->geometry[node].axis.w < FLAT_COSINE || !is_of_one_material(h, node) ||
+	    !gi_quad_cover(h, t->range.y, t->range.z, node_normal(h, node), tolerance, corners))
+		return;
+	t->corners = (gi_uvec4){corners[0], corners[1], corners[2], corners[3]};
+	if (is_flat(h, node))
+		t->range.w |= GI_NODE_POLYGON;
+	else
+		t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
+}
+
 static void measure_node(gi_hierarchy *h, uint32_t node)
 {
 	set_moment(h, node);
@@ -381,6 +409,8 @@ static void measure_node(gi_hierarchy *h, uint32_t node)
 	set_cone(h, node);
 	set_sphere(h, node);
 	gi_uvec4 *range = &h->topology[node].range;
+	if (!(range->w & GI_NODE_POLYGON))
+		set_cover(h, node);
 	if ((range->w & GI_NODE_POLYGON) && is_flat(h, node))
 		range->w |= GI_NODE_FLAT;
 }
@@ -481,7 +511,22 @@ static void select_items(cluster_item *items, int64_t count, int64_t middle, int
 	}
 }
 
-/* At most log2(items) deep. */
+/* Where to part items about their middle: not through a row of faces with one key, if it ends near by. A wall of n by m
+ * faces falls into rectangles then, which quads cover. */
+static uint32_t split_of(const cluster_item *items, uint32_t count, int axis)
+{
+	const uint32_t middle = count / 2;
+	const double key = items[middle].key[axis], same = 2 / KEY_STEPS;
+	uint32_t before = 0, behind = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		before += items[i].key[axis] < key - same;
+		behind += items[i].key[axis] > key + same;
+	}
+	const uint32_t split = middle - before <= count - behind - middle ? before : count - behind;
+	return split >= count / 4 && split <= count - count / 4 && split > 0 && split < count ? split : middle;
+}
+
+/* log2(items) deep, or little more. */
 static void emit_cluster(builder *b, cluster_item *items, uint32_t count)
 {
 	if (count == 1) {
@@ -489,10 +534,12 @@ static void emit_cluster(builder *b, cluster_item *items, uint32_t count)
 		return;
 	}
 	const uint32_t node = open_node(b->out, NULL);
-	const uint32_t middle = count / 2;
-	select_items(items, count, middle, widest_axis(items, count));
-	emit_cluster(b, items, middle);
-	emit_cluster(b, items + middle, count - middle);
+	const int axis = widest_axis(items, count);
+	select_items(items, count, count / 2, axis);
+	const uint32_t split = split_of(items, count, axis);
+	select_items(items, count, split, axis);
+	emit_cluster(b, items, split);
+	emit_cluster(b, items + split, count - split);
 	close_node(b->out, node);
 }
 

@@ -154,8 +154,8 @@ static void a_plane_of_any_scheme_is_flat_inside(void **state)
 	gi_hierarchy h;
 	cage_grid(&t, GI_REFINE_CATMULL_CLARK, 3);
 	build_cage(&t, 2, &h);
-	/* Sharp corners and straight edges: every face keeps its outline. */
-	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 9 * (1 + 4 + 16));
+	/* Sharp corners and straight edges: every face keeps its outline, and so do the eight clusters of nine faces. */
+	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 9 * (1 + 4 + 16) + 8);
 	gi_hierarchy_free(&h);
 	/* Rounded corners lose area against the quad: the four corner faces are no longer flat, nor their parents. */
 	t.cage.boundary = GI_REFINE_BOUNDARY_EDGE_ONLY;
@@ -174,13 +174,54 @@ static void bent_quads_are_not_flat(void **state)
 	cage_grid(&t, GI_REFINE_BILINEAR, 2);
 	t.positions[2] = 0.1f; /* lifts one corner of one quad */
 	build_cage(&t, 0, &h);
-	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 3);
+	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 3 + 1); /* and the pair of two that is not with it */
 	check_valid(&h);
 	gi_hierarchy_free(&h);
 	/* The refined corner face stays bent to its last leaf. */
 	build_cage(&t, 2, &h);
-	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 3 * (1 + 4 + 16));
+	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 3 * (1 + 4 + 16) + 1);
 	check_valid(&h);
+	gi_hierarchy_free(&h);
+}
+
+static uint32_t count_polygon_clusters(const test_cage *t)
+{
+	gi_hierarchy h;
+	build_cage(t, 0, &h);
+	check_valid(&h);
+	const uint32_t clusters = count_flag(&h, GI_NODE_POLYGON) - h.leaf_count;
+	gi_hierarchy_free(&h);
+	return clusters;
+}
+
+/* A wall of any number of faces is a rectangle, and so are its parts; what is not tiled by a quad is none. */
+static void clusters_of_a_wall_are_quads(void **state)
+{
+	(void)state;
+	test_cage t;
+	for (uint32_t n = 2; n <= 9; n++) {
+		cage_grid(&t, GI_REFINE_BILINEAR, n);
+		assert_int_equal(count_polygon_clusters(&t), n * n - 1);
+	}
+	/* Of two materials: the whole is no quad, halves are. */
+	cage_grid(&t, GI_REFINE_BILINEAR, 2);
+	t.materials[0] = t.materials[1] = 1;
+	assert_true(count_polygon_clusters(&t) < 3);
+	/* Of a 3 x 4 wall the corner is missing; the quad of its outermost corners has the area of the rest, and not its
+	 * shape. */
+	cage_begin(&t, GI_REFINE_BILINEAR);
+	for (uint32_t y = 0; y <= 4; y++)
+		for (uint32_t x = 0; x <= 3; x++)
+			cage_vertex(&t, (float)x, (float)y, 0.0f);
+	for (uint32_t y = 0; y < 4; y++)
+		for (uint32_t x = 0; x < 3; x++)
+			if (x < 2 || y < 2)
+				cage_face(&t, 4, (uint32_t[]){4 * y + x, 4 * y + x + 1, 4 * y + x + 5, 4 * y + x + 4});
+	memset(t.materials, 0, sizeof t.materials);
+	gi_hierarchy h;
+	build_cage(&t, 0, &h);
+	check_valid(&h);
+	assert_int_equal(h.topology[0].range.w & GI_NODE_POLYGON, 0);
 	gi_hierarchy_free(&h);
 }
 
@@ -406,6 +447,7 @@ int main(void)
 	    cmocka_unit_test(open_surfaces_show_their_backs),
 	    cmocka_unit_test(a_plane_of_any_scheme_is_flat_inside),
 	    cmocka_unit_test(bent_quads_are_not_flat),
+	    cmocka_unit_test(clusters_of_a_wall_are_quads),
 	    cmocka_unit_test(an_arrowhead_is_flat_only_along_its_spine),
 	    cmocka_unit_test(n_gons_have_children_and_no_corners),
 	    cmocka_unit_test(faces_without_area_are_dropped),
