@@ -19,6 +19,7 @@
 #define USE_MATERIALS
 #define USE_SEGMENTS
 #define USE_ENTRIES
+#define USE_TARGETS
 #define USE_STATE
 #define USE_SUSPECTS
 #define USE_ROWS
@@ -116,7 +117,7 @@ source_part load_source(uint object)
 	return from;
 }
 
-void add_entry(inout sums s, source_part from, uvec4 e, bool touched, bool stays)
+void add_entry(inout sums s, source_part from, uvec4 e, uint target, bool touched, bool stays)
 {
 	uint taken = samples_of(e);
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
@@ -125,7 +126,7 @@ void add_entry(inout sums s, source_part from, uvec4 e, bool touched, bool stays
 	if (v == 0.0 && !(touched && stays))
 		return;
 	bool emitter = from.emits && (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
-	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[target].xyz;
 	range b = range(mean, mean);
 	if (emitter)
 		include(s.emitters, b);
@@ -172,7 +173,7 @@ sums sum_row(uint leaf, watch w)
 		source_part from = load_source(source);
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = entries[block.x + k];
-			add_entry(s, from, e, cut || is_flagged(w, p, e), !cut);
+			add_entry(s, from, e, targets[block.x + k], cut || is_flagged(w, p, e), !cut);
 		}
 		if (cut)
 			add_cut(s, from, p, count);

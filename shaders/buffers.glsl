@@ -47,6 +47,9 @@ layout(std430, binding = GI_BIND_SEGMENTS) restrict buffer segment_block { uvec4
 #ifdef USE_ENTRIES
 layout(std430, binding = GI_BIND_ENTRIES) restrict buffer entry_block { uvec4 entries[]; };
 #endif
+#ifdef USE_TARGETS
+layout(std430, binding = GI_BIND_TARGETS) restrict buffer target_block { uint targets[]; };
+#endif
 #ifdef USE_ENTRY_POOL
 layout(std430, binding = GI_BIND_ENTRY_POOL) restrict buffer entry_pool_block { uint entry_pool[]; };
 #endif

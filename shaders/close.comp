@@ -7,6 +7,7 @@
 #define USE_TOPOLOGY
 #define USE_SEGMENTS
 #define USE_ENTRIES
+#define USE_TARGETS
 #define USE_ROWS
 #define USE_LINKS
 #define USE_NODE_EXITANCE
@@ -116,12 +117,12 @@ float corrected(visible_entry v, correction c)
 	return v.weight * clamp(1.0 + per_variance * v.variance / v.weight, CLOSE_LOWER, CLOSE_RAISE);
 }
 
-bool carries_light(uvec4 e)
+bool carries_light(uvec4 e, uint target)
 {
 	if ((e.w & GI_ENTRY_BACK) != 0u)
 		return false;
 	// Black patches only count in the sum; rho of a node is in the w of its exitance.
-	vec4 exitance = node_exitance[e.x];
+	vec4 exitance = node_exitance[target];
 	return exitance.w > 0.0 || exitance.x + exitance.y + exitance.z > 0.0;
 }
 
@@ -163,7 +164,7 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 				continue;
 			float w = corrected(v, c);
 			add(weight, w);
-			row.lit += carries_light(e) ? 1u : 0u;
+			row.lit += carries_light(e, targets[k]) ? 1u : 0u;
 			if (raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight)
 				continue;
 			row.free.others += v.emitter ? 0.0 : v.variance;
@@ -183,9 +184,9 @@ float write_links(uint leaf, uint at, correction c, float scale)
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = entries[k];
 			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), c);
-			if (weight <= 0.0 || !carries_light(e))
+			if (weight <= 0.0 || !carries_light(e, targets[k]))
 				continue;
-			links[at++] = uvec2(e.x, floatBitsToUint(weight));
+			links[at++] = uvec2(targets[k], floatBitsToUint(weight));
 			add(sum, weight);
 		}
 	}

@@ -4,7 +4,8 @@
 // pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
 #define USE_FRAME
 #define USE_TOPOLOGY
-#define USE_REST
+#define USE_WORLD
+#define USE_LEAVES
 #define USE_SEGMENTS
 #define USE_ENTRIES
 #define USE_ROWS
@@ -28,6 +29,7 @@ const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
 
 // Entries that no ray of the row reached are drawn this much less often.
 const float HIDDEN = 0.5;
+const float UNHIDDEN = 0.5;
 
 // Rows whose entries see less than this share of the hemisphere were not closed: no entry more than doubles, and what
 // then still lacks a fifth is left as it is (close.comp).
@@ -67,35 +69,65 @@ float seen_share(uvec4 e)
 	return float(bitCount(e.z & 0xFFFFu)) / float(max(taken, 1u));
 }
 
+float light_of(uvec4 e)
+{
+	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	return b.x + b.y + b.z;
+}
+
 // How often an entry is drawn: its light if it were seen, and its part of the sum that closes the row.
 float importance(uvec4 e, float mean_light)
 {
-	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
-	float light = b.x + b.y + b.z + mean_light;
-	return uintBitsToFloat(e.y) * light * (seen_share(e) > 0.0 ? 1.0 : HIDDEN);
+	return uintBitsToFloat(e.y) * (light_of(e) + mean_light) * (seen_share(e) > 0.0 ? 1.0 : HIDDEN);
 }
 
-uint leaf_below(uint node, uint number)
+// What a unit of a row's weight brings: what it does, but no less than a part of what it would if nothing were hidden.
+// A row that sees hardly more than the black back of a lamp has to find that back.
+float mean_light_of(uint leaf, vec3 h)
 {
-	for (uint depth = 0u; (topology[node].range.w & GI_NODE_LEAF) == 0u; depth++) {
-		float rest_of_pick = random(number, depth) * rest[node].moment.w;
-		uint end = topology[node].range.x, child = node + 1u;
-		for (uint next = child; next < end; next = topology[next].range.x) {
-			child = next;
-			rest_of_pick -= rest[next].moment.w;
-			if (rest_of_pick < 0.0)
-				break;
+	float light = 0.0, weight = 0.0;
+	for (uint s = 0u; s < frame.counts.z; s++) {
+		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
+			light += uintBitsToFloat(entries[k].y) * light_of(entries[k]);
+			weight += uintBitsToFloat(entries[k].y);
 		}
-		node = child;
 	}
-	return node;
+	float open = weight > 0.0 ? light / weight : 0.0;
+	return max(max(h.x + h.y + h.z, UNHIDDEN * open), 1e-20);
 }
 
+// What a node may bring to the receiver, about: what is near brings most.
+float part_of(gi_node_geometry p, uint node)
+{
+	gi_node_geometry g = world[node];
+	vec3 to = g.sphere.xyz - p.sphere.xyz;
+	float near = g.sphere.w + p.sphere.w;
+	return g.moment.w / max(dot(to, to), near * near);
+}
+
+// A leaf below the entry's node, drawn by what the parts of each node may bring.
 void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
 {
-	uint node = leaf_below(entry.x, at + 0x51ed270bu);
+	gi_node_geometry p = world[leaves[leaf].x];
+	uint node = entry.x;
+	float share = per_entry;
+	for (uint depth = 0u; (topology[node].range.w & (GI_NODE_LEAF | GI_NODE_SKY)) == 0u; depth++) {
+		uint end = topology[node].range.x, child = node + 1u;
+		float sum = 0.0;
+		for (uint next = child; next < end; next = topology[next].range.x)
+			sum += part_of(p, next);
+		float left = random(at + 0x51ed270bu, depth) * sum, part = 0.0;
+		for (uint next = child; next < end && left >= 0.0; next = topology[next].range.x) {
+			child = next;
+			part = part_of(p, next);
+			left -= part;
+		}
+		share *= sum / part;
+		node = child;
+	}
 	items[at] = uvec4(node, 0u, 0u, leaf);
-	shares[at] = per_entry * rest[entry.x].moment.w / max(rest[node].moment.w, 1e-30);
+	shares[at] = share;
 }
 
 struct row_totals {
@@ -145,7 +177,7 @@ void main()
 	uint local = t / GI_ESTIMATE_GROUPS, chosen = first + local;
 	uint leaf = leaf_at((float(chosen) + random(chosen, 0x7feb352du)) / float(all));
 	vec3 h = light_of_row(leaf);
-	float mean_light = max(h.x + h.y + h.z, 1e-20);
+	float mean_light = mean_light_of(leaf, h);
 	row_totals totals = total_row(leaf, mean_light);
 	draw_items(leaf, t * GROUP_ITEMS, mean_light, totals.importance);
 	if (t % GI_ESTIMATE_GROUPS == 0u)

@@ -31,7 +31,7 @@ const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
 // Even over a group's items, whose order is that of their sources; groups are independent.
 vec4 item_numbers(uint t, uint attempt)
 {
-	return sample_numbers(t / GROUP_ITEMS, salt, t % GROUP_ITEMS + GROUP_ITEMS * attempt);
+	return sample_numbers(t / GROUP_ITEMS, salt ^ hash(attempt), t % GROUP_ITEMS);
 }
 
 // Where a corner of the source is: at rest where both are one body's, else in the world; a direction for the sky.

@@ -147,7 +147,7 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
-/* A leaf: x node, y object slot, z material, w 0. A material: rho, then exitance. */
+/* A leaf: x node, y object slot, z material, w area of its object up to and with it, as float bits. A material: rho, then exitance. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
 	GI_VEC4 exitance;
@@ -357,6 +357,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_CHOICES 32         /* uint: GI_BUCKETS, then leaves */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot */
+#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

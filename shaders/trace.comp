@@ -11,6 +11,7 @@
 #define USE_PRIMITIVES
 #define USE_TLAS
 #define USE_ENTRIES
+#define USE_TARGETS
 #define USE_QUEUE
 #define USE_STATE
 #include "buffers.glsl"
@@ -28,13 +29,18 @@ const uint PROBES = 4u;
 // what they carry.
 const uint CANDIDATES = 4u;
 
-uint trace_sample(pair p, uint k, uint candidates)
+struct sample_result {
+	uint by;   // GI_BLOCKER_NONE: visible
+	uint leaf; // that it ends on; GI_NONE for the sky, or where no sample is before the receiver
+};
+
+sample_result trace_sample(pair p, uint k, uint candidates)
 {
 	segment_end a, b;
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
-		uint number = k + 16u * attempt;
-		vec4 u = sample_numbers(p.leaf, p.node, number);
+		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
+		vec4 u = sample_numbers(p.leaf, p.node ^ other, k);
 		vec3 m;
 		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
 		float carried = transfer(p, from, to, u.xy, m);
@@ -42,15 +48,31 @@ uint trace_sample(pair p, uint k, uint candidates)
 			continue;
 		sum += carried;
 		// The first always, the next ones by their parts of the sum.
-		if (unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(number)))) * sum <= carried) {
+		if (unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(k + 16u * attempt)))) * sum <= carried) {
 			a = from;
 			b = to;
 		}
 	}
 	// Hardly any of the source is before the receiver: what is not must not shine through its back.
 	if (sum == 0.0)
-		return p.receiver.object;
-	return segment_blocker(p.receiver, a, p.source, b);
+		return sample_result(p.receiver.object, GI_NONE);
+	return sample_result(segment_blocker(p.receiver, a, p.source, b), b.leaf);
+}
+
+// The light of a single sample is not that of the node's middle: through a door one sees what is opposite to it. It is taken
+// from around the sample, from a part of the node of this share of its leaves.
+const uint PART_SHIFT = 4u;
+
+uint part_around(uint node, uint leaf)
+{
+	uint enough = topology[node].range.z >> PART_SHIFT;
+	while (topology[node].range.z > max(enough, 1u)) {
+		uint child = node + 1u;
+		while (leaf >= topology[child].range.y + topology[child].range.z)
+			child = topology[child].range.x;
+		node = child;
+	}
+	return node;
 }
 
 void main()
@@ -61,6 +83,7 @@ void main()
 	uint slot = queue[t];
 	uvec4 entry = entries[slot];
 	float factor = uintBitsToFloat(entry.y);
+	targets[slot] = entry.x;
 	if (factor <= 0.0)
 		return; // however small, a bright lamp may be behind it
 	pair p = load_pair(entry);
@@ -76,11 +99,13 @@ void main()
 	uint candidates = emitter || p.sky ? 1u : CANDIDATES; // emitters are cut fine
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
 	while (taken < wanted) {
-		uint by = trace_sample(p, taken, candidates);
-		if (by == GI_BLOCKER_NONE)
+		sample_result s = trace_sample(p, taken, candidates);
+		if (wanted == 1u && s.leaf != GI_NONE)
+			targets[slot] = part_around(entry.x, s.leaf);
+		if (s.by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else
-			blocker = blocker == GI_BLOCKER_NONE || blocker == by ? by : GI_BLOCKER_MIXED;
+			blocker = blocker == GI_BLOCKER_NONE || blocker == s.by ? s.by : GI_BLOCKER_MIXED;
 		taken++;
 		if (taken == probes && (visible == 0u || visible == (1u << probes) - 1u))
 			break;

@@ -19,9 +19,9 @@ struct pair {
 	bool back;          // the source is seen from behind
 	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
 	body receiver, source;
-	quad mine, theirs;  // theirs: of the source node where `whole`
+	quad mine, theirs;  // theirs: of the source where `whole`
 	gi_node_topology t; // of the source
-	bool sky, whole;    // whole: one quad is the source's surface
+	bool sky, whole;    // whole: a leaf, or a patch of sky; else each sample is on a leaf of its own
 };
 
 pair load_pair(uvec4 entry)
@@ -32,7 +32,7 @@ pair load_pair(uvec4 entry)
 	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
 	p.t = topology[entry.x];
 	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
-	p.whole = p.sky || (p.t.range.w & GI_NODE_FLAT) != 0u || p.t.range.z == 1u;
+	p.whole = p.sky || p.t.range.z == 1u;
 	uvec4 mine = leaves[p.leaf];
 	p.receiver = load_body(mine.y);
 	p.mine = load_quad(topology[mine.x].corners);
@@ -61,6 +61,32 @@ segment_end end_on(body on, uint leaf, vec3 rest_point)
 	return segment_end(leaf, rest_point, to_world(on, rest_point));
 }
 
+// Sum of the areas of an object's leaves up to and with this one; 0 before its first.
+float area_up_to(pair p, uint leaf_end)
+{
+	return leaf_end == objects[p.source.object].nodes.z ? 0.0 : uintBitsToFloat(leaves[leaf_end - 1u].w);
+}
+
+// One of the node's leaves, by area; u becomes the digits that are left.
+uint leaf_at(pair p, inout float u)
+{
+	uint low = p.t.range.y, high = low + p.t.range.z - 1u;
+	float before = area_up_to(p, low), pick = mix(before, uintBitsToFloat(leaves[high].w), u);
+	while (low < high) {
+		uint middle = (low + high) >> 1u;
+		float end = uintBitsToFloat(leaves[middle].w);
+		if (pick < end) {
+			high = middle;
+		} else {
+			low = middle + 1u;
+			before = end;
+		}
+	}
+	float area = uintBitsToFloat(leaves[low].w) - before;
+	u = area > 0.0 ? clamp((pick - before) / area, 0.0, 0.99999994) : 0.5;
+	return low;
+}
+
 // The source's end for two numbers; m is the normal there, at rest.
 segment_end source_end(pair p, vec2 u, out vec3 m)
 {
@@ -72,11 +98,7 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 		return segment_end(GI_NONE, direction, direction);
 	}
 	if (!p.whole) {
-		// One of the node's leaves, then a point on it with the digits that are left.
-		float pick = u.x * float(p.t.range.z);
-		uint k = min(uint(pick), p.t.range.z - 1u);
-		leaf += k;
-		u.x = clamp(pick - float(k), 0.0, 0.99999994);
+		leaf = leaf_at(p, u.x);
 		q = load_quad(topology[leaves[leaf].x].corners);
 	}
 	m = cross(q.c - q.a, q.d - q.b);

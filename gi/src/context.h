@@ -74,7 +74,7 @@ typedef struct gi_rows {
 	bool rebuild;      /* everything is to be cut anew */
 	bool fitted;       /* the pools held the rows at least once since the commit */
 	uint64_t entry_limit, link_limit;
-	gpu_buffer segments, entries, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
+	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,

@@ -64,6 +64,8 @@ static gi_result allocate_pools(gi_context *gi)
 	gpu *g = &gi->gpu;
 	gi_result result = gpu_buffer_allocate(g, &r->entries, sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
+		result = gpu_buffer_allocate(g, &r->targets, sizeof(uint32_t) * r->entry_limit, NULL);
+	if (!result)
 		result = gpu_buffer_allocate(g, &r->queue, sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->links, 2 * sizeof(uint32_t) * r->link_limit, NULL);
@@ -484,6 +486,7 @@ void rows_bind(const gi_context *gi)
 	gpu_bind_storage(GI_BIND_FRAME, &r->frame);
 	gpu_bind_storage(GI_BIND_SEGMENTS, &r->segments);
 	gpu_bind_storage(GI_BIND_ENTRIES, &r->entries);
+	gpu_bind_storage(GI_BIND_TARGETS, &r->targets);
 	gpu_bind_storage(GI_BIND_ENTRY_POOL, &r->entry_pool);
 	gpu_bind_storage(GI_BIND_QUEUE, &r->queue);
 	gpu_bind_storage(GI_BIND_ROWS, &r->headers);
@@ -497,12 +500,13 @@ void rows_bind(const gi_context *gi)
 }
 
 /* The buffers that a commit makes anew; the frame's small ones stay. */
-enum { COMMITTED_BUFFERS = 8 };
+enum { COMMITTED_BUFFERS = 9 };
 
 static void committed_buffers(gi_rows *r, gpu_buffer *list[COMMITTED_BUFFERS])
 {
-	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->entry_pool, &r->queue,
-						  &r->headers,	&r->links,   &r->link_pool,  &r->touched};
+	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->targets,
+						  &r->entry_pool, &r->queue,   &r->headers,
+						  &r->links,      &r->link_pool, &r->touched};
 	memcpy(list, buffers, sizeof buffers);
 }
 

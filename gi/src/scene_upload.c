@@ -183,6 +183,18 @@ static bool is_plane(const gi_hierarchy *h)
 	return true;
 }
 
+/* Their areas are summed up along the object, so that rays can end on its leaves by area. */
+static void gather_leaves(gathered *g, const scene_object *o)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	double area = 0;
+	for (uint32_t l = 0; l < h->leaf_count; l++) {
+		area += (double)h->geometry[h->leaf_node[l]].moment.w;
+		g->leaves[o->leaf_base + l] = (gi_uvec4){o->node_base + h->leaf_node[l], o->slot,
+							 o->material_base + h->leaf_material[l], gi_bits_from_float((float)area)};
+	}
+}
+
 static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
 {
 	const gi_skin *skin = &o->skin;
@@ -223,9 +235,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
 			g->materials[material + m] = scene_material_data(&o->materials[m]);
-		for (uint32_t l = 0; l < o->hierarchy.leaf_count; l++)
-			g->leaves[leaf + l] = (gi_uvec4){node + o->hierarchy.leaf_node[l], slot,
-							 material + o->hierarchy.leaf_material[l], 0};
+		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
 		o->plane = is_plane(&o->hierarchy);

@@ -47,7 +47,7 @@ typedef struct session {
 /* The pose that errors are measured at, seconds along the mover's way, and the step of a frame. */
 static const float LAST_POSE = 1.5f, FRAME = 1 / 30.0f;
 
-enum { ESTIMATE_LEAVES = 256 };
+enum { ESTIMATE_LEAVES = 1024 };
 
 /* Shares of a scene's time: the reference; the most that a series goes on to: each next setting costs more. */
 static const double REFERENCE_SHARE = 0.25, SETTING_SHARE = 0.1;
