@@ -88,7 +88,7 @@ struct sums {
 	float firm_others, firm_emitters; // F V of the untouched
 	part lost, gained;                // of the touched
 	float kept;                       // what the touched may weigh afterwards
-	range others, emitters;           // B of the entries, before and afterwards
+	range others, emitters;           // B of the entries, before and afterwards; of the firm, that of their objects
 	uint rays, entries;
 };
 
@@ -126,17 +126,17 @@ void add_entry(inout sums s, source_part from, uvec4 e, uint target, bool touche
 	if (v == 0.0 && !(touched && stays))
 		return;
 	bool emitter = from.emits && (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
+	if (!touched) {
+		s.firm_others += emitter ? 0.0 : v;
+		s.firm_emitters += emitter ? v : 0.0;
+		return;
+	}
 	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[target].xyz;
 	range b = range(mean, mean);
 	if (emitter)
 		include(s.emitters, b);
 	else
 		include(s.others, b);
-	if (!touched) {
-		s.firm_others += emitter ? 0.0 : v;
-		s.firm_emitters += emitter ? v : 0.0;
-		return;
-	}
 	add(s.lost, v, b, emitter);
 	if (stays) {
 		add(s.gained, max(f - v, 0.0), b, emitter);
@@ -144,11 +144,11 @@ void add_entry(inout sums s, source_part from, uvec4 e, uint target, bool touche
 	}
 }
 
-// What a new cut of a source may bring.
-void add_cut(inout sums s, source_part from, gi_node_geometry p, uint count)
+// What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
+void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
 {
 	bool sky = (objects[from.object].bvh.z & GI_OBJECT_SKY) != 0u;
-	float f = sky ? 1.0 : reach(p, from.object);
+	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
 	range b = range(from.others.least, from.brightest);
@@ -171,12 +171,17 @@ sums sum_row(uint leaf, watch w)
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		bool cut = pair_is_dirty(w.mine, source, w.since);
 		source_part from = load_source(source);
+		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = entries[block.x + k];
 			add_entry(s, from, e, targets[block.x + k], cut || is_flagged(w, p, e), !cut);
 		}
+		if (s.firm_others > firm_others)
+			include(s.others, from.others);
+		if (s.firm_emitters > firm_emitters)
+			include(s.emitters, range(from.others.least, from.brightest));
 		if (cut)
-			add_cut(s, from, p, count);
+			add_cut(s, from, p, w.moved, count);
 	}
 	return s;
 }
