@@ -117,7 +117,7 @@ source_part load_source(uint object)
 	return from;
 }
 
-void add_entry(inout sums s, source_part from, uvec4 e, uint target, bool touched, bool stays)
+void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, bool stays)
 {
 	uint taken = samples_of(e);
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
@@ -131,7 +131,7 @@ void add_entry(inout sums s, source_part from, uvec4 e, uint target, bool touche
 		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[target].xyz;
+	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[targets[at]].xyz;
 	range b = range(mean, mean);
 	if (emitter)
 		include(s.emitters, b);
@@ -174,7 +174,7 @@ sums sum_row(uint leaf, watch w)
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = entries[block.x + k];
-			add_entry(s, from, e, targets[block.x + k], cut || is_flagged(w, p, e), !cut);
+			add_entry(s, from, block.x + k, e, cut || is_flagged(w, p, e), !cut);
 		}
 		if (s.firm_others > firm_others)
 			include(s.others, from.others);

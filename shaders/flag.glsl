@@ -16,13 +16,31 @@ void keep_below(float slope, float limit, inout vec2 interval)
 		interval.y = -1.0;
 }
 
+// What crossings ask of an object, loaded once for all entries of a row: loads are what they cost.
+struct obstacle {
+	bool counts;              // it moved since the row was refreshed
+	vec4 row0, row1, row2;    // world_from_object
+	vec3 lower, upper;
+	vec4 ball;
+};
+
+obstacle load_obstacle(uint object, bool counts)
+{
+	gi_object_data o = objects[object];
+	return obstacle(counts, o.row0, o.row1, o.row2, o.lower.xyz, o.upper.xyz, o.sphere);
+}
+
+vec3 turned_into(obstacle o, vec3 d)
+{
+	return o.row0.xyz * d.x + o.row1.xyz * d.y + o.row2.xyz * d.z;
+}
+
 // Can a segment from within a ball about `origin` to within one about `origin + direction` meet the object's box? At
 // share t of its way it is within the radius between the two, so each side of the box bounds t.
-bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, float end_radius)
+bool crosses_bounds(obstacle box, vec3 origin, vec3 direction, float radius, float end_radius)
 {
-	vec3 o = rest_from_world(object, origin);
-	vec3 d = rest_direction_from_world(object, direction);
-	vec3 lower = objects[object].lower.xyz, upper = objects[object].upper.xyz;
+	vec3 o = turned_into(box, origin - vec3(box.row0.w, box.row1.w, box.row2.w));
+	vec3 d = turned_into(box, direction), lower = box.lower, upper = box.upper;
 	float slack = BOX_SLACK * (length(o) + length(d) + length(upper - lower));
 	float grown = radius + slack, growth = end_radius - radius;
 	vec2 interval = vec2(0.0, 1.0);
@@ -35,9 +53,8 @@ bool crosses_bounds(uint object, vec3 origin, vec3 direction, float radius, floa
 
 // Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's
 // sphere?
-bool crosses_cone(uint object, vec3 x, float radius, vec3 axis, float spread)
+bool crosses_cone(vec4 ball, vec3 x, float radius, vec3 axis, float spread)
 {
-	vec4 ball = objects[object].sphere;
 	vec3 to = ball.xyz - x;
 	float d = length(to), r = (ball.w + radius) * (1.0 + BOX_SLACK);
 	if (d <= r)
@@ -52,29 +69,34 @@ struct watch {
 	uint since;    // the update that refreshed the row
 	bool moved;    // the leaf moved since then
 	uvec2 suspects;
+	obstacle first; // of them: mostly there is no other
 };
 
 watch watch_of(uint leaf)
 {
 	uint mine = leaves[leaf].y, since = rows[leaf].z;
 	bool moved = moved_since(mine, since);
-	return watch(mine, since, moved, moved ? uvec2(objects[mine].bvh.w, objects[mine].extra.x) : frame.update.yz);
+	uvec2 range = moved ? uvec2(objects[mine].bvh.w, objects[mine].extra.x) : frame.update.yz;
+	uint object = range.x < range.y ? suspects[range.x] : mine;
+	return watch(mine, since, moved, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
+}
+
+bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
+{
+	if (!by.counts)
+		return false;
+	return sky ? crosses_cone(by.ball, p.sphere.xyz, p.sphere.w, ball.xyz, ball.w)
+		   : crosses_bounds(by, p.sphere.xyz, ball.xyz - p.sphere.xyz, p.sphere.w, ball.w);
 }
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
 {
 	vec4 ball = world[node].sphere;
 	bool sky = (topology[node].range.w & GI_NODE_SKY) != 0u;
-	for (uint k = w.suspects.x; k < w.suspects.y; k++) {
-		uint object = suspects[k];
-		if (!w.moved && !moved_since(object, w.since))
-			continue;
-		bool crosses = sky ? crosses_cone(object, p.sphere.xyz, p.sphere.w, ball.xyz, ball.w)
-				   : crosses_bounds(object, p.sphere.xyz, ball.xyz - p.sphere.xyz, p.sphere.w, ball.w);
-		if (crosses)
-			return true;
-	}
-	return false;
+	bool found = crosses(w.first, p, ball, sky);
+	for (uint k = w.suspects.x + 1u; k < w.suspects.y && !found; k++)
+		found = crosses(load_obstacle(suspects[k], w.moved || moved_since(suspects[k], w.since)), p, ball, sky);
+	return found;
 }
 
 uint samples_of(uvec4 entry)
