@@ -7,9 +7,9 @@
  *   (rows, solve)
  *   stale    the largest bound of a row that waits
  *
- * Let B solve the rows that are there and B* those that an exact update would have. |B - B*| <= d + rho F* |B - B*| leaf
- * by leaf, d bounding what refreshing the row changes at B; since no row sums to more than 1, the leaf that is off most
- * bounds them all: |B - B*| <= max d / (1 - rho). The B of the frame is within solve_bound of B.
+ * Let B solve the rows that are there and B* those that an exact update would have. |B - B*| <= d + rho F* |B - B*|
+ * leaf by leaf, d bounding what refreshing the row changes at B; since no row sums to more than 1, the leaf that is off
+ * most bounds them all: |B - B*| <= max d / (1 - rho). The B of the frame is within solve_bound of B.
  */
 #include "bits.h"
 #include "context.h"

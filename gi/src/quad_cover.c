@@ -2,7 +2,8 @@
  * farthest on either side of the line between the two. */
 #include "quad_cover.h"
 
-/* Relative: what is as far but for rounding comes second, so that a symmetric mesh has the same corners at every scale. */
+/* Relative: what is as far but for rounding comes second, so that a symmetric mesh has the same corners at every scale.
+ */
 #define TIE 1e-6
 
 static gi_vec3d vertex_at(const gi_hierarchy *h, uint32_t vertex)

@@ -4,6 +4,7 @@
  *   segments   one block per (leaf, object): the cut of that object's hierarchy in the leaf's row
  *   entries    pool of blocks; an entry is node, F, visibility
  *   queue      entries to work on in this update: cut anew first, flagged ones behind them
+ *   targets    of every entry: the node whose B it takes
  *   links      pool of blocks, one per leaf: the closed row as the solve reads it
  *
  * An update cuts anew the segments with a mover at one end, flags what a mover may have changed between bodies at rest
@@ -27,10 +28,11 @@ static const float BLACK_SKY_COARSENESS = 14.0f;
 gi_result rows_init(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const gpu_program_file programs[] = {{"pose.comp", &r->pose_program},     {"cut.comp", &r->cut_program},
-			{"factor.comp", &r->factor_program}, {"flag.comp", &r->flag_program},
-			{"trace.comp", &r->trace_program},   {"close.comp", &r->close_program},
-			{"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
+	const gpu_program_file programs[] = {
+	    {"pose.comp", &r->pose_program},       {"cut.comp", &r->cut_program},
+	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
+	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
+	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
 	const gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
 	return result ? result : gpu_buffer_allocate(&gi->gpu, &r->frame, sizeof(gi_frame), NULL);
 }
@@ -116,8 +118,7 @@ gi_result rows_allocate(gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = s->leaf_count;
-	gi_result result =
-		gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * s->slot_count, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * s->slot_count, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
@@ -504,9 +505,8 @@ enum { COMMITTED_BUFFERS = 9 };
 
 static void committed_buffers(gi_rows *r, gpu_buffer *list[COMMITTED_BUFFERS])
 {
-	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->targets,
-						  &r->entry_pool, &r->queue,   &r->headers,
-						  &r->links,      &r->link_pool, &r->touched};
+	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->targets,   &r->entry_pool, &r->queue,
+						  &r->headers,  &r->links,   &r->link_pool, &r->touched};
 	memcpy(list, buffers, sizeof buffers);
 }
 

@@ -190,8 +190,9 @@ static void gather_leaves(gathered *g, const scene_object *o)
 	double area = 0;
 	for (uint32_t l = 0; l < h->leaf_count; l++) {
 		area += (double)h->geometry[h->leaf_node[l]].moment.w;
-		g->leaves[o->leaf_base + l] = (gi_uvec4){o->node_base + h->leaf_node[l], o->slot,
-							 o->material_base + h->leaf_material[l], gi_bits_from_float((float)area)};
+		g->leaves[o->leaf_base + l] =
+		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l],
+			       gi_bits_from_float((float)area)};
 	}
 }
 
@@ -280,22 +281,22 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 		uint64_t size;
 		const void *data;
 	} uploads[] = {
-		{&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
-		{&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
-		{&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
-		{&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
-		{&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
-		{&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
-		{&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, NULL},
-		{&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
-		{&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
-		{&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
-		{&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
-		{&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
-		{&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
-		{&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
-		{&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
-		{&s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
+	    {&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
+	    {&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
+	    {&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+	    {&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
+	    {&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
+	    {&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
+	    {&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, NULL},
+	    {&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
+	    {&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
+	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
+	    {&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
+	    {&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
+	    {&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
+	    {&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+	    {&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
+	    {&s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
 	for (size_t k = 0; k < sizeof uploads / sizeof *uploads; k++) {
 		gi_result result = gpu_buffer_allocate(gpu, uploads[k].buffer, uploads[k].size, uploads[k].data);

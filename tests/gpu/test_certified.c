@@ -41,8 +41,26 @@ static gi_context_def def_of(uint32_t which)
 	return def;
 }
 
-static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t seed, int frame, tally *t)
+static void note_ratio(tally *t, double bound, double distance, uint64_t seed)
 {
+	if (distance <= 0 || t->count == t->capacity)
+		return;
+	const double ratio = bound / distance;
+	t->ratios[t->count++] = ratio;
+	if (ratio < t->least) {
+		t->least = ratio;
+		t->least_seed = seed;
+	}
+}
+
+/* A frame of a scene: updates, and tests what it reports. */
+typedef void frame_fn(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame,
+		      tally *t);
+
+static void expect_certified(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame,
+			     tally *t)
+{
+	(void)scene;
 	const gi_report r = harness_update(gi);
 	if (r.outcome == GI_OUTCOME_AT_REST)
 		return;
@@ -61,20 +79,18 @@ static void expect_certified(gi_context *gi, const gi_context_def *def, uint64_t
 	t->by_outcome[r.outcome]++;
 	t->by_chebyshev += r.method == GI_METHOD_CHEBYSHEV;
 	t->sweeps += r.sweeps;
-	if (distance <= 0 || t->count == t->capacity)
-		return;
-	const double ratio = bound / distance;
-	t->ratios[t->count++] = ratio;
-	if (ratio < t->least) {
-		t->least = ratio;
-		t->least_seed = seed;
-	}
+	note_ratio(t, bound, distance, seed);
 }
 
-/* Updates under a budget, then exactly, and holds the first B against the solution of the second rows. */
+/* Updates under a budget but for the first time, then exactly, and holds the first B against the solution of the second
+ * rows. */
 static void expect_bounded(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame,
 			   tally *t)
 {
+	if (frame == 0) {
+		harness_update(gi);
+		return;
+	}
 	const double kind = random_scene_draw(scene);
 	const gi_budget budget = {.rays = kind < .6 ? 1 + (uint64_t)(random_scene_draw(scene) * 2000) : 0,
 				  .error = kind > .4 ? (float)(random_scene_draw(scene) * .5) : 0};
@@ -99,14 +115,8 @@ static void expect_bounded(gi_context *gi, const gi_context_def *def, random_sce
 	snapshot_free(&exact);
 	t->by_outcome[r.outcome]++;
 	t->waited += r.waiting_rows > 0;
-	if (!r.waiting_rows || distance <= 0)
-		return;
-	const double ratio = bound / distance;
-	t->ratios[t->count++] = ratio;
-	if (ratio < t->least) {
-		t->least = ratio;
-		t->least_seed = seed;
-	}
+	if (r.waiting_rows)
+		note_ratio(t, bound, distance, seed);
 }
 
 static int order_doubles(const void *a, const void *b)
@@ -115,19 +125,15 @@ static int order_doubles(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-static void print_tally(tally *t)
+static void print_outcomes(const tally *t)
 {
 	const uint32_t all =
 	    t->by_outcome[GI_OUTCOME_CONVERGED] + t->by_outcome[GI_OUTCOME_SWEEPS] + t->by_outcome[GI_OUTCOME_ROUNDING];
-	qsort(t->ratios, t->count, sizeof *t->ratios, order_doubles);
 	printf("  %u solves: %u met the tolerance, %u had no more sweeps, %u (%.0f %%) ended at rounding; %u by "
-	       "Chebyshev; %.1f "
-	       "sweeps a solve\n",
+	       "Chebyshev; %.1f sweeps a solve\n",
 	       all, t->by_outcome[GI_OUTCOME_CONVERGED], t->by_outcome[GI_OUTCOME_SWEEPS],
 	       t->by_outcome[GI_OUTCOME_ROUNDING], 100.0 * t->by_outcome[GI_OUTCOME_ROUNDING] / all, t->by_chebyshev,
 	       (double)t->sweeps / all);
-	printf("  bound over true distance: median %.2f, least %.4f (scene %llu)\n", t->ratios[t->count / 2], t->least,
-	       (unsigned long long)t->least_seed);
 }
 
 static uint32_t scenes_wanted(void)
@@ -144,36 +150,8 @@ static tally new_tally(uint32_t capacity)
 	return t;
 }
 
-static void budgets_never_exceeded(void **state)
+static tally run_scenes(frame_fn *expect)
 {
-	(void)state;
-	const uint32_t scenes = scenes_wanted();
-	tally t = new_tally(scenes * FRAMES);
-	for (uint32_t which = 0; which < CONTEXTS; which++) {
-		const gi_context_def def = def_of(which);
-		gi_context *gi = harness_context(&def);
-		for (uint64_t seed = which; seed < scenes; seed += CONTEXTS) {
-			random_scene scene = random_scene_make(gi, seed);
-			harness_update(gi);
-			for (int frame = 1; frame < FRAMES; frame++) {
-				random_scene_move(gi, &scene);
-				expect_bounded(gi, &def, &scene, seed, frame, &t);
-			}
-			random_scene_clear(gi, &scene);
-		}
-		gi_context_destroy(gi);
-	}
-	qsort(t.ratios, t.count, sizeof *t.ratios, order_doubles);
-	printf("  %u of %u frames under a budget with waiting rows; bound over true distance: median %.1f, least %.3f "
-	       "(scene %llu)\n",
-	       t.waited, scenes * (FRAMES - 1), t.ratios[t.count / 2], t.least, (unsigned long long)t.least_seed);
-	assert_true(t.waited > scenes / 2);
-	free(t.ratios);
-}
-
-static void never_exceeded(void **state)
-{
-	(void)state;
 	const uint32_t scenes = scenes_wanted();
 	tally t = new_tally(scenes * FRAMES);
 	for (uint32_t which = 0; which < CONTEXTS; which++) {
@@ -184,16 +162,41 @@ static void never_exceeded(void **state)
 			for (int frame = 0; frame < FRAMES; frame++) {
 				if (frame)
 					random_scene_move(gi, &scene);
-				expect_certified(gi, &def, seed, frame, &t);
+				expect(gi, &def, &scene, seed, frame, &t);
 			}
 			random_scene_clear(gi, &scene);
 		}
 		gi_context_destroy(gi);
 	}
-	print_tally(&t);
+	qsort(t.ratios, t.count, sizeof *t.ratios, order_doubles);
+	return t;
+}
+
+static void print_ratios(const tally *t)
+{
+	printf("  bound over true distance: median %.2f, least %.4f (scene %llu)\n", t->ratios[t->count / 2], t->least,
+	       (unsigned long long)t->least_seed);
+}
+
+static void never_exceeded(void **state)
+{
+	(void)state;
+	tally t = run_scenes(expect_certified);
+	print_outcomes(&t);
+	print_ratios(&t);
 	/* Every way a solve can end was seen. */
 	assert_true(t.by_outcome[GI_OUTCOME_CONVERGED] && t.by_outcome[GI_OUTCOME_SWEEPS] &&
 		    t.by_outcome[GI_OUTCOME_ROUNDING] && t.by_chebyshev);
+	free(t.ratios);
+}
+
+static void budgets_never_exceeded(void **state)
+{
+	(void)state;
+	tally t = run_scenes(expect_bounded);
+	printf("  %u of %u frames under a budget had waiting rows\n", t.waited, scenes_wanted() * (FRAMES - 1));
+	print_ratios(&t);
+	assert_true(t.waited > scenes_wanted() / 2);
 	free(t.ratios);
 }
 

@@ -64,8 +64,8 @@ static void compare(scene *kept, scene *rebuilt, const char *when, tally *t)
 
 static void print_tally(const char *name, const tally *t)
 {
-	printf("  %s: %u frames, %.0f entries; of them cut anew %.1f %%, flagged %.1f %%; worst B %.2e\n", name, t->frames,
-	       t->entries / t->frames, 100 * t->fresh / t->entries, 100 * t->flagged / t->entries, t->worst);
+	printf("  %s: %u frames, %.0f entries; of them cut anew %.1f %%, flagged %.1f %%; worst B %.2e\n", name,
+	       t->frames, t->entries / t->frames, 100 * t->fresh / t->entries, 100 * t->flagged / t->entries, t->worst);
 }
 
 typedef void open_fn(scene *s, const gi_context_def *def);
@@ -93,8 +93,8 @@ static memory memory_now(gi_context *gi)
 	return (memory){report.gpu_bytes, usage.ru_maxrss};
 }
 
-/* The frames since WARM_FRAMES took nothing on the GPU and next to nothing of the process, whose allocator keeps some of
- * what comparisons ask for. */
+/* The frames since WARM_FRAMES took nothing on the GPU and next to nothing of the process, whose allocator keeps some
+ * of what comparisons ask for. */
 static void expect_flat_memory(const memory *before, gi_context *gi)
 {
 	const memory now = memory_now(gi);

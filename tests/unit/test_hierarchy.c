@@ -154,7 +154,8 @@ static void a_plane_of_any_scheme_is_flat_inside(void **state)
 	gi_hierarchy h;
 	cage_grid(&t, GI_REFINE_CATMULL_CLARK, 3);
 	build_cage(&t, 2, &h);
-	/* Sharp corners and straight edges: every face keeps its outline, and so do the eight clusters of nine faces. */
+	/* Sharp corners and straight edges: every face keeps its outline, and so do the eight clusters of nine faces.
+	 */
 	assert_int_equal(count_flag(&h, GI_NODE_FLAT), 9 * (1 + 4 + 16) + 8);
 	gi_hierarchy_free(&h);
 	/* Rounded corners lose area against the quad: the four corner faces are no longer flat, nor their parents. */
@@ -207,8 +208,8 @@ static void clusters_of_a_wall_are_quads(void **state)
 	cage_grid(&t, GI_REFINE_BILINEAR, 2);
 	t.materials[0] = t.materials[1] = 1;
 	assert_true(count_polygon_clusters(&t) < 3);
-	/* Of a 3 x 4 wall the corner is missing; the quad of its outermost corners has the area of the rest, and not its
-	 * shape. */
+	/* Of a 3 x 4 wall the corner is missing; the quad of its outermost corners has the area of the rest, and not
+	 * its shape. */
 	cage_begin(&t, GI_REFINE_BILINEAR);
 	for (uint32_t y = 0; y <= 4; y++)
 		for (uint32_t x = 0; x <= 3; x++)

@@ -403,7 +403,8 @@ typedef struct gi_entry {
 /* Copies up to `capacity` entries in no particular order. entries may be NULL to ask for the count. */
 gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
 
-/* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. */
+/* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is that of the entry, or the part of
+ * it where its only ray ended. */
 typedef struct gi_link {
 	uint32_t leaf, node;
 	uint32_t first_leaf, leaf_count;
