@@ -3,7 +3,8 @@
  * an exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have
  * it.
  *
- * RELUME_SCENES=N: as many scenes of four frames each. The default takes about twenty seconds.
+ * RELUME_SCENES=N: as many scenes of four frames each; the default takes about twenty seconds. RELUME_TEST=NAME: only that
+ * of the tests.
  */
 #include "exact_rows.h"
 #include "random_scene.h"
@@ -203,5 +204,8 @@ static void budgets_never_exceeded(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded), cmocka_unit_test(budgets_never_exceeded)};
+	const char *only = getenv("RELUME_TEST");
+	if (only)
+		cmocka_set_test_filter(only);
 	return cmocka_run_group_tests_name("certified", tests, harness_open, harness_close);
 }
