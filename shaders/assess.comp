@@ -37,8 +37,8 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// As closing has them (close.comp): no entry more than doubles, rows that all doubled lack much stay open, sums end this
-// close to 1.
+// As closing has them (close.comp): no entry more than doubles, and rows that lack a fifth when all have doubled stay open;
+// above this weight none does. Sums end this close to 1.
 const float CLOSE_RAISE = 2.0;
 const float OPEN_RAISE = 2.5; // and is scaled to what is missing of 1
 const float CLOSES_ABOVE = 0.5;
@@ -205,9 +205,10 @@ vec4 bound_of(sums s, vec3 h)
 	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
 	float raised = min(emitters, max(0.0, 1.0 - CLOSE_RAISE * s.firm_others - s.firm_emitters));
 	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
-	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * bright + CLOSE_SLACK * most;
 	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
-	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low + s.lost.emitters * dim_emitters;
+	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * most;
+	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low +
+		    s.lost.emitters * dim_emitters;
 	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
 	return vec4(max(min(max(rise, 0.0) + either, rise_limit), min(max(fall, 0.0) + either, fall_limit)), moved);
 }

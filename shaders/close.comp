@@ -197,16 +197,19 @@ float write_links(uint leaf, uint at, correction c, float scale)
 uvec2 fit_block(uvec2 block, uint needed)
 {
 	uint size_class = block.y >> 24u;
-	bool has = size_class != GI_BLOCK_NO_CLASS;
-	if (has && needed <= GI_BLOCK_SMALLEST << size_class && !is_too_large(size_class, needed))
+	bool has = size_class != GI_BLOCK_NO_CLASS, fits = has && needed <= GI_BLOCK_SMALLEST << size_class;
+	if (fits && !is_too_large(size_class, needed))
 		return block;
+	uint next = class_of(needed), offset = 0u;
+	if (needed == 0u)
+		next = GI_BLOCK_NO_CLASS;
+	else
+		offset = fits ? pool_try(next) : pool_take(next);
+	if (offset == GI_NONE)
+		return fits ? block : uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
 	if (has)
 		pool_give(block.x, size_class);
-	if (needed == 0u)
-		return uvec2(0u, GI_BLOCK_NO_CLASS << 24u);
-	size_class = class_of(needed);
-	uint offset = pool_take(size_class);
-	return uvec2(offset, (offset == GI_NONE ? GI_BLOCK_NO_CLASS : size_class) << 24u);
+	return uvec2(offset, next << 24u);
 }
 
 void main()

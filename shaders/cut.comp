@@ -82,8 +82,9 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
 	// Of lamps what they show counts, so that rows of them seen edge-on are refined too.
 	float area = (flags & GI_NODE_EMITTER) != 0u ? shown : g.moment.w;
-	bool sparse = area < SPARSE * g.sphere.w * g.sphere.w || ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
-	if (sparse && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
+	bool sparse = area < SPARSE * g.sphere.w * g.sphere.w;
+	bool walls = ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
+	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
 	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;

@@ -1,6 +1,6 @@
 #version 450 core
 // The estimate's samples: one thread a group of a chosen leaf. A leaf is chosen by chance; its row's entries are drawn
-// in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area. What these
+// in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area / d2. What these
 // pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
 #define USE_FRAME
 #define USE_TOPOLOGY
@@ -29,6 +29,8 @@ const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
 
 // Entries that no ray of the row reached are drawn this much less often.
 const float HIDDEN = 0.5;
+
+// A unit of a row's weight counts as bringing no less than this part of what it would if nothing were hidden.
 const float UNHIDDEN = 0.5;
 
 // Rows whose entries see less than this share of the hemisphere were not closed: no entry more than doubles, and what
@@ -81,8 +83,7 @@ float importance(uvec4 e, float mean_light)
 	return uintBitsToFloat(e.y) * (light_of(e) + mean_light) * (seen_share(e) > 0.0 ? 1.0 : HIDDEN);
 }
 
-// What a unit of a row's weight brings: what it does, but no less than a part of what it would if nothing were hidden.
-// A row that sees hardly more than the black back of a lamp has to find that back.
+// What a unit of a row's weight brings. A row that sees hardly more than the black back of a lamp has to find that back.
 float mean_light_of(uint leaf, vec3 h)
 {
 	float light = 0.0, weight = 0.0;

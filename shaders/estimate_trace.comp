@@ -5,7 +5,6 @@
 #define USE_FRAME
 #define USE_OBJECTS
 #define USE_TOPOLOGY
-#define USE_REST
 #define USE_VERTICES_REST
 #define USE_LEAVES
 #define USE_BVH

@@ -31,7 +31,7 @@ typedef struct gi_uvec4 {
 
 /* Flags of a node (gi_node_topology.range.w). */
 #define GI_NODE_LEAF 1u     /* one leaf, no children */
-#define GI_NODE_POLYGON 2u  /* has four corners; a cluster above the base faces has none */
+#define GI_NODE_POLYGON 2u  /* has four corners; a cluster above the base faces only where a quad covers it */
 #define GI_NODE_FLAT 4u     /* the corners' two triangles are exactly the surface of its leaves */
 #define GI_NODE_EMITTER 8u  /* some leaf below it emits; set by the scene, not by the hierarchy */
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
@@ -71,7 +71,7 @@ GI_STRUCT(gi_node_spread) {
  *
  *   //--------------- 16B ---------------
  *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags
- *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster; a triangle repeats its third corner
+ *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster that no quad covers; a triangle repeats its third corner
  */
 GI_STRUCT(gi_node_topology) {
 	GI_UVEC4 range;
@@ -147,7 +147,8 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
-/* A leaf: x node, y object slot, z material, w area of its object up to and with it, as float bits. A material: rho, then exitance. */
+/* A leaf: x node, y object slot, z material, w area of its object up to and with it, as float bits.
+ * A material: rho, then exitance. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
 	GI_VEC4 exitance;
@@ -191,7 +192,7 @@ GI_STRUCT(gi_frame) {
  *
  *   //--------------- 16B ---------------
  *   key.x bucket of its priority, 0: need not be refreshed    key.y rays it takes    key.z dirty entries    key.w 0
- *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve
+ *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve; until then H (shine.comp)
  *   bound.w   bound on the share of the row's weight that moves
  *   before.xyz B before the solve
  */

@@ -1,4 +1,4 @@
-// One visibility ray: the two surfaces it goes between, its ends on them, and whether they face each other.
+// One visibility ray: the two surfaces it goes between, its ends on them, and what it carries.
 
 // Segments that leave a surface at its back are drawn again, this often.
 const uint TRIES = 8u;
@@ -42,7 +42,7 @@ pair load_pair(uvec4 entry)
 		p.source = load_body(leaves[p.t.range.y].y);
 	p.same = p.source.object == p.receiver.object;
 	if (p.whole)
-		p.theirs = load_quad(p.t.corners);
+		p.theirs = load_quad(p.sky ? p.t.corners : topology[leaves[p.t.range.y].x].corners);
 	return p;
 }
 
@@ -67,11 +67,20 @@ float area_up_to(pair p, uint leaf_end)
 	return leaf_end == objects[p.source.object].nodes.z ? 0.0 : uintBitsToFloat(leaves[leaf_end - 1u].w);
 }
 
-// One of the node's leaves, by area; u becomes the digits that are left.
+// Leaves of less than this part of what is summed up before them drown in it.
+const float LEAST_AREA = 1e-6;
+
+// One of the node's leaves, by area, or by number where the areas drown; u becomes the digits that are left.
 uint leaf_at(pair p, inout float u)
 {
 	uint low = p.t.range.y, high = low + p.t.range.z - 1u;
-	float before = area_up_to(p, low), pick = mix(before, uintBitsToFloat(leaves[high].w), u);
+	float before = area_up_to(p, low), all = uintBitsToFloat(leaves[high].w), pick = mix(before, all, u);
+	if (all - before < LEAST_AREA * float(p.t.range.z) * all) {
+		float number = u * float(p.t.range.z);
+		uint k = min(uint(number), p.t.range.z - 1u);
+		u = clamp(number - float(k), 0.0, 0.99999994);
+		return low + k;
+	}
 	while (low < high) {
 		uint middle = (low + high) >> 1u;
 		float end = uintBitsToFloat(leaves[middle].w);

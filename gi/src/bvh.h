@@ -1,6 +1,6 @@
 /* What rays meet of one object: its quads and the bounding volume hierarchy over them, in the rest frame.
  *
- * A flat face stands for all its leaves (a wall of 400 leaves is two triangles to a ray): the geometry is the same and
+ * A flat node stands for all its leaves (a wall of 400 leaves is two triangles to a ray): the geometry is the same and
  * rays get cheaper by what the scene does not need.
  */
 #ifndef GI_BVH_H

@@ -1,7 +1,8 @@
 /* Builds and checks the patch hierarchy of one object (hierarchy.h draws it).
  *
  *   gi_refined --sum_*--> area, normal and centre of every face of every level, bottom-up
- *              --emit_*--> nodes and leaves, depth-first: clusters (median split of the base faces), then faces
+ *              --emit_*--> nodes and leaves, depth-first: clusters (the base faces, parted about the median), then
+ * faces
  *
  * Sums and measures are taken over the leaves of a node, in double, and stored as float: rounding does not pile up with
  * the levels.
@@ -21,6 +22,10 @@
 /* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
  * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */
 #define FLAT_TOLERANCE 1e-5
+/* A cluster's quad, in units of its radius: what rays forgive at edges and planes (rays.glsl). And its area, next to
+ * its leaves': positions rounded to float cancel in a tiling, but for its outline. */
+#define COVER_TOLERANCE 1e-6
+#define TILED_TOLERANCE 3e-7
 /* Normals of what is flat. */
 #define FLAT_COSINE (1 - 1e-6f)
 /* Below this part of its area the moment is rounding noise: a closed surface has no mean normal. */
@@ -315,11 +320,10 @@ static void set_sphere(gi_hierarchy *h, uint32_t node)
 	store_sphere(h, node, best);
 }
 
-/* Are all corners of the node's leaves within the tolerance of the plane through its centre? */
-static bool is_coplanar(const gi_hierarchy *h, uint32_t node, gi_vec3d point, gi_vec3d normal)
+/* Are all corners of the node's leaves within the tolerance, metres, of the plane through a point? */
+static bool is_coplanar(const gi_hierarchy *h, uint32_t node, gi_vec3d point, gi_vec3d normal, double tolerance)
 {
 	const gi_uvec4 range = h->topology[node].range;
-	const double tolerance = FLAT_TOLERANCE * h->geometry[node].sphere.w;
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 		const quad q = node_quad(h, h->leaf_node[leaf]);
 		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
@@ -344,7 +348,7 @@ static bool is_flat(const gi_hierarchy *h, uint32_t node)
 	const double length = gi_vec3d_length(gi_vec3d_from(moment));
 	return nearly(length, moment.w) && nearly(quad_area(&q), moment.w) &&
 	       nearly(gi_vec3d_dot(quad_moment(&q), node_normal(h, node)), moment.w) &&
-	       is_coplanar(h, node, q.a, node_normal(h, node));
+	       is_coplanar(h, node, q.a, node_normal(h, node), FLAT_TOLERANCE * h->geometry[node].sphere.w);
 }
 
 static void add_outer(double t[6], gi_vec3d triangle_moment)
@@ -386,17 +390,31 @@ static bool is_of_one_material(const gi_hierarchy *h, uint32_t node)
 	return true;
 }
 
+/* Does the node's quad have the area of its leaves, to the last hole? */
+static bool is_tiled(const gi_hierarchy *h, uint32_t node)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	const quad whole = node_quad(h, node);
+	double area = 0;
+	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+		const quad q = node_quad(h, h->leaf_node[leaf]);
+		area += quad_area(&q);
+	}
+	return fabs(quad_area(&whole) - area) <= TILED_TOLERANCE * area;
+}
+
 /* A cluster whose leaves tile a quad is as good as a face. */
 static void set_cover(gi_hierarchy *h, uint32_t node)
 {
 	gi_node_topology *t = &h->topology[node];
 	uint32_t corners[4];
-	const double tolerance = FLAT_TOLERANCE * h->geometry[node].sphere.w;
+	const double tolerance = COVER_TOLERANCE * h->geometry[node].sphere.w;
 	if (h->geometry[node].axis.w < FLAT_COSINE || !is_of_one_material(h, node) ||
 	    !gi_quad_cover(h, t->range.y, t->range.z, node_normal(h, node), tolerance, corners))
 		return;
 	t->corners = (gi_uvec4){corners[0], corners[1], corners[2], corners[3]};
-	if (is_flat(h, node))
+	const quad q = node_quad(h, node);
+	if (is_tiled(h, node) && is_coplanar(h, node, q.a, node_normal(h, node), tolerance))
 		t->range.w |= GI_NODE_POLYGON;
 	else
 		t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
@@ -526,7 +544,7 @@ static uint32_t split_of(const cluster_item *items, uint32_t count, int axis)
 	return split >= count / 4 && split <= count - count / 4 && split > 0 && split < count ? split : middle;
 }
 
-/* log2(items) deep, or little more. */
+/* At most 2.5 log2(items) deep: no part has more than three quarters. */
 static void emit_cluster(builder *b, cluster_item *items, uint32_t count)
 {
 	if (count == 1) {

@@ -72,7 +72,9 @@ bool gi_quad_cover(const gi_hierarchy *h, uint32_t first, uint32_t count, gi_vec
 	corners[2] = farthest(h, first, count, &m);
 	m.across = left_of(m.from, vertex_at(h, corners[2]), normal);
 	corners[3] = farthest(h, first, count, &m);
+	const double left = measured(h, corners[3], &m);
 	m.across = gi_vec3d_scale(m.across, -1);
 	corners[1] = farthest(h, first, count, &m);
-	return holds_all(h, first, count, normal, tolerance, corners);
+	const double right = measured(h, corners[1], &m);
+	return left > tolerance && right > tolerance && holds_all(h, first, count, normal, tolerance, corners);
 }

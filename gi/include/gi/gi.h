@@ -18,7 +18,7 @@
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..31,
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..35,
  * texture unit 0..3, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
  * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
  * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
