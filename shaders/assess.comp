@@ -30,6 +30,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "changed.glsl"
+#include "entry.glsl"
 #include "flag.glsl"
 #include "facing.glsl"
 #include "reach.glsl"
@@ -120,7 +121,7 @@ source_part load_source(uint object)
 void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, bool stays)
 {
 	uint taken = samples_of(e);
-	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(bitCount(e.z & 0xFFFFu)) / float(taken) : 0.0;
+	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(seen_of(e)) / float(taken) : 0.0;
 	s.rays += touched ? max(taken, 1u) : 0u;
 	s.entries += touched ? 1u : 0u;
 	if (v == 0.0 && !(touched && stays))

@@ -18,6 +18,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "chosen.glsl"
+#include "entry.glsl"
 #define POOL link_pool
 #include "pool.glsl"
 
@@ -100,7 +101,7 @@ float visibility_variance(float seen, float taken, float share)
 
 visible_entry read_entry(uvec4 e, float share)
 {
-	float taken = float((e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK), seen = float(bitCount(e.z & 0xFFFFu));
+	float taken = float(samples_of(e)), seen = float(seen_of(e));
 	float f = uintBitsToFloat(e.y);
 	if (seen == 0.0 || f < LEAST_FACTOR)
 		return visible_entry(0.0, 0.0, false);
@@ -141,8 +142,8 @@ uint share_samples(uint leaf)
 		uvec2 range = range_of(segments[slot]);
 		uint seen = 0u, taken = 0u;
 		for (uint k = range.x; k < range.y; k++) {
-			seen += uint(bitCount(entries[k].z & 0xFFFFu));
-			taken += (entries[k].w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+			seen += seen_of(entries[k]);
+			taken += samples_of(entries[k]);
 		}
 		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
 		count += range.y - range.x;

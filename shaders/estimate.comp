@@ -17,6 +17,8 @@
 #define USE_ESTIMATE_RESULTS
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "entry.glsl"
+#include "row_light.glsl"
 #include "sampling.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -56,19 +58,9 @@ uint leaf_at(float u)
 	return low;
 }
 
-vec3 light_of_row(uint leaf)
-{
-	uvec2 row = rows[leaf].xy;
-	vec3 h = vec3(0.0);
-	for (uint k = row.x; k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++)
-		h += uintBitsToFloat(links[k].y) * radiosity[links[k].x].xyz;
-	return h;
-}
-
 float seen_share(uvec4 e)
 {
-	uint taken = (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
-	return float(bitCount(e.z & 0xFFFFu)) / float(max(taken, 1u));
+	return float(seen_of(e)) / float(max(samples_of(e), 1u));
 }
 
 float light_of(uvec4 e)

@@ -14,6 +14,7 @@
 #define USE_REST
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "entry.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint first;
@@ -29,7 +30,7 @@ vec3 light_of_group(uint at, bool closed, inout uint rays)
 	float weight = 0.0;
 	for (uint k = at; k < at + GROUP_ITEMS; k++) {
 		uvec4 e = items[k];
-		rays += (e.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
+		rays += samples_of(e);
 		if ((e.z & 1u) == 0u)
 			continue;
 		float fv = shares[k] * uintBitsToFloat(e.y);

@@ -16,6 +16,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "changed.glsl"
+#include "entry.glsl"
 #include "flag.glsl"
 #include "chosen.glsl"
 

@@ -99,11 +99,6 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 	return found;
 }
 
-uint samples_of(uvec4 entry)
-{
-	return (entry.w >> GI_ENTRY_SAMPLE_SHIFT) & GI_ENTRY_SAMPLE_MASK;
-}
-
 // Of an entry whose pair need not be cut again; p is the leaf in the world.
 bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 {

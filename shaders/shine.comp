@@ -12,6 +12,7 @@
 #define USE_SHINE
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "row_light.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -27,10 +28,6 @@ void main()
 		atomicMax(shine[at + GI_SHINE_OTHERS], emitter ? 0u : b);
 		atomicMax(shine[at + GI_SHINE_LEAST], ~b);
 	}
-	uvec4 row = rows[leaf];
-	vec3 h = vec3(0.0);
-	for (uint k = row.x; k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++)
-		h += uintBitsToFloat(links[k].y) * radiosity[links[k].x].xyz;
-	pending[leaf].bound.xyz = h;
+	pending[leaf].bound.xyz = light_of_row(leaf);
 	pending[leaf].before = vec4(leaf_radiosity[leaf].xyz, 0.0);
 }

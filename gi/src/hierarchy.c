@@ -38,9 +38,6 @@
  * not decide them, or the same cage at another scale would be another tree. */
 #define KEY_STEPS 1048576.0
 
-/* Relative: distances closer than this are equal but for rounding of the positions. */
-#define TIE 1e-6
-
 #define MAX_LEVELS 9
 
 /* Sums over the leaves below a face. */
@@ -281,7 +278,7 @@ static gi_vec3d farthest_corner(const gi_hierarchy *h, uint32_t node, gi_vec3d f
 			const gi_vec3d to = gi_vec3d_sub(corners[i], from);
 			const double distance2 = gi_vec3d_dot(to, to);
 			most = fmax(most, distance2);
-			if (distance2 > chosen * (1 + TIE)) {
+			if (distance2 > chosen * (1 + GI_TIE)) {
 				chosen = distance2;
 				farthest = corners[i];
 			}
@@ -311,7 +308,7 @@ static void set_sphere(gi_hierarchy *h, uint32_t node)
 	for (int step = 0; step <= STEPS; step++) {
 		double radius;
 		const gi_vec3d far = farthest_corner(h, node, centre, &radius);
-		if (radius < best_radius * (1 - TIE)) {
+		if (radius < best_radius * (1 - GI_TIE)) {
 			best_radius = radius;
 			best = centre;
 		}
@@ -415,7 +412,7 @@ static void set_cover(gi_hierarchy *h, uint32_t node)
 	t->corners = (gi_uvec4){corners[0], corners[1], corners[2], corners[3]};
 	const quad q = node_quad(h, node);
 	if (is_tiled(h, node) && is_coplanar(h, node, q.a, node_normal(h, node), tolerance))
-		t->range.w |= GI_NODE_POLYGON;
+		t->range.w |= GI_NODE_POLYGON | GI_NODE_FLAT;
 	else
 		t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
 }
@@ -429,7 +426,7 @@ static void measure_node(gi_hierarchy *h, uint32_t node)
 	gi_uvec4 *range = &h->topology[node].range;
 	if (!(range->w & GI_NODE_POLYGON))
 		set_cover(h, node);
-	if ((range->w & GI_NODE_POLYGON) && is_flat(h, node))
+	else if (is_flat(h, node))
 		range->w |= GI_NODE_FLAT;
 }
 

@@ -2,10 +2,6 @@
  * farthest on either side of the line between the two. */
 #include "quad_cover.h"
 
-/* Relative: what is as far but for rounding comes second, so that a symmetric mesh has the same corners at every scale.
- */
-#define TIE 1e-6
-
 static gi_vec3d vertex_at(const gi_hierarchy *h, uint32_t vertex)
 {
 	return gi_vec3d_from(h->vertices[vertex]);
@@ -23,6 +19,7 @@ static double measured(const gi_hierarchy *h, uint32_t vertex, const measure *m)
 	return point ? gi_vec3d_length(to) : gi_vec3d_dot(m->across, to);
 }
 
+/* Of vertices as far but for rounding the first, so that a symmetric mesh has the same corners at every scale. */
 static uint32_t farthest(const gi_hierarchy *h, uint32_t first, uint32_t count, const measure *m)
 {
 	uint32_t best = h->topology[h->leaf_node[first]].corners.x;
@@ -32,7 +29,7 @@ static uint32_t farthest(const gi_hierarchy *h, uint32_t first, uint32_t count, 
 		const uint32_t corners[4] = {c.x, c.y, c.z, c.w};
 		for (int i = 0; i < 4; i++) {
 			const double distance = measured(h, corners[i], m);
-			if (distance > most + TIE * fabs(most)) {
+			if (distance > most + GI_TIE * fabs(most)) {
 				most = distance;
 				best = corners[i];
 			}

@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* Relative: distances closer than this are equal but for rounding of the positions. */
+#define GI_TIE 1e-6
+
 typedef struct gi_vec3d {
 	double x, y, z;
 } gi_vec3d;
