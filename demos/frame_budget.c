@@ -5,8 +5,8 @@
 /* Of a new measurement; a single frame is noise, and the view may change. */
 static const double LEARNING = 0.2;
 
-/* However long the rest takes, the light moves on. */
-static const double LEAST_MS = 1;
+/* Of the frame asked for: where drawing alone takes as long, the rate is lost anyway, and the light moves on. */
+static const double LEAST_SHARE = 0.125;
 
 /* So long after the last motion what still waits is refreshed in one go. */
 static const double PATIENCE_MS = 500;
@@ -27,7 +27,7 @@ frame_budget frame_budget_make(double frames_per_second)
 
 static double left_ms(const frame_budget *b)
 {
-	return fmax(LEAST_MS, b->target_ms - b->rest_ms);
+	return fmax(LEAST_SHARE * b->target_ms, b->target_ms - b->rest_ms);
 }
 
 gi_budget frame_budget_next(frame_budget *b, bool moved, double now_ms)

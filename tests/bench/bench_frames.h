@@ -1,0 +1,35 @@
+/* Frames of the moving Buddha, measured and printed as Markdown. */
+#ifndef TESTS_BENCH_BENCH_FRAMES_H
+#define TESTS_BENCH_BENCH_FRAMES_H
+
+#include "bench_scene.h"
+
+typedef struct bench_run {
+	engine_context *context;
+	bench_settings settings;
+	uint32_t frames;
+	int size;
+	float fps;        /* of the animation */
+	gi_budget budget; /* of every update */
+} bench_run;
+
+/* Every pass of a frame, what an update does, the scene at rest; with a budget also what waits and how wrong that is.
+ */
+void bench_frames(const bench_run *run);
+
+/* A line of a table for each call: every update gets the time that keeps run->fps frames a second, the animation goes
+ * on by as much. run->budget is not looked at. */
+void bench_rate_head(void);
+void bench_rate(const bench_run *run);
+
+/* How far B is from that of an exact update of the same poses. */
+typedef struct bench_distance {
+	double most;    /* W/m2, of any leaf and channel */
+	double percent; /* area-weighted RMS, of the RMS of B - E */
+} bench_distance;
+
+/* Leaves of two contexts with the same scene, or of one at two times. The caller frees what bench_leaves returns. */
+gi_leaf *bench_leaves(gi_context *gi, uint32_t *count);
+bench_distance bench_leaves_distance(const gi_leaf *leaves, const gi_leaf *exact, uint32_t count);
+
+#endif
