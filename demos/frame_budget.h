@@ -14,6 +14,7 @@
 typedef struct frame_budget {
 	double target_ms; /* of a whole frame; 0: every update is exact */
 	double rest_ms;   /* of a frame without its update, smoothed */
+	double fixed_ms;  /* of an update: what no budget shortens, smoothed */
 	double asked_ms;  /* what the newest update was given; 0: it is exact */
 	double moved_ms;  /* when something last moved, by the caller's clock */
 	bool moving;      /* in the newest update */

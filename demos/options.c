@@ -24,6 +24,7 @@ enum {
 	KEY_SOLVE_TOLERANCE,
 	KEY_ESTIMATE,
 	KEY_CAGE_FACES,
+	KEY_BUDGET_FPS,
 	KEY_BUDGET_MS,
 	KEY_BUDGET_RAYS,
 	KEY_BUDGET_ERROR,
@@ -39,7 +40,7 @@ enum {
 
 static const struct argp_option table[] = {
     {"frames", KEY_FRAMES, "N", 0, "how many frames; without it a window plays on", 0},
-    {"fps", KEY_FPS, "R", 0, "frames a second of the animation (24)", 0},
+    {"fps", KEY_FPS, "R", 0, "frames a second: of a recorded animation (24), to be kept in a window (30)", 0},
     {"size", KEY_SIZE, "WxH", 0, "pixels of the picture (512x512)", 0},
     {"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
     {"context", KEY_CONTEXT, "KIND", 0,
@@ -52,7 +53,13 @@ static const struct argp_option table[] = {
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
     {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at to estimate the error of the rows, 0..65536 (0)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
-    {"budget-ms", KEY_BUDGET_MS, "MS", 0, "aim for so many milliseconds an update; what does not fit waits", 1},
+    {"budget-fps", KEY_BUDGET_FPS, "R", 0,
+     "keep so many frames a second: an update gets the time that drawing leaves, what does not fit waits until all is "
+     "at "
+     "rest; 0: exact (30 in a window, 0 where frames are recorded)",
+     1},
+    {"budget-ms", KEY_BUDGET_MS, "MS", 0,
+     "aim for so many milliseconds an update instead; what does not fit waits; 0: exact", 1},
     {"budget-rays", KEY_BUDGET_RAYS, "N", 0, "about so many rays an update", 1},
     {"budget-error", KEY_BUDGET_ERROR, "E", 0,
      "rows whose change is bounded by this share of the largest radiosity wait, 0..1", 1},
@@ -105,6 +112,15 @@ static float positive(const options *o, const char *option, const char *text, do
 	if ((float)value < FLT_MIN)
 		options_fail(o->program, "%s %s: is too small, must be at least %.3g", option, text, (double)FLT_MIN);
 	return (float)value;
+}
+
+/* The same with 0. */
+static float not_negative(const options *o, const char *option, const char *text, double high)
+{
+	double value;
+	if (parse_number(text, &value) && value == 0)
+		return 0;
+	return positive(o, option, text, high);
 }
 
 static void parse_size(options *o, const char *text)
@@ -174,17 +190,28 @@ static void parse_fineness(options *o, int key, const char *text)
 	case KEY_CAGE_FACES:
 		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);
 		break;
+	case KEY_PIXEL_LAMPS:
+		o->pixel_lamps = options_count(o->program, "--pixel-lamps", text, 0, 32);
+		break;
+	}
+}
+
+static void parse_budget(options *o, int key, const char *text)
+{
+	o->budget_given = o->budget_given || key != KEY_BUDGET_FPS;
+	switch (key) {
+	case KEY_BUDGET_FPS:
+		o->budget_fps = (double)not_negative(o, "--budget-fps", text, 1e6);
+		o->budget_fps_given = true;
+		break;
 	case KEY_BUDGET_MS:
-		o->budget.ms = positive(o, "--budget-ms", text, 1e6);
+		o->budget.ms = not_negative(o, "--budget-ms", text, 1e6);
 		break;
 	case KEY_BUDGET_RAYS:
 		o->budget.rays = options_count(o->program, "--budget-rays", text, 1, 2000000000);
 		break;
 	case KEY_BUDGET_ERROR:
 		o->budget.error = positive(o, "--budget-error", text, 1);
-		break;
-	case KEY_PIXEL_LAMPS:
-		o->pixel_lamps = options_count(o->program, "--pixel-lamps", text, 0, 32);
 		break;
 	}
 }
@@ -222,6 +249,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_FPS:
 		o->fps = positive(o, "--fps", text, 1e6);
+		if (!o->budget_fps_given)
+			o->budget_fps = o->fps;
 		return 0;
 	case KEY_SIZE:
 		parse_size(o, text);
@@ -242,7 +271,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		o->rebuild = true;
 		return 0;
 	}
-	if (key >= KEY_ROW_TOLERANCE && key <= KEY_PIXEL_LAMPS)
+	if (key >= KEY_BUDGET_FPS && key <= KEY_BUDGET_ERROR)
+		parse_budget(o, key, text);
+	else if (key >= KEY_ROW_TOLERANCE && key <= KEY_PIXEL_LAMPS)
 		parse_fineness(o, key, text);
 	else if (key >= KEY_IMAGES && key <= KEY_OUT)
 		parse_output(o, key, text);
@@ -255,7 +286,8 @@ const struct argp options_argp = {.options = table, .parser = parse};
 
 options options_default(const char *program)
 {
-	return (options){.program = program, .fps = 24, .width = 512, .height = 512, .pixel_lamps = 32};
+	return (options){
+	    .program = program, .fps = 24, .budget_fps = 30, .width = 512, .height = 512, .pixel_lamps = 32};
 }
 
 void options_parse(const struct argp *parser, int argc, char **argv, void *input)

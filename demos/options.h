@@ -15,20 +15,23 @@
 typedef struct options {
 	const char *program;
 	uint32_t frames; /* 0: endless in a window, the program's choice without one */
-	double fps;      /* frames a second of the animation, default 24 */
+	double fps;      /* frames a second of a recorded animation, default 24 */
 	int width, height;
 	gi_mode mode;
 	engine_context_kind context;
 	bool rebuild;        /* every frame from scratch */
 	float row_tolerance; /* 0: the library's default, as the next two */
 	float solve_tolerance;
-	float leaf_size;     /* 0: the levels that scene or program give */
-	uint32_t estimate;   /* leaves that estimate the error of the rows; 0: none */
-	uint32_t cage_faces; /* of the cage that lights a detailed mesh; 0: the program's default */
-	float sky;           /* exitance of a white sky, W/m2; 0: black */
-	float exposure;      /* display value 1 per W/(m2 sr); 0: the program's choice */
-	gi_budget budget;    /* of every update; all zero: exact */
-	uint32_t pixel_lamps;                               /* polygons lit per pixel */
+	float leaf_size;       /* 0: the levels that scene or program give */
+	uint32_t estimate;     /* leaves that estimate the error of the rows; 0: none */
+	uint32_t cage_faces;   /* of the cage that lights a detailed mesh; 0: the program's default */
+	float sky;             /* exitance of a white sky, W/m2; 0: black */
+	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
+	gi_budget budget;      /* of every update, where budget_given; all zero: exact */
+	bool budget_given;     /* a budget of its own, instead of a frame rate to keep */
+	double budget_fps;     /* frames a second that budgets keep; 0: every update is exact */
+	bool budget_fps_given; /* else a window keeps them and a recording is exact */
+	uint32_t pixel_lamps;  /* polygons lit per pixel */
 	const char *images, *report, *field, *form_factors; /* files to write; NULL: none */
 	const char *out;                                    /* folder for what has no name of its own */
 } options;

@@ -14,6 +14,8 @@ typedef struct overlay {
 	gi_mode mode;
 	gi_overlay layer;
 	double fps, update_ms, frame_ms;
+	double budget_ms;  /* of the newest update; 0: exact, or another kind of budget */
+	double target_fps; /* what budgets keep; 0: nothing */
 	bool paused, rebuild, help, can_move;
 } overlay;
 

@@ -99,7 +99,7 @@ static bool begin(player *p)
 		return false;
 	choose_frames(p);
 	p->last_clock_ms = player_clock_ms();
-	return player_open_files(p);
+	return player_budget_open(p) && player_open_files(p);
 }
 
 static void end(player *p)
@@ -111,6 +111,7 @@ static void end(player *p)
 	engine_target_destroy(p->target);
 	engine_context_destroy(p->context);
 	free(p->pixels);
+	free(p->poses);
 }
 
 /* ---- exposure ------------------------------------------------------------------------------------------------------
@@ -169,7 +170,8 @@ static bool light(player *p)
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
-	return succeeded(p, gi_update(p->gi, &p->o->budget)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
+	const gi_budget budget = player_budget_next(p);
+	return succeeded(p, gi_update(p->gi, &budget)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
 }
 
 bool player_draw(player *p, gi_mode mode)
@@ -197,6 +199,8 @@ static void show(player *p, const gi_report *report)
 				 .fps = p->interval_ms > 0 ? 1e3 / p->interval_ms : 0,
 				 .update_ms = p->update_ms,
 				 .frame_ms = p->frame_ms,
+				 .budget_ms = (double)p->budget.ms,
+				 .target_fps = p->rate.target_ms > 0 ? 1e3 / p->rate.target_ms : 0,
 				 .paused = p->paused,
 				 .rebuild = p->rebuild,
 				 .help = p->help,
@@ -238,10 +242,14 @@ static bool record(player *p, const gi_report *report)
 		p->failed_frames++;
 		p->failure = report->outcome;
 	}
-	const report_frame frame = {p->frame, p->time_s, p->update_ms, p->frame_ms, *report};
-	if (waits(p) && !report_add(&p->report, &frame, p->message, sizeof p->message))
-		return false;
-	return player_write_frame(p);
+	const report_frame frame = {.number = p->frame,
+				    .time_s = p->time_s,
+				    .update_ms = p->update_ms,
+				    .frame_ms = p->frame_ms,
+				    .budget_ms = (double)p->budget.ms,
+				    .shown_ms = p->shown_ms,
+				    .gi = *report};
+	return !waits(p) || report_add(&p->report, &frame, p->message, sizeof p->message);
 }
 
 static void show_progress(const player *p, const gi_report *r)
@@ -271,10 +279,14 @@ static bool play_frame(player *p)
 		choose_exposure(p);
 	const double drawing = player_clock_ms();
 	gi_report report;
-	if (!draw(p, drawing - p->update_ms, &report) || !record(p, &report))
+	if (!draw(p, drawing - p->update_ms, &report) || !player_write_frame(p))
 		return false;
 	if (p->hud)
 		show(p, &report);
+	p->shown_ms = p->recording ? p->frame_ms : player_clock_ms() - began;
+	player_budget_note(p, &report);
+	if (!record(p, &report))
+		return false;
 	show_progress(p, &report);
 	p->frame++;
 	return true;

@@ -2,6 +2,7 @@
 #ifndef DEMOS_PLAYER_INTERNAL_H
 #define DEMOS_PLAYER_INTERNAL_H
 
+#include "frame_budget.h"
 #include "hud.h"
 #include "player.h"
 #include "report.h"
@@ -31,7 +32,13 @@ typedef struct player {
 	bool paused, rebuild, help;
 	float exposure;
 
+	gi_budget budget;  /* of the newest update */
+	frame_budget rate; /* where budgets keep a frame rate */
+	gi_pose *poses;    /* of the scene's objects in the frame before */
+	uint32_t pose_count;
+
 	double update_ms, frame_ms;
+	double shown_ms;    /* the whole frame, until it was shown; of a recorded one frame_ms */
 	double interval_ms; /* from frame to frame, smoothed; 0: not known yet */
 	double last_clock_ms;
 	report report;
@@ -42,6 +49,15 @@ typedef struct player {
 
 	char message[PLAYER_MESSAGE]; /* why a step failed; "" so far */
 } player;
+
+/* After the scene was created. False with p->message when memory is short. */
+bool player_budget_open(player *p);
+
+/* The budget of the update about to be made, after the poses were set. */
+gi_budget player_budget_next(player *p);
+
+/* After the frame was shown. */
+void player_budget_note(player *p, const gi_report *report);
 
 /* Keys and mouse since the last frame. */
 void player_input(player *p);

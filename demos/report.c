@@ -54,7 +54,12 @@ static void write_header(FILE *file)
 	      file);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		fprintf(file, ",%s_gpu_ms", gi_pass_name((gi_pass)k));
-	fputs(",update_cpu_ms,update_wall_ms,frame_wall_ms\n", file);
+	fputs(",update_cpu_ms,update_wall_ms,frame_wall_ms,budget_ms,frames_per_second\n", file);
+}
+
+static double frames_per_second(const report_frame *f)
+{
+	return f->shown_ms > 0 ? 1e3 / f->shown_ms : 0;
 }
 
 static void write_frame(FILE *file, const report_frame *f)
@@ -77,7 +82,8 @@ static void write_frame(FILE *file, const report_frame *f)
 		(unsigned long long)g->gpu_bytes);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		fprintf(file, ",%.3f", (double)g->pass_ms[k]);
-	fprintf(file, ",%.3f,%.3f,%.3f\n", (double)g->update_ms, f->update_ms, f->frame_ms);
+	fprintf(file, ",%.3f,%.3f,%.3f", (double)g->update_ms, f->update_ms, f->frame_ms);
+	fprintf(file, ",%.3f,%.3f\n", f->budget_ms, frames_per_second(f));
 }
 
 static bool cannot_write(const report *r, char *message, size_t message_size)
@@ -131,6 +137,8 @@ static void to_columns(const report_frame *f, float columns[REPORT_COLUMNS])
 {
 	columns[REPORT_UPDATE_MS] = (float)f->update_ms;
 	columns[REPORT_FRAME_MS] = (float)f->frame_ms;
+	columns[REPORT_FPS] = (float)frames_per_second(f);
+	columns[REPORT_BUDGET_MS] = (float)f->budget_ms;
 	columns[REPORT_SWEEPS] = (float)f->gi.sweeps;
 	columns[REPORT_DIRTY_PERCENT] = f->gi.entries ? 100.0f * (float)f->gi.dirty_entries / (float)f->gi.entries : 0;
 	columns[REPORT_RAYS] = (float)f->gi.rays;
@@ -236,10 +244,10 @@ static void print_sizes(const report *r, FILE *to)
 	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps\n", "first frame", r->first_ms, r->first.sweeps);
 }
 
-static bool rows_waited(const report *r)
+static bool is_anywhere(const report *r, report_column column)
 {
 	for (uint32_t f = 0; f < r->count; f++)
-		if (r->values[f][REPORT_WAITING_PERCENT] > 0)
+		if (r->values[f][column] > 0)
 			return true;
 	return false;
 }
@@ -254,6 +262,9 @@ void report_print(const report *r, FILE *to)
 		"least", "most");
 	print_row(r, to, "update, ms", REPORT_UPDATE_MS, 1);
 	print_row(r, to, "update and picture, ms", REPORT_FRAME_MS, 1);
+	print_row(r, to, "frames a second", REPORT_FPS, 1);
+	if (is_anywhere(r, REPORT_BUDGET_MS))
+		print_row(r, to, "budget, ms", REPORT_BUDGET_MS, 1);
 	print_passes(r, to);
 	print_row(r, to, "dirty entries, %", REPORT_DIRTY_PERCENT, 2);
 	print_row(r, to, "rays", REPORT_RAYS, 0);
@@ -262,7 +273,7 @@ void report_print(const report *r, FILE *to)
 	print_row(r, to, "amplification", REPORT_AMPLIFICATION, 1);
 	print_row(r, to, "certified bound, W/m2", REPORT_BOUND, -1);
 	print_row(r, to, "  of it rounding, W/m2", REPORT_ROUNDING, -1);
-	if (rows_waited(r)) {
+	if (is_anywhere(r, REPORT_WAITING_PERCENT)) {
 		print_row(r, to, "waiting rows, %", REPORT_WAITING_PERCENT, 1);
 		print_row(r, to, "stale bound, W/m2", REPORT_STALE_BOUND, -1);
 	}

@@ -15,6 +15,9 @@ typedef struct report_frame {
 	double time_s;    /* of the animation */
 	double update_ms; /* poses, gi_update and, where frames are recorded, the wait for the GPU */
 	double frame_ms;  /* that and the picture */
+	double budget_ms; /* what gi_update was given; 0: exact, or another kind of budget */
+	double
+	    shown_ms; /* from frame to frame: with text and what the window takes; frame_ms where frames are recorded */
 	gi_report gi;
 } report_frame;
 
@@ -22,6 +25,8 @@ typedef struct report_frame {
 typedef enum report_column {
 	REPORT_UPDATE_MS,
 	REPORT_FRAME_MS,
+	REPORT_FPS,
+	REPORT_BUDGET_MS,
 	REPORT_SWEEPS,
 	REPORT_DIRTY_PERCENT,
 	REPORT_RAYS,
