@@ -1,8 +1,8 @@
 /* How long an update may take so that a frame rate is kept while things move, and how what waited is made good at rest.
  *
  * A frame is an update and the rest: drawing, text, showing it, waiting for the display. The rest is measured from
- * frame to frame, and the update gets what it leaves of the frame. Where the update takes longer than it was given,
- * that is the rest's too, so that the frame comes out right whatever the library makes of its budget.
+ * frame to frame, and the update gets what it leaves of the frame, less what updates take longer than they were given.
+ * Where not even the smallest update fits the rate is lost; an update then gets enough for the light to move on.
  */
 #ifndef DEMOS_FRAME_BUDGET_H
 #define DEMOS_FRAME_BUDGET_H
@@ -13,12 +13,14 @@
 
 typedef struct frame_budget {
 	double target_ms; /* of a whole frame; 0: every update is exact */
-	double rest_ms;   /* of a frame without its update, smoothed */
-	double fixed_ms;  /* of an update: what no budget shortens, smoothed */
-	double asked_ms;  /* what the newest update was given; 0: it is exact */
-	double moved_ms;  /* when something last moved, by the caller's clock */
-	bool moving;      /* in the newest update */
-	bool exact_fits;  /* an exact update takes so much less than there is that nothing has to be chosen */
+	double rest_ms;   /* of a frame without its update, smoothed, as the next two */
+	double over_ms;   /* what updates take beyond what they were given */
+	double fixed_ms;  /* of an update: what no budget shortens */
+	double newest_fixed_ms;
+	double asked_ms; /* what the newest update was given; 0: it is exact */
+	double moved_ms; /* when something last moved, by the caller's clock */
+	bool moving;     /* in the newest update */
+	bool exact_fits; /* an exact update takes so much less than there is that nothing has to be chosen */
 } frame_budget;
 
 /* frames_per_second 0: exact. The first updates are exact as well, until something moves. */

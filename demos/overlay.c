@@ -61,22 +61,20 @@ static void add_passes(lines *l, const gi_report *r)
 /* The certified bound is this many times the true distance: medians of scenes in docs/accuracy.md. */
 static const double BOUND_OVER_DISTANCE[2] = {30, 100};
 
-/* What waits, and what that is worth: what to expect, and the limit. */
+/* How long an update may take, what waits and what that is worth: what to expect, and the limit. */
 static void add_waiting(lines *l, const overlay *o)
 {
 	const gi_report *r = &o->report;
 	const double bound = (double)r->stale_bound;
-	if (o->target_fps > 0)
-		add(l, "%.0f fps asked for: %s", o->target_fps,
-		    o->budget_ms > 0 || r->waiting_rows ? "updates under a budget" : "exact updates");
-	if (o->budget_ms > 0)
-		add(l, "budget of an update %.1f ms", o->budget_ms);
+	if (o->target_fps > 0 && o->budget_ms > 0)
+		add(l, "%.0f fps asked for: %.1f ms an update", o->target_fps, o->budget_ms);
+	else if (o->target_fps > 0)
+		add(l, "%.0f fps asked for: exact updates", o->target_fps);
 	if (r->waiting_rows) {
 		add(l, "rows that wait %.1f %%", 100 * (double)r->waiting_rows / r->leaves);
-		add(l, "off by %.2g to %.2g W/m2, to be expected", bound / BOUND_OVER_DISTANCE[1],
-		    bound / BOUND_OVER_DISTANCE[0]);
-		add(l, "off by %.3g W/m2 at most, certified", bound);
-	} else if (o->target_fps > 0 || o->budget_ms > 0)
+		add(l, "stale by %.2g to %.2g W/m2 expected, %.3g at most (certified)", bound / BOUND_OVER_DISTANCE[1],
+		    bound / BOUND_OVER_DISTANCE[0], bound);
+	} else if (o->target_fps > 0)
 		add(l, "nothing waits");
 }
 

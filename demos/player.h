@@ -1,8 +1,8 @@
 /* Plays a scene: opens a context, creates the objects, and then frame by frame poses, light, picture, files.
  *
  * Recorded (--frames given, or no window): time goes on by 1/fps a frame, every frame waits for its GPU, so that each
- * line of the report is about its own frame. Played in a window without --frames: time is the clock's and nothing
- * waits.
+ * line of the report is about its own frame. Played in a window without --frames: time is the clock's, nothing
+ * waits for the GPU, and a budget for every update keeps the frame rate (frame_budget.h).
  */
 #ifndef DEMOS_PLAYER_H
 #define DEMOS_PLAYER_H

@@ -1,5 +1,5 @@
-# frame_times of this tree in the project of another commit: scripts/bench against hands this file to that commit's cmake, which
-# includes it right after project(). The libraries are that commit's.
+# frame_times of this tree in the project of another commit: scripts/bench against hands this file to that commit's
+# cmake, which includes it right after project(). The libraries are that commit's.
 add_executable(frame_times_against
 	${CMAKE_CURRENT_LIST_DIR}/frame_times.c ${CMAKE_CURRENT_LIST_DIR}/bench_scene.c ${CMAKE_CURRENT_LIST_DIR}/samples.c)
 set_target_properties(frame_times_against PROPERTIES

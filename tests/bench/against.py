@@ -2,8 +2,8 @@
 
     scripts/bench against COMMIT [options]
 
-The other commit is unpacked and built in build/against/<hash>, which is kept: a second run builds nothing. The same program
-(frame_times.c) is linked with either library. Prints Markdown on stdout, progress on stderr.
+The other commit is unpacked and built in build/against/<hash>, which is kept: a second run builds nothing. The same
+program (frame_times.c) is linked with either library. Prints Markdown on stdout, progress on stderr.
 """
 import argparse
 import collections
@@ -45,7 +45,7 @@ def describe(commit):
     return git("log", "-1", "--format=%h of %cs", commit)
 
 
-# ---- the other commit -------------------------------------------------------------------------------------------------
+# ---- the other commit -----------------------------------------------------------------------------------------------
 
 
 def unpack(commit, source):
@@ -75,8 +75,9 @@ def build_other(revision):
     source, build = folder / "source", folder / "build"
     say("building %s in %s" % (commit[:7], folder.relative_to(ROOT)))
     unpack(commit, source)
-    run_quietly(["cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DRELUME_TESTS=OFF",
-                 "-DCMAKE_PROJECT_relume_INCLUDE=%s" % (HERE / "against.cmake")], "%s cannot be configured here" % commit[:7])
+    run_quietly(["cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
+                 "-DRELUME_TESTS=OFF", "-DCMAKE_PROJECT_relume_INCLUDE=%s" % (HERE / "against.cmake")],
+                "%s cannot be configured here" % commit[:7])
     run_quietly(["cmake", "--build", build, "--target", "frame_times_against", "moving_buddha"],
                 "%s cannot be built here; frame_times.c needs the gi.h and the scenes of 4a87701 or later" % commit[:7])
     return Side("old", describe(commit), build / "bin", build / "bin" / "frame_times_against")
@@ -88,7 +89,7 @@ def this_tree():
     return Side("new", describe("HEAD") + changed, build, build / "frame_times")
 
 
-# ---- measuring --------------------------------------------------------------------------------------------------------
+# ---- measuring ------------------------------------------------------------------------------------------------------
 
 
 class Measurements:
@@ -128,13 +129,14 @@ def environment(cache, with_cache):
 def run(command, **more):
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **more)
     if done.returncode:
-        fail("%s ended with %d: %s" % (shlex.join(str(word) for word in command), done.returncode, done.stderr.strip()))
+        words = shlex.join(str(word) for word in command)
+        fail("%s ended with %d: %s" % (words, done.returncode, done.stderr.strip()))
     return done.stdout
 
 
 def measure_frames(side, options, cache, into):
-    command = [side.frame_times, "--context", options.context, "--frames", options.frames, "--rebuilds", options.rebuilds,
-               "--size", options.size]
+    command = [side.frame_times, "--context", options.context, "--frames", options.frames, "--rebuilds",
+               options.rebuilds, "--size", options.size]
     if options.row_tolerance:
         command += ["--row-tolerance", options.row_tolerance]
     into.add_lines(side, run(command, env=environment(cache, True)))
@@ -144,8 +146,8 @@ def first_picture_ms(side, options, cache, with_cache):
     """From the start of the process until it has ended, its first picture written and nothing else."""
     with tempfile.TemporaryDirectory() as folder:
         command = [side.folder / "moving_buddha", "--context", options.context, "--frames", "1", "--row-tolerance",
-                   options.start_row_tolerance, "--size", "%dx%d" % (options.size, options.size), "--out", folder, "--report",
-                   os.path.join(folder, "report.csv"), "--images", os.path.join(folder, "%d.png")]
+                   options.start_row_tolerance, "--size", "%dx%d" % (options.size, options.size), "--out", folder,
+                   "--report", os.path.join(folder, "report.csv"), "--images", os.path.join(folder, "%d.png")]
         began = time.monotonic()
         run(command, env=environment(cache, with_cache))
         return 1e3 * (time.monotonic() - began)
@@ -173,7 +175,7 @@ def measure(sides, options):
     return into
 
 
-# ---- the page ---------------------------------------------------------------------------------------------------------
+# ---- the page -------------------------------------------------------------------------------------------------------
 
 
 def cpu_model():
@@ -234,12 +236,13 @@ def page(sides, options, m):
              "- processor: %s, %d threads" % (cpu_model(), len(os.sched_getaffinity(0))),
              "- date: %s; load of the machine before: %.2f" % (datetime.date.today().isoformat(), options.load),
              "- command: `scripts/bench against %s`" % shlex.join(sys.argv[1:]),
-             "- %d rounds in turn, moving frames each time: %d, rebuilds: %d" % (options.rounds, options.frames, options.rebuilds)]
-    lines += ["", "## Moving Buddha, defaults, row tolerance %g" % fine, "", scene_line(m, "fine"), "", *table(m, "fine")]
-    lines += ["", "## Moving Buddha, row tolerance 0.1, emitters four times finer, one ray an indirect entry", "",
-              scene_line(m, "coarse"), "", *table(m, "coarse")]
-    lines += ["", "frame: update and picture of %s, both waited for. from nothing: objects, refinement, hierarchies, trees, rows "
-              "and a cold solve; shaders are compiled before." % size]
+             "- %d rounds in turn, each with moving frames: %d, rebuilds: %d" %
+             (options.rounds, options.frames, options.rebuilds)]
+    for series, title in (("fine", "defaults, row tolerance %g" % fine),
+                          ("coarse", "row tolerance 0.1, emitters four times finer, one ray an indirect entry")):
+        lines += ["", "## Moving Buddha, " + title, "", scene_line(m, series), "", *table(m, series)]
+    lines += ["", "frame: update and picture of %s, both waited for. from nothing: objects, refinement, hierarchies, "
+              "trees, rows and a cold solve; shaders are compiled before." % size]
     lines += ["", "## From the start of the process to its first picture, %s, row tolerance %g" %
               (size, options.start_row_tolerance), "", "Until the process has ended, its picture written as a PNG.", "",
               *table(m, "start")]
@@ -251,12 +254,14 @@ def parse():
     parser.add_argument("commit", help="the other commit: a hash, a branch, a tag")
     parser.add_argument("--rounds", type=int, default=5, help="of both in turn (%(default)s)")
     parser.add_argument("--frames", type=int, default=6, help="moving frames a round (%(default)s)")
-    parser.add_argument("--rebuilds", type=int, default=2, help="rebuilds and starts from nothing a round (%(default)s)")
+    parser.add_argument("--rebuilds", type=int, default=2,
+                        help="rebuilds and starts from nothing a round (%(default)s)")
     parser.add_argument("--quick", action="store_true", help="2 rounds of 2 frames and 1 rebuild")
     parser.add_argument("--size", type=int, default=512, help="width and height of the picture (%(default)s)")
     parser.add_argument("--row-tolerance", type=float, help="of the first table (the library's default)")
     parser.add_argument("--start-row-tolerance", type=float, default=0.05, help="of the first picture (%(default)s)")
-    parser.add_argument("--context", default="auto", choices=("auto", "egl", "osmesa"), help="where it runs (%(default)s)")
+    parser.add_argument("--context", default="auto", choices=("auto", "egl", "osmesa"),
+                        help="where it runs; auto: headless (%(default)s)")
     options = parser.parse_args()
     if options.quick:
         options.rounds, options.frames, options.rebuilds = 2, 2, 1

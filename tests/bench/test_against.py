@@ -1,4 +1,4 @@
-"""scripts/bench against: one short run of frame_times stands for both sides; what it prints is whole and becomes tables.
+"""scripts/bench against: one short run of frame_times stands for both sides; what it prints becomes whole tables.
 
 No time is judged.
 """
@@ -20,7 +20,8 @@ def side(name):
 class Against(unittest.TestCase):
     def test_tables(self):
         context = os.environ.get("RELUME_CONTEXT", "osmesa")
-        command = [PROGRAM, "--context", context, "--frames", "2", "--rebuilds", "1", "--size", "64", "--row-tolerance", "0.5"]
+        command = [PROGRAM, "--context", context, "--frames", "2", "--rebuilds", "1", "--size", "64",
+                   "--row-tolerance", "0.5"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if "OSMesa" in done.stderr and done.returncode:
             self.skipTest(done.stderr)
@@ -34,8 +35,8 @@ class Against(unittest.TestCase):
         m.add("start", "shaders cached ms", side("new"), 3)
         m.add("start", "new pass ms", side("new"), 5)
         for series in ("fine", "coarse"):
-            for measure, count in (("update ms", 2), ("frame ms", 2), ("trace ms", 2), ("draw ms", 2), ("rebuild ms", 1),
-                                   ("from nothing ms", 1), ("leaves", 1), ("rays", 2)):
+            for measure, count in (("update ms", 2), ("frame ms", 2), ("trace ms", 2), ("draw ms", 2),
+                                   ("rebuild ms", 1), ("from nothing ms", 1), ("leaves", 1), ("rays", 2)):
                 values = m.of(series, measure, "old")
                 self.assertEqual(len(values), count, (series, measure))
                 self.assertTrue(all(value > 0 for value in values), (series, measure))

@@ -157,6 +157,27 @@ class Programs(unittest.TestCase):
         for words in (out, "frames.csv", "dirty entries", "certified bound", "per leaf", "sweeps"):
             self.assertIn(words, done.stdout)
 
+    def test_budget_that_keeps_a_frame_rate(self):
+        """Only that budgets are given and rows wait: what rate is reached is the machine's."""
+        runs = {}
+        for name, more in (("exact", []), ("rate", ["--budget-fps", "1000"]), ("none", ["--budget-fps", "0"]),
+                           ("zero", ["--budget-fps", "1000", "--budget-ms", "0"]), ("own", ["--budget-ms", "0.5"])):
+            report = self.path(name + ".csv")
+            done = self.good("moving_buddha", "--frames", "3", "--row-tolerance", "0.2", "--images", self.path("p%d.png"),
+                             "--report", report, *more, *TINY)
+            runs[name] = read_csv(report)
+            self.assertIn("frames a second", done.stdout)
+        for name, rows in runs.items():
+            self.assertTrue(all(float(row["frames_per_second"]) > 0 for row in rows), name)
+            waiting = [int(row["waiting_rows"]) for row in rows]
+            budgets = [float(row["budget_ms"]) for row in rows]
+            if name in ("rate", "own"):
+                self.assertGreater(min(waiting[1:]), 0, name)
+                self.assertGreater(min(float(row["stale_bound_w_per_m2"]) for row in rows[1:]), 0, name)
+                self.assertGreater(min(budgets[1:]), 0, name)
+            else:
+                self.assertEqual(max(waiting + budgets), 0, name)
+
     def test_buddha_of_a_file(self):
         figure = self.path("figure.obj", PYRAMID)
         self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"),
@@ -240,7 +261,8 @@ class Programs(unittest.TestCase):
                           ["--context", "x"], ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"], ["--row-tolerance", "1e-6"],
                           ["--leaf-size", "0"], ["--leaf-size", "1e-50"], ["--solve-tolerance", "1e-40"],
                           ["--solve-tolerance", "x"], ["--images", "frame.png"], ["--images", "%s.png"], ["--sky", "-1"],
-                          ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"]):
+                          ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"],
+                          ["--budget-fps", "-1"], ["--budget-fps", "x"], ["--budget-ms", "-0.5"], ["--budget-ms", ""]):
             self.bad("moving_buddha", *arguments, says=arguments[0])
             self.bad("gi_play", DOOR, *arguments, says=arguments[0])
         self.bad("moving_buddha", "scene.gltf", says="scene.gltf")

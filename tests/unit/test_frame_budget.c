@@ -29,7 +29,7 @@ static void frame(renderer *r, bool moved)
 		r->undone_ms = r->exact_ms;
 	const double work = asked > 0 && r->frames ? fmin(asked, r->undone_ms) : r->undone_ms;
 	r->undone_ms -= work;
-	r->update_ms = work > 0 ? work + (asked > 0 ? r->over_ms : 0) : 0;
+	r->update_ms = work > 0 ? fmax(work, r->fixed_ms) + (asked > 0 ? r->over_ms : 0) : 0;
 	r->frame_ms = r->rest_ms + r->update_ms;
 	gi_report report = {.frame = ++r->frames,
 			    .outcome = work > 0 ? GI_OUTCOME_CONVERGED : GI_OUTCOME_AT_REST,
@@ -100,9 +100,18 @@ static void test_moves_on_when_drawing_is_slow(void **state)
 	renderer r = make(30, 80, 300, 0);
 	run(&r, 40, true);
 	assert_near(r.update_ms, 1e3 / 30 / 8, 0.01);
-	r.fixed_ms = 20; /* most of an update is choosing and solving: rays get their share on top */
+	r.fixed_ms = 120; /* most of an update is choosing and solving: rays get their share on top */
 	run(&r, 80, true);
-	assert_near(r.update_ms, 20 + 1e3 / 30 / 8, 0.01);
+	assert_near(r.update_ms, 1.25 * 120 + 1e3 / 30 / 8, 0.1);
+}
+
+static void test_keeps_the_rate_to_the_last(void **state)
+{
+	(void)state;
+	renderer r = make(30, 12, 300, 0);
+	r.fixed_ms = 18; /* leaves 3.3 ms for rays */
+	run(&r, 80, true);
+	assert_near(r.frame_ms, 1e3 / 30, 0.1);
 }
 
 static void test_exact_within_a_second_of_rest(void **state)
@@ -154,6 +163,7 @@ int main(void)
 	    cmocka_unit_test(test_keeps_the_rate),
 	    cmocka_unit_test(test_one_slow_frame_is_forgotten),
 	    cmocka_unit_test(test_moves_on_when_drawing_is_slow),
+	    cmocka_unit_test(test_keeps_the_rate_to_the_last),
 	    cmocka_unit_test(test_exact_within_a_second_of_rest),
 	    cmocka_unit_test(test_exact_where_it_fits),
 	    cmocka_unit_test(test_exact_without_a_rate),
