@@ -34,10 +34,10 @@ def fail(text):
     sys.exit(1)
 
 
-def git(*arguments):
+def git(*arguments, failure=None):
     done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
-        fail("git %s: %s" % (" ".join(arguments), done.stderr.strip()))
+        fail(failure or "git %s: %s" % (" ".join(arguments), done.stderr.strip()))
     return done.stdout.strip()
 
 
@@ -70,7 +70,8 @@ def run_quietly(command, what):
 
 
 def build_other(revision):
-    commit = git("rev-parse", "--verify", "--end-of-options", revision + "^{commit}")
+    commit = git("rev-parse", "--verify", "--end-of-options", revision + "^{commit}",
+                 failure="%s is no commit of this repository" % revision)
     folder = ROOT / "build" / "against" / commit
     source, build = folder / "source", folder / "build"
     say("building %s in %s" % (commit[:7], folder.relative_to(ROOT)))

@@ -79,7 +79,7 @@ static void print_line(const rate_run *r)
 	       samples_median(&r->percent));
 }
 
-static gi_context *open(const bench_run *run, cornell *scene)
+static gi_context *open_exact(const bench_run *run, cornell *scene)
 {
 	gi_context *gi = bench_open(run->context, &run->settings);
 	*scene = bench_create(gi, run->settings.wall_levels);
@@ -92,8 +92,8 @@ void bench_rate(const bench_run *run)
 	static rate_run r; /* samples are large */
 	r = (rate_run){
 	    .run = run, .target = bench_open_target(run->size), .budget = frame_budget_make((double)run->fps)};
-	r.gi = open(run, &r.scene);
-	r.twin = open(run, &r.twin_scene);
+	r.gi = open_exact(run, &r.scene);
+	r.twin = open_exact(run, &r.twin_scene);
 	const uint32_t every = (run->frames + COMPARED - 1) / COMPARED;
 	for (uint32_t k = 0; k < run->frames + SETTLE; k++) {
 		const gi_pose pose = cornell_buddha_pose((float)(k + 1) / run->fps);
