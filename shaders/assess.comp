@@ -11,22 +11,24 @@
 // An entry that was flagged gains at most F (1 - V) and loses at most F V; of a source that is cut anew all goes, and as
 // much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
 // raised or lowered by counts on its own. A row that may not close may become anything.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_TOPOLOGY
-#define USE_WORLD
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_SEGMENTS
-#define USE_ENTRIES
-#define USE_TARGETS
-#define USE_STATE
-#define USE_SUSPECTS
-#define USE_ROWS
-#define USE_RADIOSITY
-#define USE_CHOICES
-#define USE_PENDING
-#define USE_SHINE
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_WORLD
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_SEGMENTS
+#define READ_ENTRIES
+#define READ_TARGETS
+#define READ_SUSPECTS
+#define READ_ROWS
+#define READ_RADIOSITY
+#define READ_PENDING
+#define READ_SHINE
+#define WRITE_ROWS
+#define WRITE_CHOICES
+#define WRITE_PENDING
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "changed.glsl"
@@ -103,17 +105,17 @@ struct source_part {
 
 source_part load_source(uint object)
 {
-	uint root = objects[object].nodes.x, flags = topology[root].range.w;
+	uint root = object_nodes(object).x, flags = load_range(root).w;
 	bool emits = (flags & GI_NODE_EMITTER) != 0u;
-	vec3 b = radiosity[root].xyz;
-	if ((objects[object].bvh.z & GI_OBJECT_SKY) != 0u)
+	vec3 b = load_radiosity(root).xyz;
+	if ((object_bvh(object).z & GI_OBJECT_SKY) != 0u)
 		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits);
 	source_part from = source_part(object, NOTHING, vec3(0.0), emits);
 	for (uint c = 0u; c < 3u; c++) {
 		uint at = GI_SHINE_WORDS * object + c;
-		from.others.most[c] = uintBitsToFloat(shine[at + GI_SHINE_OTHERS]);
-		from.brightest[c] = uintBitsToFloat(shine[at + GI_SHINE_ALL]);
-		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~shine[at + GI_SHINE_LEAST]);
+		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
+		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
+		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
 	}
 	return from;
 }
@@ -126,13 +128,13 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	s.entries += touched ? 1u : 0u;
 	if (v == 0.0 && !(touched && stays))
 		return;
-	bool emitter = from.emits && (topology[e.x].range.w & GI_NODE_EMITTER) != 0u;
+	bool emitter = from.emits && (load_range(e.x).w & GI_NODE_EMITTER) != 0u;
 	if (!touched) {
 		s.firm_others += emitter ? 0.0 : v;
 		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[targets[at]].xyz;
+	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at)).xyz;
 	range b = range(mean, mean);
 	if (emitter)
 		include(s.emitters, b);
@@ -148,7 +150,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 // What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
 void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
 {
-	bool sky = (objects[from.object].bvh.z & GI_OBJECT_SKY) != 0u;
+	bool sky = (object_bvh(from.object).z & GI_OBJECT_SKY) != 0u;
 	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
@@ -166,15 +168,15 @@ sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
 	sums s = sums(0.0, 0.0, none, none, 0.0, NOTHING, NOTHING, 0u, 0u);
-	gi_node_geometry p = world[leaves[leaf].x];
+	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	for (uint source = 0u; source < frame.counts.z; source++) {
-		uvec4 block = segments[leaf * frame.counts.z + source];
+		uvec4 block = load_segment(leaf * frame.counts.z + source);
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		bool cut = pair_is_dirty(w.mine, source, w.since);
 		source_part from = load_source(source);
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
 		for (uint k = 0u; k < count; k++) {
-			uvec4 e = entries[block.x + k];
+			uvec4 e = load_entry(block.x + k);
 			add_entry(s, from, block.x + k, e, cut || is_flagged(w, p, e), !cut);
 		}
 		if (s.firm_others > firm_others)
@@ -232,14 +234,14 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	watch w = watch_of(leaf);
-	vec3 h = pending[leaf].bound.xyz;
-	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), pending[leaf].before);
+	vec3 h = load_pending(leaf).bound.xyz;
+	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), load_pending(leaf).before);
 	bool changed = false;
 	for (uint k = frame.update.y; k < frame.update.z; k++)
-		changed = changed || max(objects[suspects[k]].changed.x, objects[suspects[k]].changed.y) > w.since;
+		changed = changed || max(object_changed(load_suspect(k)).x, object_changed(load_suspect(k)).y) > w.since;
 	if (changed) {
 		sums s = sum_row(leaf, w);
-		gi_material_data m = materials[leaves[leaf].z];
+		gi_material_data m = load_material(load_leaf(leaf).z);
 		vec4 bound = bound_of(s, h);
 		bound.xyz *= m.rho.xyz;
 		// As it will count in the end (stale.comp), if B goes about as far as it went in the update before.

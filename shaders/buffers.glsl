@@ -1,151 +1,526 @@
-// The storage blocks of gi, by the binding numbers of gi_shared.h. A shader defines USE_name for those it wants before
-// it includes this file: OpenGL counts every declared block, and promises only 16 a stage.
+// How a shader gets at the library's buffers. It defines READ_name for those it reads and WRITE_name for those it writes before it
+// includes this file, and calls load_...() or assigns to ...[n]; which kind of access is behind that is decided here:
+//
+//   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa 25.0 loads from a storage
+//               block lane by lane and component by component, some 10 ns each; a texel is one vector load a lane, some 1 ns. A texture
+//               holds 2^27 texels (2 GiB) where a storage block holds 128 MiB there. On GPUs both go through the same caches.
+//   WRITE_name  a storage block, for stores and atomics. A shader that reads what it wrote in the same dispatch reads it there: a texture does not
+//               promise to show it.
+//   READ_FRAME  a uniform block: the same for all threads.
+//
+// OpenGL 4.5 promises 16 textures and 8 storage blocks a compute stage; gpu_init() asks for more where it needs more.
 #include "gi_shared.h"
 
-#ifdef USE_FRAME
-layout(std430, binding = GI_BIND_FRAME) restrict readonly buffer frame_block { gi_frame frame; };
-#endif
-#ifdef USE_OBJECTS
-layout(std430, binding = GI_BIND_OBJECTS) restrict readonly buffer object_block { gi_object_data objects[]; };
-#endif
-#ifdef USE_TOPOLOGY
-layout(std430, binding = GI_BIND_TOPOLOGY) restrict readonly buffer topology_block { gi_node_topology topology[]; };
-#endif
-#ifdef USE_REST
-layout(std430, binding = GI_BIND_REST) restrict readonly buffer rest_block { gi_node_geometry rest[]; };
-#endif
-#ifdef USE_WORLD
-layout(std430, binding = GI_BIND_WORLD) restrict buffer world_block { gi_node_geometry world[]; };
-#endif
-#ifdef USE_SPREAD
-layout(std430, binding = GI_BIND_SPREAD) restrict readonly buffer spread_block { gi_node_spread spread[]; };
-#endif
-#ifdef USE_VERTICES_REST
-layout(std430, binding = GI_BIND_VERTICES_REST) restrict readonly buffer vertices_rest_block { vec4 vertices_rest[]; };
-#endif
-#ifdef USE_VERTICES_WORLD
-layout(std430, binding = GI_BIND_VERTICES_WORLD) restrict buffer vertices_world_block { vec4 vertices_world[]; };
-#endif
-#ifdef USE_LEAVES
-layout(std430, binding = GI_BIND_LEAVES) restrict readonly buffer leaf_block { uvec4 leaves[]; };
-#endif
-#ifdef USE_MATERIALS
-layout(std430, binding = GI_BIND_MATERIALS) restrict readonly buffer material_block { gi_material_data materials[]; };
-#endif
-#ifdef USE_BVH
-layout(std430, binding = GI_BIND_BVH) restrict readonly buffer bvh_block { uvec4 bvh[]; };
-#endif
-#ifdef USE_PRIMITIVES
-layout(std430, binding = GI_BIND_PRIMITIVES) restrict readonly buffer primitive_block { gi_primitive primitives[]; };
-#endif
-#ifdef USE_TLAS
-layout(std430, binding = GI_BIND_TLAS) restrict readonly buffer tlas_block { uvec4 tlas[]; };
-#endif
-#ifdef USE_SEGMENTS
-layout(std430, binding = GI_BIND_SEGMENTS) restrict buffer segment_block { uvec4 segments[]; };
-#endif
-#ifdef USE_ENTRIES
-layout(std430, binding = GI_BIND_ENTRIES) restrict buffer entry_block { uvec4 entries[]; };
-#endif
-#ifdef USE_TARGETS
-layout(std430, binding = GI_BIND_TARGETS) restrict buffer target_block { uint targets[]; };
-#endif
-#ifdef USE_ENTRY_POOL
-layout(std430, binding = GI_BIND_ENTRY_POOL) restrict buffer entry_pool_block { uint entry_pool[]; };
-#endif
-#ifdef USE_QUEUE
-layout(std430, binding = GI_BIND_QUEUE) restrict buffer queue_block { uint queue[]; };
-#endif
-#ifdef USE_ROWS
-layout(std430, binding = GI_BIND_ROWS) restrict buffer row_block { uvec4 rows[]; };
-#endif
-#ifdef USE_LINKS
-layout(std430, binding = GI_BIND_LINKS) restrict buffer link_block { uvec2 links[]; };
-#endif
-#ifdef USE_LINK_POOL
-layout(std430, binding = GI_BIND_LINK_POOL) restrict buffer link_pool_block { uint link_pool[]; };
-#endif
-#ifdef USE_RADIOSITY
-layout(std430, binding = GI_BIND_RADIOSITY) restrict buffer radiosity_block { vec4 radiosity[]; };
-#endif
-#ifdef USE_LEAF_RADIOSITY
-layout(std430, binding = GI_BIND_LEAF_RADIOSITY) restrict buffer leaf_radiosity_block { vec4 leaf_radiosity[]; };
-#endif
-#ifdef USE_NODE_EXITANCE
-layout(std430, binding = GI_BIND_NODE_EXITANCE) restrict readonly buffer node_exitance_block { vec4 node_exitance[]; };
-#endif
-#ifdef USE_STATE
-layout(std430, binding = GI_BIND_STATE) restrict buffer state_block { uint state[]; };
-#endif
-#ifdef USE_RUNS
-layout(std430, binding = GI_BIND_RUNS) restrict readonly buffer run_block { uvec4 runs[]; };
-#endif
-#ifdef USE_SUSPECTS
-layout(std430, binding = GI_BIND_SUSPECTS) restrict readonly buffer suspect_block { uint suspects[]; };
-#endif
-#ifdef USE_WIDE_NODES
-layout(std430, binding = GI_BIND_WIDE_NODES) restrict readonly buffer wide_block { uint wide_nodes[]; };
-#endif
-#ifdef USE_LEAF_INDIRECT
-layout(std430, binding = GI_BIND_LEAF_INDIRECT) restrict buffer leaf_indirect_block { vec4 leaf_indirect[]; };
-#endif
-#ifdef USE_LIGHT_LINKS
-layout(std430, binding = GI_BIND_LIGHT_LINKS) restrict readonly buffer light_link_block { uvec2 light_links[]; };
-#endif
-#ifdef USE_LIGHT_FIRST
-layout(std430, binding = GI_BIND_LIGHT_FIRST) restrict readonly buffer light_first_block { uint light_first[]; };
-#endif
-#ifdef USE_TOUCHED
-layout(std430, binding = GI_BIND_TOUCHED) restrict buffer touched_block { uint touched[]; };
-#endif
-#ifdef USE_ESTIMATE_ITEMS
-layout(std430, binding = GI_BIND_ESTIMATE_ITEMS) restrict buffer estimate_item_block { uvec4 items[]; };
-#endif
-#ifdef USE_ESTIMATE_SHARES
-layout(std430, binding = GI_BIND_ESTIMATE_SHARES) restrict buffer estimate_share_block { float shares[]; };
-#endif
-#ifdef USE_ESTIMATE_CHANCES
-layout(std430, binding = GI_BIND_ESTIMATE_CHANCES) restrict readonly buffer estimate_chance_block { vec2 chances[]; };
-#endif
-#ifdef USE_ESTIMATE_RESULTS
-layout(std430, binding = GI_BIND_ESTIMATE_RESULTS) restrict buffer estimate_result_block { gi_estimate_leaf results[]; };
-#endif
-#ifdef USE_LIGHT
-layout(std430, binding = GI_BIND_LIGHT) restrict buffer light_block { vec4 light[]; };
+uvec4 texel(usamplerBuffer from, uint n)
+{
+	return texelFetch(from, int(n));
+}
+
+vec4 float_texel(usamplerBuffer from, uint n)
+{
+	return uintBitsToFloat(texelFetch(from, int(n)));
+}
+
+// Of a buffer of pairs of words.
+uvec2 half_texel(usamplerBuffer from, uint n)
+{
+	uvec4 t = texelFetch(from, int(n >> 1u));
+	return (n & 1u) == 0u ? t.xy : t.zw;
+}
+
+// Of a buffer of words.
+uint word(usamplerBuffer from, uint n)
+{
+	return texelFetch(from, int(n >> 2u))[n & 3u];
+}
+
+#define TEXELS(binding_number) layout(binding = GI_TEXEL_UNIT + binding_number) uniform usamplerBuffer
+#define STORAGE(binding_number) layout(std430, binding = binding_number) restrict buffer
+
+#ifdef READ_FRAME
+layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 #endif
 
-#ifdef USE_CHOICES
-layout(std430, binding = GI_BIND_CHOICES) restrict buffer choice_block { uint choices[]; };
-#endif
-#ifdef USE_PENDING
-layout(std430, binding = GI_BIND_PENDING) restrict buffer pending_block { gi_pending pending[]; };
-#endif
-#ifdef USE_SHINE
-layout(std430, binding = GI_BIND_SHINE) restrict buffer shine_block { uint shine[]; };
+// ---- reads ----
+
+#ifdef READ_OBJECTS
+TEXELS(GI_BIND_OBJECTS) object_texels;
+vec4 object_row0(uint n)
+{
+	return float_texel(object_texels, 12u * n);
+}
+
+vec4 object_row1(uint n)
+{
+	return float_texel(object_texels, 12u * n + 1u);
+}
+
+vec4 object_row2(uint n)
+{
+	return float_texel(object_texels, 12u * n + 2u);
+}
+
+vec4 object_lower(uint n)
+{
+	return float_texel(object_texels, 12u * n + 3u);
+}
+
+vec4 object_upper(uint n)
+{
+	return float_texel(object_texels, 12u * n + 4u);
+}
+
+vec4 object_grid(uint n)
+{
+	return float_texel(object_texels, 12u * n + 5u);
+}
+
+vec4 object_cells(uint n)
+{
+	return float_texel(object_texels, 12u * n + 6u);
+}
+
+vec4 object_sphere(uint n)
+{
+	return float_texel(object_texels, 12u * n + 7u);
+}
+
+uvec4 object_nodes(uint n)
+{
+	return texel(object_texels, 12u * n + 8u);
+}
+
+uvec4 object_bvh(uint n)
+{
+	return texel(object_texels, 12u * n + 9u);
+}
+
+uvec4 object_extra(uint n)
+{
+	return texel(object_texels, 12u * n + 10u);
+}
+
+uvec4 object_changed(uint n)
+{
+	return texel(object_texels, 12u * n + 11u);
+}
 #endif
 
-#ifdef USE_OBJECTS
+#ifdef READ_TOPOLOGY
+TEXELS(GI_BIND_TOPOLOGY) topology_texels;
+uvec4 load_range(uint n)
+{
+	return texel(topology_texels, 2u * n);
+}
+
+uvec4 load_corners(uint n)
+{
+	return texel(topology_texels, 2u * n + 1u);
+}
+
+gi_node_topology load_topology(uint n)
+{
+	return gi_node_topology(load_range(n), load_corners(n));
+}
+#endif
+
+#ifdef READ_REST
+TEXELS(GI_BIND_REST) rest_texels;
+gi_node_geometry load_rest(uint n)
+{
+	return gi_node_geometry(float_texel(rest_texels, 3u * n), float_texel(rest_texels, 3u * n + 1u), float_texel(rest_texels, 3u * n + 2u));
+}
+#endif
+
+#ifdef READ_WORLD
+TEXELS(GI_BIND_WORLD) world_texels;
+gi_node_geometry load_world(uint n)
+{
+	return gi_node_geometry(float_texel(world_texels, 3u * n), float_texel(world_texels, 3u * n + 1u), float_texel(world_texels, 3u * n + 2u));
+}
+
+vec4 load_sphere(uint n)
+{
+	return float_texel(world_texels, 3u * n);
+}
+#endif
+
+#ifdef READ_SPREAD
+TEXELS(GI_BIND_SPREAD) spread_texels;
+gi_node_spread load_spread(uint n)
+{
+	return gi_node_spread(float_texel(spread_texels, 2u * n), float_texel(spread_texels, 2u * n + 1u));
+}
+#endif
+
+#ifdef READ_VERTICES_REST
+TEXELS(GI_BIND_VERTICES_REST) rest_vertex_texels;
+vec3 rest_vertex(uint n)
+{
+	return float_texel(rest_vertex_texels, n).xyz;
+}
+#endif
+
+#ifdef READ_VERTICES_WORLD
+TEXELS(GI_BIND_VERTICES_WORLD) world_vertex_texels;
+vec3 world_vertex(uint n)
+{
+	return float_texel(world_vertex_texels, n).xyz;
+}
+#endif
+
+#ifdef READ_LEAVES
+TEXELS(GI_BIND_LEAVES) leaf_texels;
+uvec4 load_leaf(uint n)
+{
+	return texel(leaf_texels, n);
+}
+#endif
+
+#ifdef READ_MATERIALS
+TEXELS(GI_BIND_MATERIALS) material_texels;
+gi_material_data load_material(uint n)
+{
+	return gi_material_data(float_texel(material_texels, 2u * n), float_texel(material_texels, 2u * n + 1u));
+}
+#endif
+
+#ifdef READ_BVH
+TEXELS(GI_BIND_BVH) bvh_texels;
+uvec4 load_bvh(uint n)
+{
+	return texel(bvh_texels, n);
+}
+#endif
+
+#ifdef READ_PRIMITIVES
+TEXELS(GI_BIND_PRIMITIVES) primitive_texels;
+gi_primitive load_primitive(uint n)
+{
+	return gi_primitive(float_texel(primitive_texels, 4u * n), float_texel(primitive_texels, 4u * n + 1u),
+			    float_texel(primitive_texels, 4u * n + 2u), float_texel(primitive_texels, 4u * n + 3u));
+}
+#endif
+
+#ifdef READ_TLAS
+TEXELS(GI_BIND_TLAS) tlas_texels;
+uvec4 load_tlas(uint n)
+{
+	return texel(tlas_texels, n);
+}
+#endif
+
+#ifdef READ_SEGMENTS
+TEXELS(GI_BIND_SEGMENTS) segment_texels;
+uvec4 load_segment(uint n)
+{
+	return texel(segment_texels, n);
+}
+#endif
+
+#ifdef READ_ENTRIES
+TEXELS(GI_BIND_ENTRIES) entry_texels;
+uvec4 load_entry(uint n)
+{
+	return texel(entry_texels, n);
+}
+#endif
+
+#ifdef READ_TARGETS
+TEXELS(GI_BIND_TARGETS) target_texels;
+uint load_target(uint n)
+{
+	return word(target_texels, n);
+}
+#endif
+
+#ifdef READ_QUEUE
+TEXELS(GI_BIND_QUEUE) queue_texels;
+uint load_queued(uint n)
+{
+	return word(queue_texels, n);
+}
+#endif
+
+#ifdef READ_ROWS
+TEXELS(GI_BIND_ROWS) row_texels;
+uvec4 load_row(uint n)
+{
+	return texel(row_texels, n);
+}
+#endif
+
+#ifdef READ_LINKS
+TEXELS(GI_BIND_LINKS) link_texels;
+// Links 2 n and 2 n + 1: node and weight bits, twice. Blocks begin at multiples of four, and behind an odd last link is one of weight 0.
+uvec4 load_two_links(uint n)
+{
+	return texel(link_texels, n);
+}
+#endif
+
+#ifdef READ_RADIOSITY
+TEXELS(GI_BIND_RADIOSITY) radiosity_texels;
+vec4 load_radiosity(uint n)
+{
+	return float_texel(radiosity_texels, n);
+}
+#endif
+
+#ifdef READ_LEAF_RADIOSITY
+TEXELS(GI_BIND_LEAF_RADIOSITY) leaf_radiosity_texels;
+vec4 load_leaf_radiosity(uint n)
+{
+	return float_texel(leaf_radiosity_texels, n);
+}
+#endif
+
+#ifdef READ_NODE_EXITANCE
+TEXELS(GI_BIND_NODE_EXITANCE) exitance_texels;
+vec4 load_exitance(uint n)
+{
+	return float_texel(exitance_texels, n);
+}
+#endif
+
+#ifdef READ_STATE
+TEXELS(GI_BIND_STATE) state_texels;
+uint load_state(uint n)
+{
+	return word(state_texels, n);
+}
+#endif
+
+#ifdef READ_RUNS
+TEXELS(GI_BIND_RUNS) run_texels;
+uvec4 load_run(uint n)
+{
+	return texel(run_texels, n);
+}
+#endif
+
+#ifdef READ_SUSPECTS
+TEXELS(GI_BIND_SUSPECTS) suspect_texels;
+uint load_suspect(uint n)
+{
+	return word(suspect_texels, n);
+}
+#endif
+
+#ifdef READ_WIDE_NODES
+TEXELS(GI_BIND_WIDE_NODES) wide_node_texels;
+uint load_wide_node(uint n)
+{
+	return word(wide_node_texels, n);
+}
+#endif
+
+#ifdef READ_LEAF_INDIRECT
+TEXELS(GI_BIND_LEAF_INDIRECT) leaf_indirect_texels;
+vec4 load_leaf_indirect(uint n)
+{
+	return float_texel(leaf_indirect_texels, n);
+}
+#endif
+
+#ifdef READ_LIGHT_LINKS
+TEXELS(GI_BIND_LIGHT_LINKS) light_link_texels;
+uvec2 load_light_link(uint n)
+{
+	return half_texel(light_link_texels, n);
+}
+#endif
+
+#ifdef READ_LIGHT_FIRST
+TEXELS(GI_BIND_LIGHT_FIRST) light_first_texels;
+uint load_light_first(uint n)
+{
+	return word(light_first_texels, n);
+}
+#endif
+
+#ifdef READ_LIGHT
+TEXELS(GI_BIND_LIGHT) light_texels;
+vec4 load_light(uint n)
+{
+	return float_texel(light_texels, n);
+}
+#endif
+
+#ifdef READ_TOUCHED
+TEXELS(GI_BIND_TOUCHED) touched_texels;
+uint load_touched(uint n)
+{
+	return word(touched_texels, n);
+}
+#endif
+
+#ifdef READ_CHOICES
+TEXELS(GI_BIND_CHOICES) choice_texels;
+uint load_choice(uint n)
+{
+	return word(choice_texels, n);
+}
+#endif
+
+#ifdef READ_PENDING
+TEXELS(GI_BIND_PENDING) pending_texels;
+gi_pending load_pending(uint n)
+{
+	return gi_pending(texel(pending_texels, 3u * n), float_texel(pending_texels, 3u * n + 1u), float_texel(pending_texels, 3u * n + 2u));
+}
+#endif
+
+#ifdef READ_SHINE
+TEXELS(GI_BIND_SHINE) shine_texels;
+uint load_shine(uint n)
+{
+	return word(shine_texels, n);
+}
+#endif
+
+#ifdef READ_ESTIMATE_ITEMS
+TEXELS(GI_BIND_ESTIMATE_ITEMS) item_texels;
+uvec4 load_item(uint n)
+{
+	return texel(item_texels, n);
+}
+#endif
+
+#ifdef READ_ESTIMATE_SHARES
+TEXELS(GI_BIND_ESTIMATE_SHARES) share_texels;
+float load_share(uint n)
+{
+	return uintBitsToFloat(word(share_texels, n));
+}
+#endif
+
+#ifdef READ_ESTIMATE_CHANCES
+TEXELS(GI_BIND_ESTIMATE_CHANCES) chance_texels;
+vec2 load_chance(uint n)
+{
+	return uintBitsToFloat(half_texel(chance_texels, n));
+}
+#endif
+
+#ifdef READ_ESTIMATE_RESULTS
+TEXELS(GI_BIND_ESTIMATE_RESULTS) result_texels;
+gi_estimate_leaf load_result(uint n)
+{
+	return gi_estimate_leaf(float_texel(result_texels, 3u * n), float_texel(result_texels, 3u * n + 1u), float_texel(result_texels, 3u * n + 2u));
+}
+#endif
+
+#ifdef READ_PATH_LIGHTS
+TEXELS(GI_BIND_PATH_LIGHTS) path_light_texels;
+uvec4 load_light_triangle(uint n)
+{
+	return texel(path_light_texels, n);
+}
+#endif
+
+#ifdef READ_PATH_SOBOL
+TEXELS(GI_BIND_PATH_SOBOL) sobol_texels;
+uint load_sobol(uint n)
+{
+	return word(sobol_texels, n);
+}
+#endif
+
+// ---- writes ----
+
+#ifdef WRITE_WORLD
+STORAGE(GI_BIND_WORLD) world_block { gi_node_geometry world[]; };
+#endif
+#ifdef WRITE_VERTICES_WORLD
+STORAGE(GI_BIND_VERTICES_WORLD) vertices_world_block { vec4 vertices_world[]; };
+#endif
+#ifdef WRITE_SEGMENTS
+STORAGE(GI_BIND_SEGMENTS) segments_block { uvec4 segments[]; };
+#endif
+#ifdef WRITE_ENTRIES
+STORAGE(GI_BIND_ENTRIES) entries_block { uvec4 entries[]; };
+#endif
+#ifdef WRITE_TARGETS
+STORAGE(GI_BIND_TARGETS) targets_block { uint targets[]; };
+#endif
+#ifdef WRITE_ENTRY_POOL
+STORAGE(GI_BIND_ENTRY_POOL) entry_pool_block { uint entry_pool[]; };
+#endif
+#ifdef WRITE_QUEUE
+STORAGE(GI_BIND_QUEUE) queue_block { uint queue[]; };
+#endif
+#ifdef WRITE_ROWS
+STORAGE(GI_BIND_ROWS) rows_block { uvec4 rows[]; };
+#endif
+#ifdef WRITE_LINKS
+STORAGE(GI_BIND_LINKS) links_block { uvec2 links[]; };
+#endif
+#ifdef WRITE_LINK_POOL
+STORAGE(GI_BIND_LINK_POOL) link_pool_block { uint link_pool[]; };
+#endif
+#ifdef WRITE_RADIOSITY
+STORAGE(GI_BIND_RADIOSITY) radiosity_block { vec4 radiosity[]; };
+#endif
+#ifdef WRITE_LEAF_RADIOSITY
+STORAGE(GI_BIND_LEAF_RADIOSITY) leaf_radiosity_block { vec4 leaf_radiosity[]; };
+#endif
+#ifdef WRITE_STATE
+STORAGE(GI_BIND_STATE) state_block { uint state[]; };
+#endif
+#ifdef WRITE_LEAF_INDIRECT
+STORAGE(GI_BIND_LEAF_INDIRECT) leaf_indirect_block { vec4 leaf_indirect[]; };
+#endif
+#ifdef WRITE_LIGHT
+STORAGE(GI_BIND_LIGHT) light_block { vec4 light[]; };
+#endif
+#ifdef WRITE_TOUCHED
+STORAGE(GI_BIND_TOUCHED) touched_block { uint touched[]; };
+#endif
+#ifdef WRITE_CHOICES
+STORAGE(GI_BIND_CHOICES) choices_block { uint choices[]; };
+#endif
+#ifdef WRITE_PENDING
+STORAGE(GI_BIND_PENDING) pending_block { gi_pending pending[]; };
+#endif
+#ifdef WRITE_SHINE
+STORAGE(GI_BIND_SHINE) shine_block { uint shine[]; };
+#endif
+#ifdef WRITE_ESTIMATE_ITEMS
+STORAGE(GI_BIND_ESTIMATE_ITEMS) estimate_items_block { uvec4 items[]; };
+#endif
+#ifdef WRITE_ESTIMATE_SHARES
+STORAGE(GI_BIND_ESTIMATE_SHARES) estimate_shares_block { float shares[]; };
+#endif
+#ifdef WRITE_ESTIMATE_RESULTS
+STORAGE(GI_BIND_ESTIMATE_RESULTS) estimate_results_block { gi_estimate_leaf results[]; };
+#endif
+#ifdef WRITE_PATH_SLOTS
+STORAGE(GI_BIND_PATH_SLOTS) path_slots_block { gi_path_slot slots[]; };
+#endif
+
+#ifdef READ_OBJECTS
 vec3 world_from_rest(uint object, vec3 p)
 {
 	vec4 q = vec4(p, 1.0);
-	return vec3(dot(objects[object].row0, q), dot(objects[object].row1, q), dot(objects[object].row2, q));
+	return vec3(dot(object_row0(object), q), dot(object_row1(object), q), dot(object_row2(object), q));
 }
 
 // The rotation's inverse is its transpose.
 vec3 rest_from_world(uint object, vec3 p)
 {
-	vec4 a = objects[object].row0, b = objects[object].row1, c = objects[object].row2;
+	vec4 a = object_row0(object), b = object_row1(object), c = object_row2(object);
 	vec3 q = p - vec3(a.w, b.w, c.w);
 	return a.xyz * q.x + b.xyz * q.y + c.xyz * q.z;
 }
 
 vec3 rest_direction_from_world(uint object, vec3 d)
 {
-	return objects[object].row0.xyz * d.x + objects[object].row1.xyz * d.y + objects[object].row2.xyz * d.z;
+	return object_row0(object).xyz * d.x + object_row1(object).xyz * d.y + object_row2(object).xyz * d.z;
 }
 
 vec3 world_direction_from_rest(uint object, vec3 d)
 {
-	return vec3(dot(objects[object].row0.xyz, d), dot(objects[object].row1.xyz, d), dot(objects[object].row2.xyz, d));
+	return vec3(dot(object_row0(object).xyz, d), dot(object_row1(object).xyz, d), dot(object_row2(object).xyz, d));
 }
 #endif

@@ -2,12 +2,12 @@
 
 bool moved_since(uint object, uint update)
 {
-	return objects[object].changed.x > update;
+	return object_changed(object).x > update;
 }
 
 // Does the cut of `source` in a row of object `mine` have to be done again?
 bool pair_is_dirty(uint mine, uint source, uint update)
 {
-	bool relit = objects[source].changed.y > update;
+	bool relit = object_changed(source).y > update;
 	return relit || (mine != source && (moved_since(mine, update) || moved_since(source, update)));
 }

@@ -28,8 +28,8 @@
 // takes about sqrt(2 (1 - q)) off the error where Jacobi takes 1 - q. Rows are sampled, so eigenvalues stray from the
 // real axis: where progress is not as foretold, the interval becomes an ellipse with the half axes q and b (Manteuffel
 // 1977), c^2 = q^2 - b^2 in q^2's place; wider and wider, and c = 0 is Jacobi.
-#define USE_FRAME
-#define USE_STATE
+#define READ_FRAME
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 

@@ -2,9 +2,9 @@
 // Under a budget: the lowest bucket that is still refreshed. STAGE 0: one group adds up the rays from the top bucket
 // on; the first bucket that holds any is always taken, so every update gets on. STAGE 1: group counts for the rows
 // that enlist.comp listed.
-#define USE_FRAME
-#define USE_STATE
-#define USE_CHOICES
+#define READ_FRAME
+#define READ_CHOICES
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -27,9 +27,9 @@ uint threshold(uint budget)
 			continue;
 		}
 		for (uint k = (group + 1u) * SHARE; k-- > group * SHARE;) {
-			if (sum > 0u && sum + choices[k] > budget)
+			if (sum > 0u && sum + load_choice(k) > budget)
 				return k + 1u;
-			sum += choices[k];
+			sum += load_choice(k);
 		}
 		return group * SHARE;
 	}
@@ -48,7 +48,7 @@ void main()
 	}
 	uint sum = 0u;
 	for (uint k = 0u; k < SHARE; k++)
-		sum += choices[local * SHARE + k];
+		sum += load_choice(local * SHARE + k);
 	rays_of[local] = sum;
 	barrier();
 	if (local == 0u)

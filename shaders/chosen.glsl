@@ -10,5 +10,5 @@ uint chosen_leaf(uint k)
 {
 	if (k >= chosen_count())
 		return GI_NONE;
-	return (frame.update.w & GI_UPDATE_PART) != 0u ? choices[GI_BUCKETS + k] : k;
+	return (frame.update.w & GI_UPDATE_PART) != 0u ? load_choice(GI_BUCKETS + k) : k;
 }

@@ -3,18 +3,19 @@
 // sampling error. It is given back in proportion to the variance of each entry (the least correction in that norm), and
 // the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
 // black.
-#define USE_FRAME
-#define USE_TOPOLOGY
-#define USE_SEGMENTS
-#define USE_ENTRIES
-#define USE_TARGETS
-#define USE_ROWS
-#define USE_LINKS
-#define USE_NODE_EXITANCE
-#define USE_STATE
-#define USE_TOUCHED
-#define USE_LINK_POOL
-#define USE_CHOICES
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_ENTRIES
+#define READ_TARGETS
+#define READ_ROWS
+#define READ_NODE_EXITANCE
+#define READ_TOUCHED
+#define READ_CHOICES
+#define WRITE_SEGMENTS
+#define WRITE_ROWS
+#define WRITE_LINKS
+#define WRITE_STATE
+#define WRITE_LINK_POOL
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "chosen.glsl"
@@ -105,7 +106,7 @@ visible_entry read_entry(uvec4 e, float share)
 	float f = uintBitsToFloat(e.y);
 	if (seen == 0.0 || f < LEAST_FACTOR)
 		return visible_entry(0.0, 0.0, false);
-	uint flags = topology[e.x].range.w;
+	uint flags = load_range(e.x).w;
 	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken, share) + factor_variance(flags)),
 			     (flags & GI_NODE_EMITTER) != 0u);
 }
@@ -123,7 +124,7 @@ bool carries_light(uvec4 e, uint target)
 	if ((e.w & GI_ENTRY_BACK) != 0u)
 		return false;
 	// Black patches only count in the sum; rho of a node is in the w of its exitance.
-	vec4 exitance = node_exitance[target];
+	vec4 exitance = load_exitance(target);
 	return exitance.w > 0.0 || exitance.x + exitance.y + exitance.z > 0.0;
 }
 
@@ -142,8 +143,8 @@ uint share_samples(uint leaf)
 		uvec2 range = range_of(segments[slot]);
 		uint seen = 0u, taken = 0u;
 		for (uint k = range.x; k < range.y; k++) {
-			seen += seen_of(entries[k]);
-			taken += samples_of(entries[k]);
+			seen += seen_of(load_entry(k));
+			taken += samples_of(load_entry(k));
 		}
 		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
 		count += range.y - range.x;
@@ -159,13 +160,13 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 		uvec4 segment = segments[leaf * frame.counts.z + s];
 		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
-			uvec4 e = entries[k];
+			uvec4 e = load_entry(k);
 			visible_entry v = read_entry(e, uintBitsToFloat(segment.z));
 			if (v.weight <= 0.0)
 				continue;
 			float w = corrected(v, c);
 			add(weight, w);
-			row.lit += carries_light(e, targets[k]) ? 1u : 0u;
+			row.lit += carries_light(e, load_target(k)) ? 1u : 0u;
 			if (raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight)
 				continue;
 			row.free.others += v.emitter ? 0.0 : v.variance;
@@ -183,14 +184,16 @@ float write_links(uint leaf, uint at, correction c, float scale)
 		uvec4 segment = segments[leaf * frame.counts.z + s];
 		uvec2 range = range_of(segment);
 		for (uint k = range.x; k < range.y; k++) {
-			uvec4 e = entries[k];
+			uvec4 e = load_entry(k);
 			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), c);
-			if (weight <= 0.0 || !carries_light(e, targets[k]))
+			if (weight <= 0.0 || !carries_light(e, load_target(k)))
 				continue;
-			links[at++] = uvec2(targets[k], floatBitsToUint(weight));
+			links[at++] = uvec2(load_target(k), floatBitsToUint(weight));
 			add(sum, weight);
 		}
 	}
+	if ((at & 1u) == 1u)
+		links[at] = uvec2(0u); // they are read in pairs
 	return sum.sum;
 }
 
@@ -216,7 +219,7 @@ uvec2 fit_block(uvec2 block, uint needed)
 void main()
 {
 	uint leaf = chosen_leaf(thread_number());
-	if (leaf == GI_NONE || touched[leaf] == 0u)
+	if (leaf == GI_NONE || load_touched(leaf) == 0u)
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
@@ -242,7 +245,7 @@ void main()
 	else
 		c = correction(0.0, 0.0); // open on purpose, or inside a solid: raised entries would make energy
 
-	uvec4 row = rows[leaf];
+	uvec4 row = load_row(leaf);
 	uint old_count = row.y & GI_BLOCK_COUNT_MASK, lit = sums.lit;
 	uvec2 block = fit_block(row.xy, lit);
 	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && lit > 0u;

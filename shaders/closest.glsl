@@ -31,13 +31,13 @@ void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3
 void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_direction, float lift)
 {
 	vec3 origin = rest_from_world(object, world_origin), direction = rest_direction_from_world(object, world_direction);
-	uvec4 range = objects[object].bvh;
-	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
+	uvec4 range = object_bvh(object);
+	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	while (n < range.y) {
 		uint primitive = GI_NONE;
 		while (n < range.y && primitive == GI_NONE) {
-			uvec4 node = bvh[n];
+			uvec4 node = load_bvh(n);
 			bool hit = hits_box(r, node, best.end);
 			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
 			primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
@@ -45,7 +45,7 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 		}
 		if (primitive == GI_NONE)
 			break;
-		gi_primitive q = primitives[primitive];
+		gi_primitive q = load_primitive(primitive);
 		meet_triangle(best, origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, object, primitive, false, lift);
 		meet_triangle(best, origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, object, primitive, true, lift);
 	}
@@ -56,7 +56,7 @@ uint next_object(grid_ray r, float end, inout uint n)
 {
 	uint object = GI_NONE;
 	while (n < frame.misc.x && object == GI_NONE) {
-		uvec4 node = tlas[n];
+		uvec4 node = load_tlas(n);
 		bool hit = hits_box(r, node, end);
 		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
 		object = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;

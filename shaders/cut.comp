@@ -2,22 +2,23 @@
 // The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse
 // where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
 // source object, w first leaf), or under a budget of the chosen leaves times all objects.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_SPREAD
-#define USE_TOPOLOGY
-#define USE_REST
-#define USE_WORLD
-#define USE_LEAVES
-#define USE_SEGMENTS
-#define USE_ENTRIES
-#define USE_QUEUE
-#define USE_STATE
-#define USE_RUNS
-#define USE_TOUCHED
-#define USE_ENTRY_POOL
-#define USE_ROWS
-#define USE_CHOICES
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_SPREAD
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_WORLD
+#define READ_LEAVES
+#define READ_SEGMENTS
+#define READ_RUNS
+#define READ_ROWS
+#define READ_CHOICES
+#define WRITE_SEGMENTS
+#define WRITE_ENTRIES
+#define WRITE_QUEUE
+#define WRITE_TOUCHED
+#define WRITE_STATE
+#define WRITE_ENTRY_POOL
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "changed.glsl"
@@ -48,8 +49,8 @@ gi_node_geometry geometry_of(uint node, bool same)
 	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the
 	// bit.
 	if (same)
-		return rest[node];
-	return world[node];
+		return load_rest(node);
+	return load_world(node);
 }
 
 uint classify_sky(gi_node_geometry p, gi_node_geometry g, uint flags)
@@ -76,7 +77,7 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
-		vec2 sides = shown_area(spread[node], g.moment, view, same ? view : rest_direction_from_world(object, view));
+		vec2 sides = shown_area(load_spread(node), g.moment, view, same ? view : rest_direction_from_world(object, view));
 		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
 	}
 	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
@@ -95,7 +96,7 @@ uint count_cut(gi_node_geometry p, uvec4 nodes, uint object, bool same)
 {
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
-		uvec4 range = topology[n].range;
+		uvec4 range = load_range(n);
 		uint verdict = classify(p, geometry_of(n, same), range.w, n, object, same);
 		count += verdict == CUT_TAKE ? 1u : 0u;
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
@@ -154,14 +155,14 @@ void main()
 	uint leaf = pair.x, source = pair.y;
 	if (leaf == GI_NONE)
 		return;
-	uint mine = leaves[leaf].y;
-	if ((frame.update.w & GI_UPDATE_REBUILD) == 0u && !pair_is_dirty(mine, source, rows[leaf].z))
+	uint mine = load_leaf(leaf).y;
+	if ((frame.update.w & GI_UPDATE_REBUILD) == 0u && !pair_is_dirty(mine, source, load_row(leaf).z))
 		return;
 	bool same = mine == source;
-	gi_node_geometry p = geometry_of(leaves[leaf].x, same);
-	uvec4 nodes = objects[source].nodes;
+	gi_node_geometry p = geometry_of(load_leaf(leaf).x, same);
+	uvec4 nodes = object_nodes(source);
 	uint slot = leaf * frame.counts.z + source;
-	uvec2 block = segments[slot].xy;
+	uvec2 block = load_segment(slot).xy;
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK;
 
 	if (block.y >> 24u == GI_BLOCK_NO_CLASS) {
@@ -176,7 +177,7 @@ void main()
 	}
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
-		uvec4 range = topology[n].range;
+		uvec4 range = load_range(n);
 		uint verdict = classify(p, geometry_of(n, same), range.w, n, source, same);
 		if (verdict == CUT_TAKE) {
 			if (count == GI_BLOCK_SMALLEST << (block.y >> 24u)) {

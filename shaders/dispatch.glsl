@@ -6,19 +6,19 @@ uint thread_number()
 	return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * GI_GROUP_SIZE + gl_LocalInvocationID.x;
 }
 
-#ifdef USE_RUNS
+#ifdef READ_RUNS
 // The run that thread `t` is in: the last one in runs[first, first + count) that begins at or before t.
 uvec4 find_run(uint first, uint count, uint t)
 {
 	uint low = first, high = first + count;
 	while (high - low > 1u) {
 		uint middle = (low + high) >> 1u;
-		if (runs[middle].x <= t)
+		if (load_run(middle).x <= t)
 			low = middle;
 		else
 			high = middle;
 	}
-	return runs[low];
+	return load_run(low);
 }
 #endif
 
@@ -27,7 +27,7 @@ uint groups_for(uint threads)
 	return (threads + GI_GROUP_SIZE - 1u) / GI_GROUP_SIZE;
 }
 
-#ifdef USE_STATE
+#ifdef WRITE_STATE
 // Folded into y as thread_number expects.
 void set_groups(uint at, uint groups)
 {

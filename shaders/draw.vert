@@ -1,9 +1,9 @@
 #version 450 core
 // The drawn surface: places a vertex, gathers its indirect light.
-#define USE_OBJECTS
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_LIGHT
+#define READ_OBJECTS
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_LIGHT
 #include "buffers.glsl"
 #include "shade_modes.glsl"
 
@@ -25,16 +25,16 @@ const float INVERSE_PI = 0.318309886183791;
 
 void main()
 {
-	uvec4 leaf = leaves[leaf_number];
+	uvec4 leaf = load_leaf(leaf_number);
 	vec3 p = world_from_rest(leaf.y, position);
 	world_sink = vec4(p, normal_sink.w);
 	world_normal = world_direction_from_rest(leaf.y, normal_sink.xyz);
-	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : materials[leaf.z].exitance.xyz;
-	albedo = materials[leaf.z].rho.xyz * INVERSE_PI;
+	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : load_material(leaf.z).exitance.xyz;
+	albedo = load_material(leaf.z).rho.xyz * INVERSE_PI;
 	if (mode != MODE_DIRECT)
-		sum += materials[leaf.z].rho.xyz *
-		       (light[light_vertex.x].xyz * light_weight.x + light[light_vertex.y].xyz * light_weight.y +
-			light[light_vertex.z].xyz * light_weight.z + light[light_vertex.w].xyz * light_weight.w);
+		sum += load_material(leaf.z).rho.xyz *
+		       (load_light(light_vertex.x).xyz * light_weight.x + load_light(light_vertex.y).xyz * light_weight.y +
+			load_light(light_vertex.z).xyz * light_weight.z + load_light(light_vertex.w).xyz * light_weight.w);
 	own = sum * INVERSE_PI;
 	gl_Position = clip_from_world * vec4(p, 1.0);
 }

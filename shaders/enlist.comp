@@ -1,10 +1,11 @@
 #version 450 core
 // Under a budget: lists the rows to refresh and counts those that wait. One thread a leaf. Whichever order the list
 // comes in, the rows are the same.
-#define USE_FRAME
-#define USE_STATE
-#define USE_CHOICES
-#define USE_PENDING
+#define READ_FRAME
+#define READ_PENDING
+#define WRITE_CHOICES
+#define WRITE_PENDING
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -15,7 +16,7 @@ void main()
 	uint leaf = thread_number();
 	if (leaf >= frame.counts.x)
 		return;
-	uvec4 key = pending[leaf].key;
+	uvec4 key = load_pending(leaf).key;
 	if (key.x >= state[GI_STATE_THRESHOLD]) {
 		choices[GI_BUCKETS + atomicAdd(state[GI_STATE_CHOSEN], 1u)] = leaf;
 		pending[leaf].key = uvec4(0u);

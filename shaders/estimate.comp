@@ -2,19 +2,19 @@
 // The estimate's samples: one thread a group of a chosen leaf. A leaf is chosen by chance; its row's entries are drawn
 // in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area / d2. What these
 // pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
-#define USE_FRAME
-#define USE_TOPOLOGY
-#define USE_WORLD
-#define USE_LEAVES
-#define USE_SEGMENTS
-#define USE_ENTRIES
-#define USE_ROWS
-#define USE_LINKS
-#define USE_RADIOSITY
-#define USE_ESTIMATE_ITEMS
-#define USE_ESTIMATE_SHARES
-#define USE_ESTIMATE_CHANCES
-#define USE_ESTIMATE_RESULTS
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_WORLD
+#define READ_LEAVES
+#define READ_SEGMENTS
+#define READ_ENTRIES
+#define READ_ROWS
+#define READ_LINKS
+#define READ_RADIOSITY
+#define READ_ESTIMATE_CHANCES
+#define WRITE_ESTIMATE_ITEMS
+#define WRITE_ESTIMATE_SHARES
+#define WRITE_ESTIMATE_RESULTS
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "entry.glsl"
@@ -50,7 +50,7 @@ uint leaf_at(float u)
 	uint low = 0u, high = frame.counts.x - 1u;
 	while (low < high) {
 		uint middle = (low + high) >> 1u;
-		if (chances[middle].x > u)
+		if (load_chance(middle).x > u)
 			high = middle;
 		else
 			low = middle + 1u;
@@ -65,7 +65,7 @@ float seen_share(uvec4 e)
 
 float light_of(uvec4 e)
 {
-	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : radiosity[e.x].xyz;
+	vec3 b = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(e.x).xyz;
 	return b.x + b.y + b.z;
 }
 
@@ -80,10 +80,10 @@ float mean_light_of(uint leaf, vec3 h)
 {
 	float light = 0.0, weight = 0.0;
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
-			light += uintBitsToFloat(entries[k].y) * light_of(entries[k]);
-			weight += uintBitsToFloat(entries[k].y);
+			light += uintBitsToFloat(load_entry(k).y) * light_of(load_entry(k));
+			weight += uintBitsToFloat(load_entry(k).y);
 		}
 	}
 	float open = weight > 0.0 ? light / weight : 0.0;
@@ -93,7 +93,7 @@ float mean_light_of(uint leaf, vec3 h)
 // What a node may bring to the receiver, about: what is near brings most.
 float part_of(gi_node_geometry p, uint node)
 {
-	gi_node_geometry g = world[node];
+	gi_node_geometry g = load_world(node);
 	vec3 to = g.sphere.xyz - p.sphere.xyz;
 	float near = g.sphere.w + p.sphere.w;
 	return g.moment.w / max(dot(to, to), near * near);
@@ -102,16 +102,16 @@ float part_of(gi_node_geometry p, uint node)
 // A leaf below the entry's node, drawn by what the parts of each node may bring.
 void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
 {
-	gi_node_geometry p = world[leaves[leaf].x];
+	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint node = entry.x;
 	float share = per_entry;
-	for (uint depth = 0u; (topology[node].range.w & (GI_NODE_LEAF | GI_NODE_SKY)) == 0u; depth++) {
-		uint end = topology[node].range.x, child = node + 1u;
+	for (uint depth = 0u; (load_range(node).w & (GI_NODE_LEAF | GI_NODE_SKY)) == 0u; depth++) {
+		uint end = load_range(node).x, child = node + 1u;
 		float sum = 0.0;
-		for (uint next = child; next < end; next = topology[next].range.x)
+		for (uint next = child; next < end; next = load_range(next).x)
 			sum += part_of(p, next);
 		float left = random(at + 0x51ed270bu, depth) * sum, part = 0.0;
-		for (uint next = child; next < end && left >= 0.0; next = topology[next].range.x) {
+		for (uint next = child; next < end && left >= 0.0; next = load_range(next).x) {
 			child = next;
 			part = part_of(p, next);
 			left -= part;
@@ -132,10 +132,10 @@ row_totals total_row(uint leaf, float mean_light)
 {
 	row_totals t = row_totals(0.0, 0.0);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
-			t.importance += importance(entries[k], mean_light);
-			t.seen += uintBitsToFloat(entries[k].y) * seen_share(entries[k]);
+			t.importance += importance(load_entry(k), mean_light);
+			t.seen += uintBitsToFloat(load_entry(k).y) * seen_share(load_entry(k));
 		}
 	}
 	return t;
@@ -147,12 +147,12 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 	float pitch = total / float(GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
 	uint drawn = 0u;
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = segments[leaf * frame.counts.z + s].xy;
+		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
-			float part = importance(entries[k], mean_light);
+			float part = importance(load_entry(k), mean_light);
 			sum += part;
 			for (; drawn < GROUP_ITEMS && from + pitch * float(drawn) < sum; drawn++)
-				write_item(at + drawn, leaf, entries[k], pitch / part);
+				write_item(at + drawn, leaf, load_entry(k), pitch / part);
 		}
 	}
 	// Rounding may lose the last; and a row that sees nothing has none.

@@ -8,8 +8,8 @@
 //     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1),   |m|^2 = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
 //
 // the latter over pairs of different leaves, so that the samples' noise is not in it.
-#define USE_STATE
-#define USE_ESTIMATE_RESULTS
+#define READ_ESTIMATE_RESULTS
+#define WRITE_STATE
 #include "buffers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -56,7 +56,7 @@ void main()
 	uint t = gl_LocalInvocationID.x;
 	totals own = totals(vec4(0.0), vec4(0.0), vec2(0.0), 0u);
 	for (uint k = t; k < all; k += GI_GROUP_SIZE)
-		own = add(own, of_leaf(results[k]));
+		own = add(own, of_leaf(load_result(k)));
 	sums[t] = own;
 	barrier();
 	if (t > 0u)

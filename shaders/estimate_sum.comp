@@ -3,15 +3,16 @@
 // error and the group's noise; products across groups, which are independent, have the error's square alone:
 //
 //     |error|^2 = sum over g != h of D_g . D_h / (G (G - 1)) = (|sum D|^2 - sum |D|^2) / (G (G - 1))
-#define USE_RADIOSITY
-#define USE_ESTIMATE_ITEMS
-#define USE_ESTIMATE_SHARES
-#define USE_ESTIMATE_CHANCES
-#define USE_ESTIMATE_RESULTS
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_ROWS
-#define USE_REST
+#define READ_RADIOSITY
+#define READ_ESTIMATE_ITEMS
+#define READ_ESTIMATE_SHARES
+#define READ_ESTIMATE_CHANCES
+#define READ_ESTIMATE_RESULTS
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_ROWS
+#define READ_REST
+#define WRITE_ESTIMATE_RESULTS
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "entry.glsl"
@@ -29,14 +30,14 @@ vec3 light_of_group(uint at, bool closed, inout uint rays)
 	vec3 h = vec3(0.0);
 	float weight = 0.0;
 	for (uint k = at; k < at + GROUP_ITEMS; k++) {
-		uvec4 e = items[k];
+		uvec4 e = load_item(k);
 		rays += samples_of(e);
 		if ((e.z & 1u) == 0u)
 			continue;
-		float fv = shares[k] * uintBitsToFloat(e.y);
+		float fv = load_share(k) * uintBitsToFloat(e.y);
 		weight += fv;
 		if ((e.w & GI_ENTRY_BACK) == 0u)
-			h += fv * radiosity[e.x].xyz;
+			h += fv * load_radiosity(e.x).xyz;
 	}
 	return closed && weight > 0.0 ? h / weight : h;
 }
@@ -46,7 +47,7 @@ void main()
 	uint t = thread_number();
 	if (t >= count)
 		return;
-	gi_estimate_leaf r = results[first + t];
+	gi_estimate_leaf r = load_result(first + t);
 	vec3 sum = vec3(0.0);
 	float squares = 0.0;
 	uint rays = 0u;
@@ -56,10 +57,10 @@ void main()
 		squares += dot(d, d);
 	}
 	uint leaf = floatBitsToUint(r.error.w);
-	r.error.x = rest[leaves[leaf].x].moment.w / (area * chances[leaf].y);
+	r.error.x = load_rest(load_leaf(leaf).x).moment.w / (area * load_chance(leaf).y);
 	r.error.y = (dot(sum, sum) - squares) / float(GI_ESTIMATE_GROUPS * (GI_ESTIMATE_GROUPS - 1u));
 	r.error.z = uintBitsToFloat(rays);
-	vec3 returned = materials[leaves[leaf].z].rho.xyz * uintBitsToFloat(rows[leaf].w) * r.light.xyz;
+	vec3 returned = load_material(load_leaf(leaf).z).rho.xyz * uintBitsToFloat(load_row(leaf).w) * r.light.xyz;
 	r.bias = vec4(sum / float(GI_ESTIMATE_GROUPS), returned.x + returned.y + returned.z);
 	results[first + t] = r;
 }

@@ -2,15 +2,16 @@
 // The estimate's samples, traced: one thread an item. From a random point of the receiver the form factor of the source
 // leaf, by the receiver's normal there, and one ray to a point of it. A row has the mean form factor times the mean
 // visibility; the mean of these products is what the two together let through.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_TOPOLOGY
-#define USE_VERTICES_REST
-#define USE_LEAVES
-#define USE_BVH
-#define USE_PRIMITIVES
-#define USE_TLAS
-#define USE_ESTIMATE_ITEMS
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_VERTICES_REST
+#define READ_LEAVES
+#define READ_BVH
+#define READ_PRIMITIVES
+#define READ_TLAS
+#define READ_ESTIMATE_ITEMS
+#define WRITE_ESTIMATE_ITEMS
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "polygon.glsl"
@@ -70,7 +71,7 @@ void main()
 	uint t = thread_number();
 	if (t >= count)
 		return;
-	uvec4 item = items[t];
+	uvec4 item = load_item(t);
 	pair p = load_pair(item);
 	vec2 u = item_numbers(t, 0u).xy;
 	segment_end a = end_on(p.receiver, p.leaf, point_on(p.mine, u));

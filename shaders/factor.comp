@@ -1,18 +1,19 @@
 #version 450 core
 // Form factors of the entries cut anew: one thread an entry. Mean over points of the receiver of the point-to-source
 // factor.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_SPREAD
-#define USE_TOPOLOGY
-#define USE_REST
-#define USE_WORLD
-#define USE_VERTICES_REST
-#define USE_VERTICES_WORLD
-#define USE_LEAVES
-#define USE_ENTRIES
-#define USE_QUEUE
-#define USE_STATE
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_SPREAD
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_WORLD
+#define READ_VERTICES_REST
+#define READ_VERTICES_WORLD
+#define READ_LEAVES
+#define READ_ENTRIES
+#define READ_QUEUE
+#define WRITE_ENTRIES
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "polygon.glsl"
@@ -39,8 +40,8 @@ const float RECEIVER_4 = 0.35;
 vec3 corner_of(uint vertex, bool same)
 {
 	if (same)
-		return vertices_rest[vertex].xyz;
-	return vertices_world[vertex].xyz;
+		return rest_vertex(vertex);
+	return world_vertex(vertex);
 }
 
 // 1 / 2^e for x in [2^e, 2^(e+1)): scaling by it rounds nothing.
@@ -54,31 +55,31 @@ void main()
 	uint t = thread_number();
 	if (t >= min(state[GI_STATE_NEW], frame.limits.y))
 		return;
-	uint slot = queue[t];
-	uvec4 entry = entries[slot];
+	uint slot = load_queued(t);
+	uvec4 entry = load_entry(slot);
 	uint leaf = entry.w & GI_ENTRY_LEAF_MASK;
-	uint receiver = leaves[leaf].x;
-	gi_node_topology source = topology[entry.x];
+	uint receiver = load_leaf(leaf).x;
+	gi_node_topology source = load_topology(entry.x);
 	uvec4 flags = source.range;
 	bool sky = (flags.w & GI_NODE_SKY) != 0u;
 	// What a folded leaf sees of itself is the other half; its whole contour, seen from within, is rounding. So are
 	// points on the edge between the halves: one point each.
 	bool self = entry.x == receiver;
-	bool same = !sky && leaves[leaf].y == leaves[source.range.y].y;
+	bool same = !sky && load_leaf(leaf).y == load_leaf(source.range.y).y;
 
 	gi_node_geometry p, g;
 	if (same) {
-		p = rest[receiver];
-		g = rest[entry.x];
+		p = load_rest(receiver);
+		g = load_rest(entry.x);
 	} else {
-		p = world[receiver];
-		g = world[entry.x];
+		p = load_world(receiver);
+		g = load_world(entry.x);
 	}
 	// Lengths in units of the largest: their fourth powers, which the contour sum takes, stay in the range of floats.
 	float unit = sky ? inverse_power_of_two(p.sphere.w)
 			 : inverse_power_of_two(max(length(g.sphere.xyz - p.sphere.xyz), max(g.sphere.w, p.sphere.w)));
 	p.sphere *= unit;
-	uvec4 mine = topology[receiver].corners;
+	uvec4 mine = load_corners(receiver);
 	vec3 a = unit * corner_of(mine.x, same), b = unit * corner_of(mine.y, same), c = unit * corner_of(mine.z, same),
 	     d = unit * corner_of(mine.w, same);
 	// A folded leaf has two normals: the mean of what its halves see is not what their mean normal sees.
@@ -98,8 +99,8 @@ void main()
 	float shown = 0.0;
 	if (disc && !contour) {
 		vec3 view = (p.sphere.xyz - g.sphere.xyz) / far;
-		vec2 sides = shown_area(spread[entry.x], g.moment, view,
-					same ? view : rest_direction_from_world(leaves[source.range.y].y, view));
+		vec2 sides = shown_area(load_spread(entry.x), g.moment, view,
+					same ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
 		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
 		shown = (back_side ? -sides.y : sides.x) * unit * unit;
 	}

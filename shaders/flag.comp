@@ -1,18 +1,19 @@
 #version 450 core
 // Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current afterwards.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_TOPOLOGY
-#define USE_WORLD
-#define USE_LEAVES
-#define USE_SEGMENTS
-#define USE_ENTRIES
-#define USE_QUEUE
-#define USE_STATE
-#define USE_SUSPECTS
-#define USE_TOUCHED
-#define USE_ROWS
-#define USE_CHOICES
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_WORLD
+#define READ_LEAVES
+#define READ_SEGMENTS
+#define READ_ENTRIES
+#define READ_SUSPECTS
+#define READ_ROWS
+#define READ_CHOICES
+#define WRITE_QUEUE
+#define WRITE_TOUCHED
+#define WRITE_ROWS
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "changed.glsl"
@@ -28,15 +29,15 @@ void main()
 	if (leaf == GI_NONE)
 		return;
 	watch w = watch_of(leaf);
-	gi_node_geometry p = world[leaves[leaf].x];
+	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u;
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		if (pair_is_dirty(w.mine, source, w.since))
 			continue; // cut anew
-		uvec4 block = segments[leaf * frame.counts.z + source];
+		uvec4 block = load_segment(leaf * frame.counts.z + source);
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		for (uint k = 0u; k < count; k++) {
-			if (!is_flagged(w, p, entries[block.x + k]))
+			if (!is_flagged(w, p, load_entry(block.x + k)))
 				continue;
 			uint q = atomicAdd(state[GI_STATE_QUEUED], 1u);
 			if (q < frame.limits.y)

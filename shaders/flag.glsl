@@ -26,8 +26,8 @@ struct obstacle {
 
 obstacle load_obstacle(uint object, bool counts)
 {
-	gi_object_data o = objects[object];
-	return obstacle(counts, o.row0, o.row1, o.row2, o.lower.xyz, o.upper.xyz, o.sphere);
+	return obstacle(counts, object_row0(object), object_row1(object), object_row2(object), object_lower(object).xyz,
+			object_upper(object).xyz, object_sphere(object));
 }
 
 vec3 turned_into(obstacle o, vec3 d)
@@ -74,10 +74,10 @@ struct watch {
 
 watch watch_of(uint leaf)
 {
-	uint mine = leaves[leaf].y, since = rows[leaf].z;
+	uint mine = load_leaf(leaf).y, since = load_row(leaf).z;
 	bool moved = moved_since(mine, since);
-	uvec2 range = moved ? uvec2(objects[mine].bvh.w, objects[mine].extra.x) : frame.update.yz;
-	uint object = range.x < range.y ? suspects[range.x] : mine;
+	uvec2 range = moved ? uvec2(object_bvh(mine).w, object_extra(mine).x) : frame.update.yz;
+	uint object = range.x < range.y ? load_suspect(range.x) : mine;
 	return watch(mine, since, moved, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
 }
 
@@ -91,11 +91,11 @@ bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
 {
-	vec4 ball = world[node].sphere;
-	bool sky = (topology[node].range.w & GI_NODE_SKY) != 0u;
+	vec4 ball = load_sphere(node);
+	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
 	for (uint k = w.suspects.x + 1u; k < w.suspects.y && !found; k++)
-		found = crosses(load_obstacle(suspects[k], w.moved || moved_since(suspects[k], w.since)), p, ball, sky);
+		found = crosses(load_obstacle(load_suspect(k), w.moved || moved_since(load_suspect(k), w.since)), p, ball, sky);
 	return found;
 }
 

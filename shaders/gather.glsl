@@ -6,14 +6,15 @@
 // sign only and rounding is relative to them.
 //
 // The fourth channel solves u = 1 + rho_max * sum of weight * u_node along with B: how much the scene amplifies.
-#define USE_FRAME
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_ROWS
-#define USE_LINKS
-#define USE_RADIOSITY
-#define USE_LEAF_RADIOSITY
-#define USE_STATE
+#define READ_FRAME
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_ROWS
+#define READ_LINKS
+#define READ_RADIOSITY
+#define READ_LEAF_RADIOSITY
+#define WRITE_LEAF_RADIOSITY
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
@@ -42,14 +43,16 @@ struct gathered {
 
 gathered gather(uint leaf)
 {
-	uvec4 row = rows[leaf];
+	uvec4 row = load_row(leaf);
 	gathered g = gathered(REAL4(0.0), REAL(0.0), row.y & GI_BLOCK_COUNT_MASK);
-	for (uint k = row.x; k < row.x + g.count; k++) {
-		uvec2 link = links[k];
-		REAL weight = REAL(uintBitsToFloat(link.y));
-		g.sum += weight * REAL4(radiosity[link.x]);
+	for (uint k = row.x / 2u; 2u * k < row.x + g.count; k++) {
+		uvec4 two = load_two_links(k);
+		REAL first = REAL(uintBitsToFloat(two.y)), second = REAL(uintBitsToFloat(two.w));
+		g.sum += first * REAL4(load_radiosity(two.x));
+		g.sum += second * REAL4(load_radiosity(two.z));
 #ifdef CERTIFY
-		g.row_sum += weight;
+		g.row_sum += first;
+		g.row_sum += second;
 #endif
 	}
 #ifndef CERTIFY
@@ -120,14 +123,14 @@ void report(gathered g, vec4 rho, vec4 image, vec4 before, vec4 next)
 void sweep(uint leaf)
 {
 	gathered g = gather(leaf);
-	gi_material_data m = materials[leaves[leaf].z];
+	gi_material_data m = load_material(load_leaf(leaf).z);
 	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
 	REAL4 image = REAL4(vec4(m.exitance.xyz, 1.0)) + rho * g.sum;
-	vec4 before = leaf_radiosity[leaf];
+	vec4 before = load_leaf_radiosity(leaf);
 	REAL omega = REAL(uintBitsToFloat(state[GI_STATE_OMEGA_BITS]));
 	REAL4 step_to = image;
 	if (omega != REAL(1.0)) {
-		REAL4 earlier = omega < REAL(1.0) ? REAL4(before) : REAL4(leaf_radiosity[frame.counts.x + leaf]);
+		REAL4 earlier = omega < REAL(1.0) ? REAL4(before) : REAL4(load_leaf_radiosity(frame.counts.x + leaf));
 		step_to = omega * (image - earlier) + earlier;
 	}
 	vec4 next = to_single(max(step_to, REAL4(0.0)));

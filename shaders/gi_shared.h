@@ -323,6 +323,10 @@ GI_STRUCT(gi_pending) {
 #define GI_POOL_PENDING_LIST 32u   /* GI_POOL_PENDING_MAX pairs: offset, class */
 #define GI_POOL_PENDING_MAX 131072u
 
+/* A buffer is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number; the frame as a uniform block. */
+#define GI_TEXEL_UNIT 4
+#define GI_BIND_COUNT 36
+
 #define GI_BIND_FRAME 0
 #define GI_BIND_OBJECTS 1
 #define GI_BIND_TOPOLOGY 2

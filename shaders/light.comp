@@ -1,10 +1,10 @@
 #version 450 core
 // Indirect irradiance at the light vertices (corners of leaves): weighted means of the adjacent leaves.
-#define USE_FRAME
-#define USE_LEAF_INDIRECT
-#define USE_LIGHT_LINKS
-#define USE_LIGHT_FIRST
-#define USE_LIGHT
+#define READ_FRAME
+#define READ_LEAF_INDIRECT
+#define READ_LIGHT_LINKS
+#define READ_LIGHT_FIRST
+#define WRITE_LIGHT
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -16,7 +16,7 @@ void main()
 	if (t >= frame.misc.z)
 		return;
 	vec3 sum = vec3(0.0);
-	for (uint k = light_first[t]; k < light_first[t + 1u]; k++)
-		sum += uintBitsToFloat(light_links[k].y) * leaf_indirect[light_links[k].x].xyz;
+	for (uint k = load_light_first(t); k < load_light_first(t + 1u); k++)
+		sum += uintBitsToFloat(load_light_link(k).y) * load_leaf_indirect(load_light_link(k).x).xyz;
 	light[t] = vec4(sum, 0.0);
 }

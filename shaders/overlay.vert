@@ -1,12 +1,12 @@
 #version 450 core
 // Leaves over the picture or instead of it: their edges as lines, or a heat map with one value a leaf.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_LEAVES
-#define USE_SEGMENTS
-#define USE_TOUCHED
-#define USE_LEAF_RADIOSITY
-#define USE_STATE
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_LEAVES
+#define READ_SEGMENTS
+#define READ_TOUCHED
+#define READ_LEAF_RADIOSITY
+#define READ_STATE
 #include "buffers.glsl"
 
 layout(location = 0) in vec3 position;
@@ -32,14 +32,14 @@ float dirty_share()
 		return 0.0;
 	uint entries = 0u;
 	for (uint s = 0u; s < frame.counts.z; s++)
-		entries += segments[leaf * frame.counts.z + s].y & GI_BLOCK_COUNT_MASK;
-	return clamp(float(touched[leaf]) / float(max(entries, 1u)), 0.0, 1.0);
+		entries += load_segment(leaf * frame.counts.z + s).y & GI_BLOCK_COUNT_MASK;
+	return clamp(float(load_touched(leaf)) / float(max(entries, 1u)), 0.0, 1.0);
 }
 
 float residual_decade()
 {
-	float largest = uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]);
-	vec3 change = abs(leaf_radiosity[leaf].xyz - leaf_radiosity[frame.counts.x + leaf].xyz);
+	float largest = uintBitsToFloat(load_state(GI_STATE_DONE_B_MAX_BITS));
+	vec3 change = abs(load_leaf_radiosity(leaf).xyz - load_leaf_radiosity(frame.counts.x + leaf).xyz);
 	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))
 		return 0.0;
@@ -48,7 +48,7 @@ float residual_decade()
 
 void main()
 {
-	uint slot = leaves[leaf].y;
+	uint slot = load_leaf(leaf).y;
 	vec3 p = world_from_rest(slot, position), n = world_direction_from_rest(slot, normal_lift.xyz);
 	vec3 to_eye = normalize(eye.xyz - p * eye.w);
 	float facing = dot(n, to_eye);

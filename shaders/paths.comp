@@ -9,15 +9,18 @@
 // pdf_b = cos/pi, and emitter points picked by power, pdf_l = (pdf per area) r^2/cos', the balance heuristic gives both
 // the same contribution to irradiance, T E pdf_b / (pdf_b + pdf_l) <= T E, T the product of rho along the path: no
 // sample is larger than an exitance, even in a corner beside a lamp.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_TOPOLOGY
-#define USE_VERTICES_REST
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_BVH
-#define USE_PRIMITIVES
-#define USE_TLAS
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_VERTICES_REST
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_BVH
+#define READ_PRIMITIVES
+#define READ_TLAS
+#define READ_PATH_LIGHTS
+#define READ_PATH_SOBOL
+#define WRITE_PATH_SLOTS
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "rays.glsl"
@@ -25,10 +28,7 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-layout(std430, binding = GI_BIND_PATH_SLOTS) restrict buffer slot_block { gi_path_slot slots[]; };
-layout(std430, binding = GI_BIND_PATH_GOING) restrict writeonly buffer going_block { uint going; };
-layout(std430, binding = GI_BIND_PATH_LIGHTS) restrict readonly buffer light_triangle_block { uvec4 light_triangles[]; };
-layout(std430, binding = GI_BIND_PATH_SOBOL) restrict readonly buffer sobol_block { uint sobol[]; };
+STORAGE(GI_BIND_PATH_GOING) going_block { uint going; };
 
 layout(location = 0) uniform uint first_leaf;
 layout(location = 1) uniform uint leaf_count;
@@ -87,7 +87,7 @@ uint sobol_number(uint dimension, uint path, uint key)
 {
 	uint x = 0u;
 	for (; path != 0u; path &= path - 1u)
-		x ^= sobol[32u * dimension + uint(findLSB(path))];
+		x ^= load_sobol(32u * dimension + uint(findLSB(path)));
 	return owen_scramble(x, key);
 }
 
@@ -133,13 +133,13 @@ vec3 triangle_point(vec3 a, vec3 b, vec3 c, vec2 u)
 
 vec3 corner_of(uint object, uint number)
 {
-	return world_from_rest(object, vertices_rest[number].xyz);
+	return world_from_rest(object, rest_vertex(number));
 }
 
 // A point of a leaf, even over its two triangles.
 vertex start_on(uint leaf, vec2 u)
 {
-	uvec4 l = leaves[leaf], corners = topology[l.x].corners;
+	uvec4 l = load_leaf(leaf), corners = load_corners(l.x);
 	vec3 a = corner_of(l.y, corners.x), b = corner_of(l.y, corners.y), c = corner_of(l.y, corners.z), d = corner_of(l.y, corners.w);
 	vec3 first = cross(b - a, c - a), second = cross(c - a, d - a);
 	float share = length(first) / (length(first) + length(second));
@@ -152,11 +152,11 @@ vertex start_on(uint leaf, vec2 u)
 // Where a ray ended, in the world; `material` is that of the leaves there.
 vertex vertex_at(nearest hit, out uint material)
 {
-	gi_primitive q = primitives[hit.primitive];
+	gi_primitive q = load_primitive(hit.primitive);
 	vec3 a = q.a.xyz, b = hit.second ? q.c.xyz : q.b.xyz, c = hit.second ? q.d.xyz : q.c.xyz;
 	vec3 p = a + (b - a) * hit.barycentric.x + (c - a) * hit.barycentric.y;
 	vec3 n = normalize(world_direction_from_rest(hit.object, cross(b - a, c - a)));
-	material = leaves[floatBitsToUint(q.a.w)].z;
+	material = load_leaf(floatBitsToUint(q.a.w)).z;
 	return vertex(world_from_rest(hit.object, p) + n * sky_and_lift.w, n);
 }
 
@@ -183,7 +183,7 @@ uint pick_light(uint u)
 	uint low = 0u, high = light_count - 1u;
 	while (low < high) {
 		uint middle = (low + high) >> 1u;
-		if (u <= light_triangles[3u * middle].w)
+		if (u <= load_light_triangle(3u * middle).w)
 			high = middle;
 		else
 			low = middle + 1u;
@@ -196,13 +196,13 @@ uint pick_light(uint u)
 vec3 light_from_emitters(vertex v, numbers u)
 {
 	uint k = 3u * pick_light(u.emitter);
-	vec3 a = uintBitsToFloat(light_triangles[k].xyz), b = uintBitsToFloat(light_triangles[k + 1u].xyz),
-	     c = uintBitsToFloat(light_triangles[k + 2u].xyz);
+	vec3 a = uintBitsToFloat(load_light_triangle(k).xyz), b = uintBitsToFloat(load_light_triangle(k + 1u).xyz),
+	     c = uintBitsToFloat(load_light_triangle(k + 2u).xyz);
 	vec3 n = normalize(cross(b - a, c - a)), q = triangle_point(a, b, c, u.on_emitter), d = q - v.origin;
 	float r2 = dot(d, d), r = sqrt(r2), cos_here = dot(v.normal, d), cos_there = -dot(n, d);
 	if (!(cos_here > 0.0 && cos_there > 0.0) || !segment_is_free(v.origin, q + n * sky_and_lift.w))
 		return vec3(0.0);
-	vec3 exitance = materials[light_triangles[k + 1u].w].exitance.xyz;
+	vec3 exitance = load_material(load_light_triangle(k + 1u).w).exitance.xyz;
 	float pdf_b = cos_here / (r * PI), pdf_l = light_density(exitance) * r2 * r / cos_there;
 	return exitance * (pdf_b / (pdf_b + pdf_l));
 }
@@ -228,13 +228,13 @@ bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u)
 	}
 	uint material;
 	vertex next = vertex_at(hit, material);
-	vec3 exitance = materials[material].exitance.xyz;
+	vec3 exitance = load_material(material).exitance.xyz;
 	float pdf_b = sqrt(1.0 - u.direction.y) / PI;
 	float pdf_l = light_density(exitance) * hit.distance * hit.distance / max(-dot(next.normal, direction), 1e-12);
 	sum += throughput * (found + exitance * (pdf_b / (pdf_b + pdf_l)));
 	// Survival keeps the largest channel of the throughput where it was: a path neither grows nor fades from then on.
 	float before = largest(throughput);
-	throughput *= materials[material].rho.xyz;
+	throughput *= load_material(material).rho.xyz;
 	float survival = largest(throughput) < ROULETTE_BELOW ? largest(throughput) / before : 1.0;
 	if (u.roulette >= survival)
 		return false;

@@ -1,13 +1,13 @@
 #version 450 core
 // Brings nodes and vertices of moved objects from the rest frame to the world. A run is one object's nodes or vertices:
 // x first thread, y object, z 0 nodes / 1 vertices, w index of the first.
-#define USE_FRAME
-#define USE_REST
-#define USE_WORLD
-#define USE_VERTICES_REST
-#define USE_VERTICES_WORLD
-#define USE_RUNS
-#define USE_OBJECTS
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_REST
+#define READ_VERTICES_REST
+#define READ_RUNS
+#define WRITE_WORLD
+#define WRITE_VERTICES_WORLD
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -22,10 +22,10 @@ void main()
 	uint object = run.y;
 	uint index = run.w + (t - run.x);
 	if (run.z == 1u) {
-		vertices_world[index] = vec4(world_from_rest(object, vertices_rest[index].xyz), 0.0);
+		vertices_world[index] = vec4(world_from_rest(object, rest_vertex(index)), 0.0);
 		return;
 	}
-	gi_node_geometry g = rest[index];
+	gi_node_geometry g = load_rest(index);
 	world[index].sphere = vec4(world_from_rest(object, g.sphere.xyz), g.sphere.w);
 	world[index].axis = vec4(world_direction_from_rest(object, g.axis.xyz), g.axis.w);
 	world[index].moment = vec4(world_direction_from_rest(object, g.moment.xyz), g.moment.w);

@@ -1,10 +1,10 @@
 #version 450 core
 // Group counts for the indirect dispatches that work through the queue. STAGE 0: after the cuts; 1: after flagging; 2:
 // after closing.
-#define USE_FRAME
-#define USE_ENTRY_POOL
-#define USE_LINK_POOL
-#define USE_STATE
+#define READ_FRAME
+#define WRITE_ENTRY_POOL
+#define WRITE_LINK_POOL
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 

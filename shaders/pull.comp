@@ -3,12 +3,12 @@
 //
 // Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for
 // one rounding.
-#define USE_FRAME
-#define USE_TOPOLOGY
-#define USE_REST
-#define USE_LEAVES
-#define USE_RADIOSITY
-#define USE_LEAF_RADIOSITY
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_LEAVES
+#define READ_LEAF_RADIOSITY
+#define WRITE_RADIOSITY
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
@@ -20,18 +20,18 @@ void main()
 	uint n = thread_number();
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = topology[n].range;
+	uvec4 range = load_range(n);
 	if (range.z > GI_WIDE_LEAVES || (range.w & GI_NODE_SKY) != 0u)
 		return;
 	if (range.z == 1u) {
-		radiosity[n] = leaf_radiosity[range.y];
+		radiosity[n] = load_leaf_radiosity(range.y);
 		return;
 	}
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint leaf = range.y; leaf < range.y + range.z; leaf++) {
-		double a = double(rest[leaves[leaf].x].moment.w);
-		sum += a * dvec4(leaf_radiosity[leaf]);
+		double a = double(load_rest(load_leaf(leaf).x).moment.w);
+		sum += a * dvec4(load_leaf_radiosity(leaf));
 		area += a;
 	}
 	radiosity[n] = to_single(sum / area);

@@ -1,11 +1,11 @@
 #version 450 core
 // The same as pull.comp for nodes that cover many leaves: one group a node, summed in a fixed order.
-#define USE_TOPOLOGY
-#define USE_REST
-#define USE_LEAVES
-#define USE_RADIOSITY
-#define USE_LEAF_RADIOSITY
-#define USE_WIDE_NODES
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_LEAVES
+#define READ_LEAF_RADIOSITY
+#define READ_WIDE_NODES
+#define WRITE_RADIOSITY
 #include "buffers.glsl"
 #include "solve.glsl"
 
@@ -17,14 +17,14 @@ shared double partial_area[GI_GROUP_SIZE];
 void main()
 {
 	uint local = gl_LocalInvocationID.x;
-	uint n = wide_nodes[gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x];
-	uvec4 range = topology[n].range;
+	uint n = load_wide_node(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
+	uvec4 range = load_range(n);
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint k = local; k < range.z; k += GI_GROUP_SIZE) {
 		uint leaf = range.y + k;
-		double a = double(rest[leaves[leaf].x].moment.w);
-		sum += a * dvec4(leaf_radiosity[leaf]);
+		double a = double(load_rest(load_leaf(leaf).x).moment.w);
+		sum += a * dvec4(load_leaf_radiosity(leaf));
 		area += a;
 	}
 	partial[local] = sum;

@@ -19,8 +19,8 @@ struct segment_end {
 
 body load_body(uint object)
 {
-	gi_object_data o = objects[object];
-	return body(object, (o.bvh.z & GI_OBJECT_FLAT) != 0u, o.row0, o.row1, o.row2);
+	bool flat_surface = (object_bvh(object).z & GI_OBJECT_FLAT) != 0u;
+	return body(object, flat_surface, object_row0(object), object_row1(object), object_row2(object));
 }
 
 vec3 to_world(body b, vec3 p)
@@ -117,15 +117,15 @@ bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float ar
 // Does one object cut the segment? skip_a and skip_b are leaves whose primitives do not count.
 bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slack, uint skip_a, uint skip_b)
 {
-	uvec4 range = objects[object].bvh;
-	grid_ray r = ray_on_grid(origin, direction, objects[object].grid.xyz, objects[object].cells.xyz);
+	uvec4 range = object_bvh(object);
+	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	bool hidden = false;
 	while (n < range.y && !hidden) {
 		// First every ray of a vector goes on to a quad, then all test theirs together (Aila and Laine, 2009).
 		uint primitive = GI_NONE;
 		while (n < range.y && primitive == GI_NONE) {
-			uvec4 node = bvh[n];
+			uvec4 node = load_bvh(n);
 			bool hit = hits_box(r, node, end);
 			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
 			primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
@@ -133,7 +133,7 @@ bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slac
 		}
 		if (primitive == GI_NONE)
 			break;
-		gi_primitive q = primitives[primitive];
+		gi_primitive q = load_primitive(primitive);
 		uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
 		bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
 		hidden = !own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, q.c.w, end, slack) ||
@@ -176,7 +176,7 @@ uint segment_blocker(body body_a, segment_end a, body body_b, segment_end b)
 	while (n < frame.misc.x && blocker == GI_BLOCKER_NONE) {
 		uint object = GI_NONE;
 		while (n < frame.misc.x && object == GI_NONE) {
-			uvec4 node = tlas[n];
+			uvec4 node = load_tlas(n);
 			bool hit = hits_box(r, node, end);
 			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
 			uint candidate = node.w & ~GI_PACKED_LEAF;

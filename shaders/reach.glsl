@@ -18,12 +18,12 @@ float reach_of_node(gi_node_geometry p, gi_node_geometry g, facing f, float near
 
 float reach(gi_node_geometry p, uint object)
 {
-	uvec4 nodes = objects[object].nodes;
+	uvec4 nodes = object_nodes(object);
 	float sum = 0.0;
 	uint visits = 0u;
 	for (uint n = nodes.x; n < nodes.y; visits++) {
-		uvec4 range = topology[n].range;
-		gi_node_geometry g = world[n];
+		uvec4 range = load_range(n);
+		gi_node_geometry g = load_world(n);
 		facing f = facing_of(p, g, range.w);
 		float near = f.d - g.sphere.w - p.sphere.w;
 		if (f.unseen) {

@@ -1,8 +1,8 @@
 #version 450 core
 // Puts the blocks given back during the frame on the free lists of their classes, where the next frame takes them.
-#define USE_ENTRY_POOL
-#define USE_LINK_POOL
-#define USE_STATE
+#define WRITE_ENTRY_POOL
+#define WRITE_LINK_POOL
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "pool.glsl"

@@ -21,7 +21,7 @@
 #define GI_LAMP_FEW_SAMPLES 16u /* of one lamp, and of each of two */
 #define GI_LAMP_PROBES 8u      /* samples that have to disagree before the others are asked */
 
-#define GI_BIND_LAMPS 0 /* uniform block */
+#define GI_BIND_LAMPS 1 /* uniform block */
 
 /* One lamp, world space.
  *

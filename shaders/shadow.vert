@@ -1,6 +1,6 @@
 #version 450 core
 // Depth as seen from one sample of a lamp, in one sector of its map (shade_shared.h).
-#define USE_OBJECTS
+#define READ_OBJECTS
 #include "buffers.glsl"
 
 layout(location = 0) in vec3 position;

@@ -4,12 +4,12 @@
 // solve's own bound. One thread a leaf.
 //
 // No row sums to more than 1, so the leaf whose solution is off most, by e, has e <= d + rho e: e <= max d / (1 - rho).
-#define USE_FRAME
-#define USE_LEAVES
-#define USE_MATERIALS
-#define USE_LEAF_RADIOSITY
-#define USE_STATE
-#define USE_PENDING
+#define READ_FRAME
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_LEAF_RADIOSITY
+#define READ_PENDING
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -29,13 +29,13 @@ void main()
 	uint leaf = thread_number();
 	if (leaf >= frame.counts.x)
 		return;
-	gi_pending row = pending[leaf];
+	gi_pending row = load_pending(leaf);
 	if (stage == 0u) {
-		float went = largest(abs(leaf_radiosity[leaf].xyz - row.before.xyz));
+		float went = largest(abs(load_leaf_radiosity(leaf).xyz - row.before.xyz));
 		atomicMax(state[GI_STATE_STEP_BITS], floatBitsToUint(OUTWARD * went));
 	} else if (row.key.z > 0u) {
 		// A share of weight leaves one place and comes to another.
-		float rho = largest(materials[leaves[leaf].z].rho.xyz);
+		float rho = largest(load_material(load_leaf(leaf).z).rho.xyz);
 		float went = uintBitsToFloat(state[GI_STATE_STEP_BITS]) + uintBitsToFloat(state[GI_STATE_BOUND_BITS]);
 		float more = 2.0 * row.bound.w * went * rho;
 		float off = OUTWARD * (largest(row.bound.xyz) + more);

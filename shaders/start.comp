@@ -1,10 +1,10 @@
 #version 450 core
 // B = E and u = 1 everywhere: a cold start. One thread a node. The sky's B is known: nothing amplifies it, and u is 0.
-#define USE_FRAME
-#define USE_TOPOLOGY
-#define USE_RADIOSITY
-#define USE_LEAF_RADIOSITY
-#define USE_NODE_EXITANCE
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_NODE_EXITANCE
+#define WRITE_RADIOSITY
+#define WRITE_LEAF_RADIOSITY
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -15,9 +15,9 @@ void main()
 	uint n = thread_number();
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = topology[n].range;
+	uvec4 range = load_range(n);
 	bool sky = (range.w & GI_NODE_SKY) != 0u;
-	vec4 start = vec4(node_exitance[n].xyz, sky ? 0.0 : 1.0);
+	vec4 start = vec4(load_exitance(n).xyz, sky ? 0.0 : 1.0);
 	radiosity[n] = start;
 	if ((range.w & GI_NODE_LEAF) != 0u && !sky)
 		leaf_radiosity[range.y] = leaf_radiosity[frame.counts.x + range.y] = start;

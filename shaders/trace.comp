@@ -2,18 +2,19 @@
 // Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, and
 // the rest where those disagree.
 // An entry's samples are always taken from the first, so the result does not depend on what was known before.
-#define USE_FRAME
-#define USE_OBJECTS
-#define USE_TOPOLOGY
-#define USE_VERTICES_REST
-#define USE_LEAVES
-#define USE_BVH
-#define USE_PRIMITIVES
-#define USE_TLAS
-#define USE_ENTRIES
-#define USE_TARGETS
-#define USE_QUEUE
-#define USE_STATE
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_VERTICES_REST
+#define READ_LEAVES
+#define READ_BVH
+#define READ_PRIMITIVES
+#define READ_TLAS
+#define READ_ENTRIES
+#define READ_QUEUE
+#define WRITE_ENTRIES
+#define WRITE_TARGETS
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "sampling.glsl"
@@ -63,11 +64,11 @@ sample_result trace_sample(pair p, uint k, uint candidates)
 // from around the sample, half of the node or less. Smaller parts are as good on average, and noisier.
 uint part_around(uint node, uint leaf)
 {
-	uint enough = topology[node].range.z / 2u;
-	while (topology[node].range.z > max(enough, 1u)) {
+	uint enough = load_range(node).z / 2u;
+	while (load_range(node).z > max(enough, 1u)) {
 		uint child = node + 1u;
-		while (leaf >= topology[child].range.y + topology[child].range.z)
-			child = topology[child].range.x;
+		while (leaf >= load_range(child).y + load_range(child).z)
+			child = load_range(child).x;
 		node = child;
 	}
 	return node;
@@ -78,8 +79,8 @@ void main()
 	uint t = thread_number();
 	if (t >= min(state[GI_STATE_QUEUED], frame.limits.y))
 		return;
-	uint slot = queue[t];
-	uvec4 entry = entries[slot];
+	uint slot = load_queued(t);
+	uvec4 entry = load_entry(slot);
 	float factor = uintBitsToFloat(entry.y);
 	targets[slot] = entry.x;
 	if (factor <= 0.0)

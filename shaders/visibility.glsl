@@ -10,8 +10,8 @@ struct quad {
 
 quad load_quad(uvec4 corners)
 {
-	return quad(vertices_rest[corners.x].xyz, vertices_rest[corners.y].xyz, vertices_rest[corners.z].xyz,
-		    vertices_rest[corners.w].xyz);
+	return quad(rest_vertex(corners.x), rest_vertex(corners.y), rest_vertex(corners.z),
+		    rest_vertex(corners.w));
 }
 
 struct pair {
@@ -30,19 +30,19 @@ pair load_pair(uvec4 entry)
 	p.leaf = entry.w & GI_ENTRY_LEAF_MASK;
 	p.node = entry.x;
 	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
-	p.t = topology[entry.x];
+	p.t = load_topology(entry.x);
 	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
 	p.whole = p.sky || p.t.range.z == 1u;
-	uvec4 mine = leaves[p.leaf];
+	uvec4 mine = load_leaf(p.leaf);
 	p.receiver = load_body(mine.y);
-	p.mine = load_quad(topology[mine.x].corners);
+	p.mine = load_quad(load_corners(mine.x));
 	p.source.object = GI_NONE;
 	p.source.flat_surface = true;
 	if (!p.sky)
-		p.source = load_body(leaves[p.t.range.y].y);
+		p.source = load_body(load_leaf(p.t.range.y).y);
 	p.same = p.source.object == p.receiver.object;
 	if (p.whole)
-		p.theirs = load_quad(p.sky ? p.t.corners : topology[leaves[p.t.range.y].x].corners);
+		p.theirs = load_quad(p.sky ? p.t.corners : load_corners(load_leaf(p.t.range.y).x));
 	return p;
 }
 
@@ -64,7 +64,7 @@ segment_end end_on(body on, uint leaf, vec3 rest_point)
 // Sum of the areas of an object's leaves up to and with this one; 0 before its first.
 float area_up_to(pair p, uint leaf_end)
 {
-	return leaf_end == objects[p.source.object].nodes.z ? 0.0 : uintBitsToFloat(leaves[leaf_end - 1u].w);
+	return leaf_end == object_nodes(p.source.object).z ? 0.0 : uintBitsToFloat(load_leaf(leaf_end - 1u).w);
 }
 
 // Leaves of less than this part of what is summed up before them drown in it.
@@ -74,7 +74,7 @@ const float LEAST_AREA = 1e-6;
 uint leaf_at(pair p, inout float u)
 {
 	uint low = p.t.range.y, high = low + p.t.range.z - 1u;
-	float before = area_up_to(p, low), all = uintBitsToFloat(leaves[high].w), pick = mix(before, all, u);
+	float before = area_up_to(p, low), all = uintBitsToFloat(load_leaf(high).w), pick = mix(before, all, u);
 	if (all - before < LEAST_AREA * float(p.t.range.z) * all) {
 		float number = u * float(p.t.range.z);
 		uint k = min(uint(number), p.t.range.z - 1u);
@@ -83,7 +83,7 @@ uint leaf_at(pair p, inout float u)
 	}
 	while (low < high) {
 		uint middle = (low + high) >> 1u;
-		float end = uintBitsToFloat(leaves[middle].w);
+		float end = uintBitsToFloat(load_leaf(middle).w);
 		if (pick < end) {
 			high = middle;
 		} else {
@@ -91,7 +91,7 @@ uint leaf_at(pair p, inout float u)
 			before = end;
 		}
 	}
-	float area = uintBitsToFloat(leaves[low].w) - before;
+	float area = uintBitsToFloat(load_leaf(low).w) - before;
 	u = area > 0.0 ? clamp((pick - before) / area, 0.0, 0.99999994) : 0.5;
 	return low;
 }
@@ -108,7 +108,7 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 	}
 	if (!p.whole) {
 		leaf = leaf_at(p, u.x);
-		q = load_quad(topology[leaves[leaf].x].corners);
+		q = load_quad(load_corners(load_leaf(leaf).x));
 	}
 	m = cross(q.c - q.a, q.d - q.b);
 	return end_on(p.source, leaf, point_on(q, u));

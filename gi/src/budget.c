@@ -159,9 +159,9 @@ void budget_bound(gi_context *gi)
 void budget_bind(const gi_context *gi)
 {
 	const gi_rations *r = &gi->rations;
-	gpu_bind_storage(GI_BIND_CHOICES, &r->choices);
-	gpu_bind_storage(GI_BIND_PENDING, &r->pending);
-	gpu_bind_storage(GI_BIND_SHINE, &r->shine);
+	gpu_bind(GI_BIND_CHOICES, &r->choices);
+	gpu_bind(GI_BIND_PENDING, &r->pending);
+	gpu_bind(GI_BIND_SHINE, &r->shine);
 }
 
 void budget_free(gi_context *gi)

@@ -89,10 +89,10 @@ static void bind(gi_context *gi)
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
-	gpu_bind_storage(GI_BIND_ESTIMATE_ITEMS, &e->items);
-	gpu_bind_storage(GI_BIND_ESTIMATE_SHARES, &e->shares);
-	gpu_bind_storage(GI_BIND_ESTIMATE_CHANCES, &e->chances);
-	gpu_bind_storage(GI_BIND_ESTIMATE_RESULTS, &e->results);
+	gpu_bind(GI_BIND_ESTIMATE_ITEMS, &e->items);
+	gpu_bind(GI_BIND_ESTIMATE_SHARES, &e->shares);
+	gpu_bind(GI_BIND_ESTIMATE_CHANCES, &e->chances);
+	gpu_bind(GI_BIND_ESTIMATE_RESULTS, &e->results);
 }
 
 static uint32_t salt_of(uint64_t frame, uint32_t first)

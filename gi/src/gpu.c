@@ -10,6 +10,8 @@
 #include <string.h>
 #include <time.h>
 
+enum { TEXEL_BYTES = 16 };
+
 gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 {
 	char line[1024];
@@ -26,6 +28,36 @@ gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 
 /* ---- start ---- */
 
+/* What the shaders of gi take of a device. OpenGL promises less of the first three. */
+static gi_result check_limits(gpu *g)
+{
+	static const struct {
+		GLenum name;
+		int least;
+		const char *what;
+	} needs[] = {
+	    {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, GPU_BINDINGS, "storage buffer bindings"},
+	    {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, GPU_FIRST_TEXEL_UNIT + GPU_BINDINGS, "texture units"},
+	    {GL_MAX_TEXTURE_BUFFER_SIZE, 1 << 22, "texels in a buffer texture"},
+	    {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, 8, "storage blocks in a compute shader"},
+	    {GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS, 16, "textures in a compute shader"},
+	    {GL_MAX_VERTEX_TEXTURE_IMAGE_UNITS, 16, "textures in a vertex shader"},
+	};
+	for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
+		GLint has = 0;
+		glGetIntegerv(needs[k].name, &has);
+		if (has < needs[k].least)
+			return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
+				       "this device has %d %s and %d are needed: update its driver or use another", has,
+				       needs[k].what, needs[k].least);
+	}
+	GLint64 bytes = 0, texels = 0;
+	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+	glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+	g->max_block_bytes = (uint64_t)(bytes < TEXEL_BYTES * texels ? bytes : TEXEL_BYTES * texels);
+	return GI_OK;
+}
+
 gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 {
 	int version = gladLoadGL((GLADloadfunc)get_proc_address);
@@ -34,9 +66,9 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 		    &g->log, GI_ERROR_NO_OPENGL_45,
 		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
 		    GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
-	GLint64 bytes = 0;
-	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-	g->max_block_bytes = (uint64_t)bytes;
+	gi_result result = check_limits(g);
+	if (result)
+		return result;
 	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)glGetString(GL_RENDERER));
 	static const char *const software[] = {"llvmpipe", "softpipe", "SWR"};
 	for (size_t k = 0; k < sizeof software / sizeof *software; k++)
@@ -48,10 +80,19 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 
 /* ---- buffers ---- */
 
+/* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
+static void make_texture(gpu_buffer *buffer)
+{
+	glCreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texture);
+	glTextureBuffer(buffer->texture, GL_RGBA32UI, buffer->name);
+}
+
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 {
 	if (!buffer->name)
 		return;
+	if (buffer->texture)
+		glDeleteTextures(1, &buffer->texture);
 	glDeleteBuffers(1, &buffer->name);
 	g->buffer_bytes -= buffer->size;
 	*buffer = (gpu_buffer){0};
@@ -59,8 +100,8 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
 {
-	/* A binding of no bytes is an error, and empty scenes are not. */
-	uint64_t padded = size < 16 ? 16 : size;
+	/* Whole texels, and one at least: a binding of no bytes is an error, and empty scenes are not. */
+	uint64_t padded = size ? (size + TEXEL_BYTES - 1) / TEXEL_BYTES * TEXEL_BYTES : TEXEL_BYTES;
 	if (padded > g->max_block_bytes)
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
 			       "a buffer of %" PRIu64 " MiB is more than the %" PRIu64
@@ -79,6 +120,7 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const v
 		glNamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
 	if (data)
 		g->uploaded_bytes += size;
+	make_texture(&fresh);
 	gpu_buffer_free(g, buffer);
 	*buffer = fresh;
 	g->buffer_bytes += padded;
@@ -116,9 +158,15 @@ void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, v
 		glGetNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, out);
 }
 
-void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer)
+void gpu_bind(uint32_t binding, const gpu_buffer *buffer)
 {
 	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->name);
+	glBindTextureUnit(GPU_FIRST_TEXEL_UNIT + binding, buffer->texture);
+}
+
+void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer)
+{
+	glBindBufferBase(GL_UNIFORM_BUFFER, binding, buffer->name);
 }
 
 /* ---- programs ---- */
@@ -321,7 +369,8 @@ void gpu_set_matrices(uint32_t program, int location, int count, const float *va
 
 static void order_after(void)
 {
-	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
+			GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)

@@ -6,6 +6,7 @@
 #define GI_GPU_H
 
 #include "gi/gi.h"
+#include "gi_shared.h"
 
 #include <stdarg.h>
 
@@ -20,8 +21,12 @@ __attribute__((format(printf, 3, 4))) gi_result gi_fail(const gi_log *log, gi_re
 
 typedef struct gpu_buffer {
 	uint32_t name;
-	uint64_t size; /* bytes; at least 16 once created */
+	uint32_t texture; /* the same bytes, as texels of four words */
+	uint64_t size;    /* bytes; at least 16 once created */
 } gpu_buffer;
+
+/* As shaders count them (gi_shared.h). */
+enum { GPU_BINDINGS = GI_BIND_COUNT, GPU_FIRST_TEXEL_UNIT = GI_TEXEL_UNIT };
 
 enum { GPU_TIMER_RING = 4 };
 
@@ -38,7 +43,7 @@ typedef struct gpu {
 	uint32_t group_size;          /* threads of a compute group, a power of two */
 	uint64_t max_block_bytes;     /* of one storage buffer binding */
 	bool profile;
-	bool software;                /* no GPU: its timer queries measure the wrong work, the clock the right one */
+	bool software; /* no GPU: its timer queries measure the wrong work, the clock the right one */
 
 	uint32_t dispatches;     /* since the counters were last zeroed */
 	uint64_t uploaded_bytes; /* likewise */
@@ -60,7 +65,10 @@ void gpu_buffer_fill(gpu_buffer *buffer, const uint32_t words[4]);
 void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size);
 /* Waits for the GPU. */
 void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);
-void gpu_bind_storage(uint32_t binding, const gpu_buffer *buffer);
+/* For writing as a storage block at `binding`, for reading as a buffer texture at GPU_FIRST_TEXEL_UNIT + binding; below
+ * GPU_BINDINGS. */
+void gpu_bind(uint32_t binding, const gpu_buffer *buffer);
+void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer);
 
 /* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host.
  */

@@ -241,8 +241,3 @@ void gpu_draw_multiplied(bool on)
 	glDepthFunc(on ? GL_LEQUAL : GL_LESS);
 	glDepthMask(!on);
 }
-
-void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer)
-{
-	glBindBufferBase(GL_UNIFORM_BUFFER, binding, buffer->name);
-}

@@ -66,6 +66,4 @@ void gpu_draw_clip(bool clip);
 /* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
 void gpu_draw_multiplied(bool on);
 
-void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer);
-
 #endif

@@ -249,10 +249,10 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	const gi_paths *p = gi->paths;
 	scene_bind(gi);
 	rows_bind(gi); /* for the frame's trees; the rest goes to others */
-	gpu_bind_storage(GI_BIND_PATH_SLOTS, &p->slots);
-	gpu_bind_storage(GI_BIND_PATH_GOING, &p->going);
-	gpu_bind_storage(GI_BIND_PATH_LIGHTS, &p->lights);
-	gpu_bind_storage(GI_BIND_PATH_SOBOL, &p->sobol);
+	gpu_bind(GI_BIND_PATH_SLOTS, &p->slots);
+	gpu_bind(GI_BIND_PATH_GOING, &p->going);
+	gpu_bind(GI_BIND_PATH_LIGHTS, &p->lights);
+	gpu_bind(GI_BIND_PATH_SOBOL, &p->sobol);
 	gpu_set_uint(p->program, 5, seed);
 	gpu_set_uint(p->program, 6, s->light_count);
 	gpu_set_floats(p->program, 7, 4, 1, s->sky_and_lift);

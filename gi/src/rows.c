@@ -484,19 +484,19 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 void rows_bind(const gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
-	gpu_bind_storage(GI_BIND_FRAME, &r->frame);
-	gpu_bind_storage(GI_BIND_SEGMENTS, &r->segments);
-	gpu_bind_storage(GI_BIND_ENTRIES, &r->entries);
-	gpu_bind_storage(GI_BIND_TARGETS, &r->targets);
-	gpu_bind_storage(GI_BIND_ENTRY_POOL, &r->entry_pool);
-	gpu_bind_storage(GI_BIND_QUEUE, &r->queue);
-	gpu_bind_storage(GI_BIND_ROWS, &r->headers);
-	gpu_bind_storage(GI_BIND_LINKS, &r->links);
-	gpu_bind_storage(GI_BIND_LINK_POOL, &r->link_pool);
-	gpu_bind_storage(GI_BIND_TOUCHED, &r->touched);
-	gpu_bind_storage(GI_BIND_RUNS, &r->runs);
-	gpu_bind_storage(GI_BIND_SUSPECTS, &r->suspects);
-	gpu_bind_storage(GI_BIND_STATE, &gi->state);
+	gpu_bind_uniforms(GI_BIND_FRAME, &r->frame);
+	gpu_bind(GI_BIND_SEGMENTS, &r->segments);
+	gpu_bind(GI_BIND_ENTRIES, &r->entries);
+	gpu_bind(GI_BIND_TARGETS, &r->targets);
+	gpu_bind(GI_BIND_ENTRY_POOL, &r->entry_pool);
+	gpu_bind(GI_BIND_QUEUE, &r->queue);
+	gpu_bind(GI_BIND_ROWS, &r->headers);
+	gpu_bind(GI_BIND_LINKS, &r->links);
+	gpu_bind(GI_BIND_LINK_POOL, &r->link_pool);
+	gpu_bind(GI_BIND_TOUCHED, &r->touched);
+	gpu_bind(GI_BIND_RUNS, &r->runs);
+	gpu_bind(GI_BIND_SUSPECTS, &r->suspects);
+	gpu_bind(GI_BIND_STATE, &gi->state);
 	budget_bind(gi);
 }
 

@@ -123,10 +123,10 @@ void solver_update(gi_context *gi, bool anew)
 void solver_bind(const gi_context *gi)
 {
 	const gi_solver *s = &gi->solver;
-	gpu_bind_storage(GI_BIND_RADIOSITY, &s->radiosity);
-	gpu_bind_storage(GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
-	gpu_bind_storage(GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
-	gpu_bind_storage(GI_BIND_LIGHT, &s->light);
+	gpu_bind(GI_BIND_RADIOSITY, &s->radiosity);
+	gpu_bind(GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
+	gpu_bind(GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
+	gpu_bind(GI_BIND_LIGHT, &s->light);
 }
 
 void solver_forget(gi_solver *s)

@@ -18,8 +18,8 @@
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage and uniform buffer bindings 0..35,
- * texture unit 0..3, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..35, uniform buffer bindings 0 and 1,
+ * texture units 0..39, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
  * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
  * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
