@@ -47,62 +47,67 @@ layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 TEXELS(GI_BIND_OBJECTS) object_texels;
 vec4 object_row0(uint n)
 {
-	return float_texel(object_texels, 12u * n);
+	return float_texel(object_texels, 13u * n);
 }
 
 vec4 object_row1(uint n)
 {
-	return float_texel(object_texels, 12u * n + 1u);
+	return float_texel(object_texels, 13u * n + 1u);
 }
 
 vec4 object_row2(uint n)
 {
-	return float_texel(object_texels, 12u * n + 2u);
+	return float_texel(object_texels, 13u * n + 2u);
 }
 
 vec4 object_lower(uint n)
 {
-	return float_texel(object_texels, 12u * n + 3u);
+	return float_texel(object_texels, 13u * n + 3u);
 }
 
 vec4 object_upper(uint n)
 {
-	return float_texel(object_texels, 12u * n + 4u);
+	return float_texel(object_texels, 13u * n + 4u);
 }
 
 vec4 object_grid(uint n)
 {
-	return float_texel(object_texels, 12u * n + 5u);
+	return float_texel(object_texels, 13u * n + 5u);
 }
 
 vec4 object_cells(uint n)
 {
-	return float_texel(object_texels, 12u * n + 6u);
+	return float_texel(object_texels, 13u * n + 6u);
 }
 
 vec4 object_sphere(uint n)
 {
-	return float_texel(object_texels, 12u * n + 7u);
+	return float_texel(object_texels, 13u * n + 7u);
+}
+
+vec4 object_plane(uint n)
+{
+	return float_texel(object_texels, 13u * n + 8u);
 }
 
 uvec4 object_nodes(uint n)
 {
-	return texel(object_texels, 12u * n + 8u);
+	return texel(object_texels, 13u * n + 9u);
 }
 
 uvec4 object_bvh(uint n)
 {
-	return texel(object_texels, 12u * n + 9u);
+	return texel(object_texels, 13u * n + 10u);
 }
 
 uvec4 object_extra(uint n)
 {
-	return texel(object_texels, 12u * n + 10u);
+	return texel(object_texels, 13u * n + 11u);
 }
 
 uvec4 object_changed(uint n)
 {
-	return texel(object_texels, 12u * n + 11u);
+	return texel(object_texels, 13u * n + 12u);
 }
 #endif
 
@@ -174,6 +179,19 @@ TEXELS(GI_BIND_LEAVES) leaf_texels;
 uvec4 load_leaf(uint n)
 {
 	return texel(leaf_texels, n);
+}
+#endif
+
+#ifdef READ_LEAF_QUADS
+TEXELS(GI_BIND_LEAF_QUADS) leaf_quad_texels;
+vec4 load_leaf_corner(uint n, uint corner)
+{
+	return float_texel(leaf_quad_texels, 4u * n + corner);
+}
+
+float load_area_up_to(uint n)
+{
+	return load_leaf_corner(n, 0u).w;
 }
 #endif
 

@@ -131,23 +131,31 @@ bool carries_light(uvec4 e, uint target)
 struct row_sums {
 	float weight;      // of all visible entries, corrected
 	correction free;   // variance of those that the correction can still move the way it has to go
-	uint lit;          // how many carry light
 };
 
-// Leaves each segment's share of seen samples with it; returns the number of entries.
-uint share_samples(uint leaf)
+// What does not change while the row is closed.
+struct row_counts {
+	uint entries;
+	uint lit; // how many carry light
+};
+
+// Leaves each segment's share of seen samples with it.
+row_counts count_row(uint leaf)
 {
-	uint count = 0u;
+	row_counts count = row_counts(0u, 0u);
 	for (uint s = 0u; s < frame.counts.z; s++) {
 		uint slot = leaf * frame.counts.z + s;
 		uvec2 range = range_of(segments[slot]);
 		uint seen = 0u, taken = 0u;
 		for (uint k = range.x; k < range.y; k++) {
-			seen += seen_of(load_entry(k));
-			taken += samples_of(load_entry(k));
+			uvec4 e = load_entry(k);
+			seen += seen_of(e);
+			taken += samples_of(e);
+			if (seen_of(e) > 0u && uintBitsToFloat(e.y) >= LEAST_FACTOR && carries_light(e, load_target(k)))
+				count.lit++;
 		}
 		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
-		count += range.y - range.x;
+		count.entries += range.y - range.x;
 	}
 	return count;
 }
@@ -155,7 +163,7 @@ uint share_samples(uint leaf)
 row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
-	row_sums row = row_sums(0.0, correction(0.0, 0.0), 0u);
+	row_sums row = row_sums(0.0, correction(0.0, 0.0));
 	for (uint s = 0u; s < frame.counts.z; s++) {
 		uvec4 segment = segments[leaf * frame.counts.z + s];
 		uvec2 range = range_of(segment);
@@ -166,7 +174,6 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 				continue;
 			float w = corrected(v, c);
 			add(weight, w);
-			row.lit += carries_light(e, load_target(k)) ? 1u : 0u;
 			if (raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight)
 				continue;
 			row.free.others += v.emitter ? 0.0 : v.variance;
@@ -224,8 +231,8 @@ void main()
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 
 	// llvmpipe ends all loops of a thread, wherever they are, after 65,535 turns in sum.
-	uint count_all = share_samples(leaf);
-	uint steps = min(CLOSE_STEPS, max(LOOP_TURNS / max(count_all, 1u), 4u) - 3u);
+	row_counts counts = count_row(leaf);
+	uint steps = min(CLOSE_STEPS, max(LOOP_TURNS / max(counts.entries, 1u), 4u) - 3u);
 	correction c = correction(0.0, 0.0);
 	row_sums sums = sum_corrected(leaf, c, true);
 	bool raise = sums.weight < 1.0;
@@ -246,7 +253,7 @@ void main()
 		c = correction(0.0, 0.0); // open on purpose, or inside a solid: raised entries would make energy
 
 	uvec4 row = load_row(leaf);
-	uint old_count = row.y & GI_BLOCK_COUNT_MASK, lit = sums.lit;
+	uint old_count = row.y & GI_BLOCK_COUNT_MASK, lit = counts.lit;
 	uvec2 block = fit_block(row.xy, lit);
 	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && lit > 0u;
 	float row_sum = room ? write_links(leaf, block.x, c, scale) : 0.0;

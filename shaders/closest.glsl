@@ -35,14 +35,7 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	while (n < range.y) {
-		uint primitive = GI_NONE;
-		while (n < range.y && primitive == GI_NONE) {
-			uvec4 node = load_bvh(n);
-			bool hit = hits_box(r, node, best.end);
-			bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-			primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
-			n = hit || leaf ? n + 1u : node.w;
-		}
+		uint primitive = next_primitive(r, best.end, range.y, n);
 		if (primitive == GI_NONE)
 			break;
 		gi_primitive q = load_primitive(primitive);

@@ -186,7 +186,9 @@ void main()
 					break;
 				block = larger;
 			}
-			entries[block.x + count] = uvec4(n, 0u, 0u, leaf);
+			// The form factor and the visibility come from the passes that follow; one sample is what most take.
+			entries[block.x + count].x = n;
+			entries[block.x + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT);
 			count++;
 		}
 		n = verdict == CUT_REFINE ? n + 1u : range.x;

@@ -7,6 +7,7 @@
 #define READ_TOPOLOGY
 #define READ_VERTICES_REST
 #define READ_LEAVES
+#define READ_LEAF_QUADS
 #define READ_BVH
 #define READ_PRIMITIVES
 #define READ_TLAS
@@ -17,6 +18,8 @@
 #include "polygon.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
+#include "segments.glsl"
+#include "blocker.glsl"
 #include "visibility.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -61,7 +64,7 @@ bool sees(pair p, segment_end a, vec2 u, uint t)
 		vec3 m;
 		segment_end b = source_end(p, item_numbers(t, attempt).zw, m);
 		if (transfer(p, a, b, u, m) > 0.0)
-			return segment_blocker(p.receiver, a, p.source, b) == GI_BLOCKER_NONE;
+			return blocker_of(p.receiver, a, p.source, b, false) == GI_BLOCKER_NONE;
 	}
 	return false;
 }

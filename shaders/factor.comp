@@ -144,5 +144,6 @@ void main()
 	}
 	bool back = (flags.w & GI_NODE_BACK) != 0u && behind > front;
 	entries[slot].y = floatBitsToUint((back ? behind : front) / weight_sum);
-	entries[slot].w = leaf | (back ? GI_ENTRY_BACK : 0u);
+	if (back)
+		entries[slot].w = entry.w | GI_ENTRY_BACK;
 }

@@ -121,6 +121,7 @@ GI_STRUCT(gi_primitive) {
  *   lower.xyz upper.xyz  bounds in the rest frame
  *   grid.xyz  where the grid of its packed BVH begins    cells.xyz  cells per metre
  *   sphere.xyz  centre of the world bounding sphere    sphere.w radius
+ *   plane.xyz  normal of the world plane that all its surface lies in, plane.w  its height along it; 0: in no plane
  *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w 0
@@ -138,6 +139,7 @@ GI_STRUCT(gi_object_data) {
 	GI_VEC4 grid;
 	GI_VEC4 cells;
 	GI_VEC4 sphere;
+	GI_VEC4 plane;
 	GI_UVEC4 nodes;
 	GI_UVEC4 bvh;
 	GI_UVEC4 extra;
@@ -269,7 +271,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_DONE_B_MAX_BITS 23u
 /* Group counts for indirect dispatches, 3 words each. */
 #define GI_STATE_ARGS_FACTOR 24u
-#define GI_STATE_ARGS_TRACE 27u
+#define GI_STATE_ARGS_TRACE 27u   
 #define GI_STATE_ARGS_GATHER 30u
 #define GI_STATE_ARGS_PULL 33u
 #define GI_STATE_ARGS_WIDE 36u
@@ -325,7 +327,7 @@ GI_STRUCT(gi_pending) {
 
 /* A buffer is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number; the frame as a uniform block. */
 #define GI_TEXEL_UNIT 4
-#define GI_BIND_COUNT 36
+#define GI_BIND_COUNT 37
 
 #define GI_BIND_FRAME 0
 #define GI_BIND_OBJECTS 1
@@ -363,6 +365,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
+#define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

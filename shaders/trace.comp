@@ -5,8 +5,10 @@
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
+#define READ_WORLD
 #define READ_VERTICES_REST
 #define READ_LEAVES
+#define READ_LEAF_QUADS
 #define READ_BVH
 #define READ_PRIMITIVES
 #define READ_TLAS
@@ -17,8 +19,11 @@
 #define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "entry.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
+#include "segments.glsl"
+#include "blocker.glsl"
 #include "visibility.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -30,14 +35,22 @@ const uint PROBES = 4u;
 // what they carry.
 const uint CANDIDATES = 4u;
 
-struct sample_result {
-	uint by;   // GI_BLOCKER_NONE: visible
-	uint leaf; // that it ends on; GI_NONE for the sky, or where no sample is before the receiver
-};
+// From a flat source of less than this share of its distance, radius over distance, all points bring about the same.
+const float FAR = 0.2;
 
-sample_result trace_sample(pair p, uint k, uint candidates)
+// Emitters are cut fine as it is.
+uint candidates_of(pair p, bool emitter)
 {
-	segment_end a, b;
+	if (emitter || p.sky)
+		return 1u;
+	vec4 ball = load_sphere(p.node);
+	bool far = (p.t.range.w & GI_NODE_FLAT) != 0u && ball.w < FAR * distance(ball.xyz, load_sphere(load_leaf(p.leaf).x).xyz);
+	return far ? 1u : CANDIDATES;
+}
+
+// False where hardly any of the source is before the receiver.
+bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segment_end b)
+{
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
 		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
@@ -54,10 +67,7 @@ sample_result trace_sample(pair p, uint k, uint candidates)
 			b = to;
 		}
 	}
-	// Hardly any of the source is before the receiver: what is not must not shine through its back.
-	if (sum == 0.0)
-		return sample_result(p.receiver.object, GI_NONE);
-	return sample_result(segment_blocker(p.receiver, a, p.source, b), b.leaf);
+	return sum > 0.0;
 }
 
 // The light of a single sample is not that of the whole node: through a door one sees what is opposite to it. It is taken
@@ -82,9 +92,14 @@ void main()
 	uint slot = load_queued(t);
 	uvec4 entry = load_entry(slot);
 	float factor = uintBitsToFloat(entry.y);
-	targets[slot] = entry.x;
-	if (factor <= 0.0)
-		return; // however small, a bright lamp may be behind it
+	bool is_new = t < state[GI_STATE_NEW];
+	if (factor <= 0.0) {
+		// However small, a bright lamp may be behind it.
+		entries[slot].z = GI_BLOCKER_NONE << 16u;
+		entries[slot].w = entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT);
+		targets[slot] = entry.x;
+		return;
+	}
 	pair p = load_pair(entry);
 	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
 	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
@@ -95,21 +110,31 @@ void main()
 	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
 	// rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
-	uint candidates = emitter || p.sky ? 1u : CANDIDATES; // emitters are cut fine
-	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u;
+	uint candidates = candidates_of(p, emitter);
+	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
+	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
+	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, target = entry.x;
 	while (taken < wanted) {
-		sample_result s = trace_sample(p, taken, candidates);
-		if (wanted == 1u && s.leaf != GI_NONE)
-			targets[slot] = part_around(entry.x, s.leaf);
-		if (s.by == GI_BLOCKER_NONE)
+		segment_end a, b;
+		// What is not before the receiver must not shine through its back.
+		uint by = p.receiver.object;
+		if (choose_segment(p, taken, candidates, a, b)) {
+			by = blocker_of(p.receiver, a, p.source, b, (clear & (1u << taken)) != 0u);
+			if (is_new && wanted == 1u && !p.sky)
+				target = part_around(entry.x, b.leaf);
+		}
+		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else
-			blocker = blocker == GI_BLOCKER_NONE || blocker == s.by ? s.by : GI_BLOCKER_MIXED;
+			blocker = blocker == GI_BLOCKER_NONE || blocker == by ? by : GI_BLOCKER_MIXED;
 		taken++;
 		if (taken == probes && (visible == 0u || visible == (1u << probes) - 1u))
 			break;
 	}
 	entries[slot].z = visible | (blocker << 16u);
-	entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+	if (taken != samples_of(entry))
+		entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+	if (is_new)
+		targets[slot] = target;
 	atomicAdd(state[GI_STATE_RAYS], taken);
 }

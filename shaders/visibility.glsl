@@ -8,6 +8,11 @@ struct quad {
 	vec3 a, b, c, d;
 };
 
+quad load_leaf_quad(uint leaf)
+{
+	return quad(load_leaf_corner(leaf, 0u).xyz, load_leaf_corner(leaf, 1u).xyz, load_leaf_corner(leaf, 2u).xyz, load_leaf_corner(leaf, 3u).xyz);
+}
+
 quad load_quad(uvec4 corners)
 {
 	return quad(rest_vertex(corners.x), rest_vertex(corners.y), rest_vertex(corners.z),
@@ -22,6 +27,7 @@ struct pair {
 	quad mine, theirs;  // theirs: of the source where `whole`
 	gi_node_topology t; // of the source
 	bool sky, whole;    // whole: a leaf, or a patch of sky; else each sample is on a leaf of its own
+	float area_before, area_all; // where not whole: areas of the source's object up to the node's first leaf, and with its last
 };
 
 pair load_pair(uvec4 entry)
@@ -35,14 +41,15 @@ pair load_pair(uvec4 entry)
 	p.whole = p.sky || p.t.range.z == 1u;
 	uvec4 mine = load_leaf(p.leaf);
 	p.receiver = load_body(mine.y);
-	p.mine = load_quad(load_corners(mine.x));
-	p.source.object = GI_NONE;
-	p.source.flat_surface = true;
-	if (!p.sky)
-		p.source = load_body(load_leaf(p.t.range.y).y);
+	p.mine = load_leaf_quad(p.leaf);
+	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(p.t.range.y).y);
 	p.same = p.source.object == p.receiver.object;
-	if (p.whole)
-		p.theirs = load_quad(p.sky ? p.t.corners : load_corners(load_leaf(p.t.range.y).x));
+	if (p.sky)
+		p.theirs = load_quad(p.t.corners);
+	else if (p.whole)
+		p.theirs = load_leaf_quad(p.t.range.y);
+	p.area_before = p.whole || p.t.range.y == object_nodes(p.source.object).z ? 0.0 : load_area_up_to(p.t.range.y - 1u);
+	p.area_all = p.whole ? 0.0 : load_area_up_to(p.t.range.y + p.t.range.z - 1u);
 	return p;
 }
 
@@ -56,17 +63,6 @@ vec3 point_on(quad q, vec2 u)
 	return point_on_quad(q.a, q.b, q.c, q.d, u);
 }
 
-segment_end end_on(body on, uint leaf, vec3 rest_point)
-{
-	return segment_end(leaf, rest_point, to_world(on, rest_point));
-}
-
-// Sum of the areas of an object's leaves up to and with this one; 0 before its first.
-float area_up_to(pair p, uint leaf_end)
-{
-	return leaf_end == object_nodes(p.source.object).z ? 0.0 : uintBitsToFloat(load_leaf(leaf_end - 1u).w);
-}
-
 // Leaves of less than this part of what is summed up before them drown in it.
 const float LEAST_AREA = 1e-6;
 
@@ -74,25 +70,30 @@ const float LEAST_AREA = 1e-6;
 uint leaf_at(pair p, inout float u)
 {
 	uint low = p.t.range.y, high = low + p.t.range.z - 1u;
-	float before = area_up_to(p, low), all = uintBitsToFloat(load_leaf(high).w), pick = mix(before, all, u);
+	float before = p.area_before, all = p.area_all, pick = mix(before, all, u);
 	if (all - before < LEAST_AREA * float(p.t.range.z) * all) {
 		float number = u * float(p.t.range.z);
 		uint k = min(uint(number), p.t.range.z - 1u);
 		u = clamp(number - float(k), 0.0, 0.99999994);
 		return low + k;
 	}
-	while (low < high) {
-		uint middle = (low + high) >> 1u;
-		float end = uintBitsToFloat(load_leaf(middle).w);
-		if (pick < end) {
+	// The first try is where it would be were all leaves alike, the second beside it, then halves: the same leaf whatever is tried.
+	uint middle = low + uint(u * float(p.t.range.z));
+	float end = all;
+	for (uint step = 0u; low < high; step++) {
+		middle = clamp(middle, low, high - 1u);
+		float area = load_area_up_to(middle);
+		bool below = pick < area;
+		if (below) {
 			high = middle;
+			end = area;
 		} else {
 			low = middle + 1u;
-			before = end;
+			before = area;
 		}
+		middle = step > 0u ? (low + high) >> 1u : below ? max(high, 1u) - 1u : low;
 	}
-	float area = uintBitsToFloat(load_leaf(low).w) - before;
-	u = area > 0.0 ? clamp((pick - before) / area, 0.0, 0.99999994) : 0.5;
+	u = end > before ? clamp((pick - before) / (end - before), 0.0, 0.99999994) : 0.5;
 	return low;
 }
 
@@ -108,7 +109,7 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 	}
 	if (!p.whole) {
 		leaf = leaf_at(p, u.x);
-		q = load_quad(load_corners(load_leaf(leaf).x));
+		q = load_leaf_quad(leaf);
 	}
 	m = cross(q.c - q.a, q.d - q.b);
 	return end_on(p.source, leaf, point_on(q, u));

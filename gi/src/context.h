@@ -63,7 +63,7 @@ typedef struct gi_scene {
 	uint32_t tlas_count;         /* nodes */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu, materials_gpu,
-		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu, spread_gpu;
+		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu, spread_gpu, leaf_quads_gpu;
 } gi_scene;
 
 /* ---- rows ---- */

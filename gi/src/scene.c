@@ -50,6 +50,18 @@ static void place_bounds(scene_object *o, gi_object_data *data, double m[3][3])
 	data->sphere.w = (float)(sqrt(radius) * 1.00001);
 }
 
+static gi_vec4 world_plane(const scene_object *o, double m[3][3])
+{
+	const gi_vec4 axis = o->hierarchy.geometry[0].axis, centre = o->hierarchy.geometry[0].sphere;
+	double normal[3], height = 0;
+	for (int r = 0; r < 3; r++) {
+		normal[r] = m[r][0] * axis.x + m[r][1] * axis.y + m[r][2] * axis.z;
+		height +=
+		    normal[r] * (m[r][0] * centre.x + m[r][1] * centre.y + m[r][2] * centre.z + o->pose.position[r]);
+	}
+	return (gi_vec4){(float)normal[0], (float)normal[1], (float)normal[2], (float)height};
+}
+
 void scene_place_object(scene_object *o, gi_object_data *data)
 {
 	double m[3][3];
@@ -58,6 +70,7 @@ void scene_place_object(scene_object *o, gi_object_data *data)
 	for (int r = 0; r < 3; r++)
 		*rows[r] = (gi_vec4){(float)m[r][0], (float)m[r][1], (float)m[r][2], o->pose.position[r]};
 	place_bounds(o, data, m);
+	data->plane = o->plane ? world_plane(o, m) : (gi_vec4){0, 0, 0, 0};
 }
 
 void scene_place_sky(gi_object_data *data)
@@ -194,6 +207,7 @@ void scene_bind(const gi_context *gi)
 	gpu_bind(GI_BIND_BVH, &s->bvh_gpu);
 	gpu_bind(GI_BIND_PRIMITIVES, &s->primitives_gpu);
 	gpu_bind(GI_BIND_TLAS, &s->tlas_gpu);
+	gpu_bind(GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu);
 	gpu_bind(GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu);
 	gpu_bind(GI_BIND_WIDE_NODES, &s->wide_nodes_gpu);
 	gpu_bind(GI_BIND_LIGHT_LINKS, &s->light_links_gpu);
@@ -202,11 +216,12 @@ void scene_bind(const gi_context *gi)
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-	gpu_buffer *buffers[] = {
-	    &s->objects_gpu,       &s->topology_gpu,       &s->rest_gpu,        &s->world_gpu,
-	    &s->vertices_rest_gpu, &s->vertices_world_gpu, &s->leaves_gpu,      &s->materials_gpu,
-	    &s->bvh_gpu,           &s->primitives_gpu,     &s->tlas_gpu,        &s->node_exitance_gpu,
-	    &s->wide_nodes_gpu,    &s->light_links_gpu,    &s->light_first_gpu, &s->spread_gpu};
+	gpu_buffer *buffers[] = {&s->objects_gpu,    &s->topology_gpu,      &s->rest_gpu,
+				 &s->world_gpu,      &s->vertices_rest_gpu, &s->vertices_world_gpu,
+				 &s->leaves_gpu,     &s->materials_gpu,     &s->bvh_gpu,
+				 &s->primitives_gpu, &s->tlas_gpu,          &s->node_exitance_gpu,
+				 &s->wide_nodes_gpu, &s->light_links_gpu,   &s->light_first_gpu,
+				 &s->spread_gpu,     &s->leaf_quads_gpu};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	free_arrays(s);

@@ -45,6 +45,7 @@ typedef struct gathered {
 	gi_node_spread *spread;
 	gi_vec4 *vertices;
 	gi_uvec4 *leaves;
+	gi_vec4 *leaf_quads; /* four corners each */
 	gi_material_data *materials;
 	gi_uvec4 *bvh; /* packed */
 	gi_primitive *primitives;
@@ -61,6 +62,7 @@ static void gathered_free(gathered *g)
 	free(g->spread);
 	free(g->vertices);
 	free(g->leaves);
+	free(g->leaf_quads);
 	free(g->materials);
 	free(g->bvh);
 	free(g->primitives);
@@ -118,12 +120,13 @@ static bool allocate_all(gathered *g)
 	g->materials = allocate(g->material_count, sizeof *g->materials);
 	g->bvh = allocate(g->bvh_count, sizeof *g->bvh);
 	g->primitives = allocate(g->primitive_count, sizeof *g->primitives);
+	g->leaf_quads = allocate(4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
 	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
 	       n->tlas_order && g->rest && g->spread && g->vertices && g->leaves && g->materials && g->bvh &&
-	       g->primitives && g->wide && g->light_links && g->light_first;
+	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -189,7 +192,12 @@ static void gather_leaves(gathered *g, const scene_object *o)
 	const gi_hierarchy *h = &o->hierarchy;
 	double area = 0;
 	for (uint32_t l = 0; l < h->leaf_count; l++) {
+		const gi_uvec4 corners = h->topology[h->leaf_node[l]].corners;
+		gi_vec4 *quad = g->leaf_quads + 4 * (size_t)(o->leaf_base + l);
+		for (int c = 0; c < 4; c++)
+			quad[c] = h->vertices[(&corners.x)[c]];
 		area += (double)h->geometry[h->leaf_node[l]].moment.w;
+		quad[0].w = (float)area;
 		g->leaves[o->leaf_base + l] =
 		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l],
 			       gi_bits_from_float((float)area)};
@@ -292,6 +300,7 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
 	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
 	    {&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
+	    {&s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
 	    {&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
 	    {&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
 	    {&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},

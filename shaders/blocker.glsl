@@ -1,0 +1,25 @@
+// Which object hides a segment.
+
+// The object that hides b from a, or GI_BLOCKER_NONE. `clear`: the bodies of a and b are known to hide nothing.
+// One loop over all trees, whichever they are: lanes of a vector walk different ones together, and the walk is compiled once.
+uint blocker_of(body body_a, segment_end a, body body_b, segment_end b, bool clear)
+{
+	bool first = !clear && (body_a.flags & GI_OBJECT_FLAT) == 0u;
+	bool last = !clear && (body_b.flags & GI_OBJECT_FLAT) == 0u && body_b.object != body_a.object;
+	bool sky = body_b.object == GI_NONE;
+	grid_ray world = world_ray(a, b, sky);
+	uint n = 0u, blocker = GI_BLOCKER_NONE;
+	while (blocker == GI_BLOCKER_NONE) {
+		uint object = first ? body_a.object : body_b.object;
+		if (!first && !last)
+			object = next_third(world, body_a, a, body_b, b, n);
+		if (object == GI_NONE)
+			break;
+		last = last && first;
+		first = false;
+		tree_ray r = ray_for(load_body(object), body_a, a, body_b, b);
+		if (object_hides(object, r.origin, r.direction, sky ? 3e38 : 1.0, r.slack, r.first, r.last))
+			blocker = object;
+	}
+	return blocker;
+}
