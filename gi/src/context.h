@@ -180,7 +180,7 @@ bool sky_build(gi_hierarchy *out);
 /* rows.c */
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
-bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots);
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
 gi_result rows_update(gi_context *gi, const gi_budget *budget);

@@ -54,7 +54,8 @@ static gi_result check_limits(gpu *g)
 	GLint64 bytes = 0, texels = 0;
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
 	glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-	g->max_block_bytes = (uint64_t)(bytes < TEXEL_BYTES * texels ? bytes : TEXEL_BYTES * texels);
+	g->texture_bytes = (uint64_t)(TEXEL_BYTES * texels);
+	g->block_bytes = (uint64_t)bytes < g->texture_bytes ? (uint64_t)bytes : g->texture_bytes;
 	return GI_OK;
 }
 
@@ -80,6 +81,8 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 
 /* ---- buffers ---- */
 
+static gi_result program_compute(gpu *g, const char *file, uint32_t *out);
+
 /* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
 static void make_texture(gpu_buffer *buffer)
 {
@@ -98,15 +101,50 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 	*buffer = (gpu_buffer){0};
 }
 
+/* Does a storage block reach farther than the device promises? A shader writes the first word beyond. */
+static bool reaches_beyond(gpu *g)
+{
+	static const uint32_t TRIAL = 0x52454c55u;
+	gpu_buffer tried = {.size = g->block_bytes + TEXEL_BYTES};
+	uint32_t found = 0, program = 0;
+	if (program_compute(g, "block_trial.comp", &program))
+		return false;
+	GLint bound = 0;
+	glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
+	glCreateBuffers(1, &tried.name);
+	glNamedBufferStorage(tried.name, (GLsizeiptr)tried.size, NULL, GL_DYNAMIC_STORAGE_BIT);
+	gpu_buffer_clear(&tried, g->block_bytes, TEXEL_BYTES, 0);
+	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tried.name);
+	gpu_set_uint(program, 0, (uint32_t)(g->block_bytes / sizeof found));
+	gpu_set_uint(program, 1, TRIAL);
+	gpu_dispatch_groups(g, program, 1);
+	gpu_buffer_read(&tried, g->block_bytes, sizeof found, &found);
+	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, (GLuint)bound);
+	glDeleteBuffers(1, &tried.name);
+	gpu_program_free(&program);
+	return found == TRIAL;
+}
+
+uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted)
+{
+	if (wanted <= g->block_bytes || g->block_bytes == g->texture_bytes || g->tried)
+		return g->block_bytes;
+	g->tried = true;
+	if (reaches_beyond(g))
+		g->block_bytes = g->texture_bytes;
+	return g->block_bytes;
+}
+
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
 {
 	/* Whole texels, and one at least: a binding of no bytes is an error, and empty scenes are not. */
 	uint64_t padded = size ? (size + TEXEL_BYTES - 1) / TEXEL_BYTES * TEXEL_BYTES : TEXEL_BYTES;
-	if (padded > g->max_block_bytes)
+	const uint64_t limit = gpu_buffer_limit(g, padded);
+	if (padded > limit)
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
 			       "a buffer of %" PRIu64 " MiB is more than the %" PRIu64
 			       " MiB this renderer binds at once: raise row_tolerance or leaf_size",
-			       padded >> 20, g->max_block_bytes >> 20);
+			       padded >> 20, limit >> 20);
 	gpu_buffer fresh = {.size = padded};
 	glCreateBuffers(1, &fresh.name);
 	while (glGetError() != GL_NO_ERROR)

@@ -41,7 +41,9 @@ typedef struct gpu {
 	gi_log log;
 	const char *shader_directory; /* NULL: built in */
 	uint32_t group_size;          /* threads of a compute group, a power of two */
-	uint64_t max_block_bytes;     /* of one storage buffer binding */
+	uint64_t block_bytes;         /* of a storage block, as promised or found by trial */
+	uint64_t texture_bytes;       /* of a buffer texture */
+	bool tried;                   /* whether a storage block holds more than promised */
 	bool profile;
 	bool software; /* no GPU: its timer queries measure the wrong work, the clock the right one */
 
@@ -53,6 +55,10 @@ typedef struct gpu {
 
 /* Loads OpenGL's functions and asks for its limits. */
 gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address);
+
+/* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
+ * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
+uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
 
 /* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
  */

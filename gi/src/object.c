@@ -338,7 +338,7 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
-static gi_result build(const gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 		       scene_object *o)
 {
 	const gi_log *log = &gi->gpu.log;

@@ -87,13 +87,19 @@ static void clear_rows(gi_rows *r)
 	gpu_buffer_fill(&r->headers, no_row);
 }
 
+/* Of a table or pool, where so many are wanted. */
+static uint64_t most_elements(gi_context *gi, uint64_t wanted)
+{
+	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
+}
+
 /* A row of fewer entries than this does not exist in a scene worth the name. */
 static const uint64_t LEAST_ENTRIES = 16;
 
-bool rows_can_hold(const gi_context *gi, uint64_t leaves, uint64_t slots)
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
 {
-	const uint64_t most = gi->gpu.max_block_bytes / sizeof(gi_uvec4);
-	return leaves <= GI_ENTRY_LEAF_MASK && leaves * slots <= most && leaves * LEAST_ENTRIES <= most;
+	const uint64_t elements = leaves * (slots > LEAST_ENTRIES ? slots : LEAST_ENTRIES);
+	return leaves <= GI_ENTRY_LEAF_MASK && elements <= most_elements(gi, elements);
 }
 
 /* Of the scene's area: it is cut finer. */
@@ -131,7 +137,7 @@ gi_result rows_allocate(gi_context *gi)
 	const double per_leaf =
 	    fmin(ENTRIES_TIMES_TOLERANCE * finer / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
-	const uint64_t most = g->max_block_bytes / sizeof(gi_uvec4);
+	const uint64_t most = most_elements(gi, limit);
 	r->entry_limit = limit < most ? limit : most;
 	r->link_limit = r->entry_limit;
 	r->fitted = false;
@@ -141,12 +147,12 @@ gi_result rows_allocate(gi_context *gi)
 gi_result rows_grow(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const uint64_t most = gi->gpu.max_block_bytes / sizeof(gi_uvec4);
+	const uint64_t most = most_elements(gi, 2 * r->entry_limit);
 	if (r->entry_limit >= most)
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
-		    (unsigned)(gi->gpu.max_block_bytes >> 20));
+		    (unsigned)(gi->gpu.block_bytes >> 20));
 	r->entry_limit = 2 * r->entry_limit < most ? 2 * r->entry_limit : most;
 	r->link_limit = r->entry_limit;
 	return allocate_pools(gi);
