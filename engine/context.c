@@ -3,6 +3,7 @@
 #include "gl.h"
 
 #include <dlfcn.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,8 +165,18 @@ static bool size_in_range(int width, int height)
 	return width >= 1 && height >= 1 && width <= MAX_SIZE && height <= MAX_SIZE;
 }
 
+/* A software renderer allocates and frees megabytes a frame; glibc would hand them back to the system each time, and
+ * every page would be cleared anew: some 3 ms of a picture.
+ */
+static void keep_freed_memory(void)
+{
+	enum { KEPT = 256 << 20 };
+	mallopt(M_TRIM_THRESHOLD, KEPT);
+}
+
 engine_context *engine_context_create(const engine_context_def *def, char *message, size_t message_size)
 {
+	keep_freed_memory();
 	if (message_size)
 		message[0] = '\0';
 	if (def->cookie != COOKIE || (unsigned)def->kind > ENGINE_CONTEXT_OSMESA) {

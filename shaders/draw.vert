@@ -16,10 +16,10 @@ layout(location = 4) in vec4 light_weight;
 layout(location = 0) uniform mat4 clip_from_world;
 layout(location = 1) uniform uint mode;
 
-layout(location = 0) out vec4 world_sink;
+layout(location = 0) out vec3 world_position; // on the surface that casts shadows
 layout(location = 1) out vec3 world_normal;
-layout(location = 2) out vec3 own;
-layout(location = 3) flat out vec3 albedo;
+layout(location = 2) out vec3 own; // (rho * H_indirect + E) / pi
+layout(location = 3) flat out uint material;
 
 const float INVERSE_PI = 0.318309886183791;
 
@@ -27,12 +27,12 @@ void main()
 {
 	uvec4 leaf = load_leaf(leaf_number);
 	vec3 p = world_from_rest(leaf.y, position);
-	world_sink = vec4(p, normal_sink.w);
+	material = leaf.z;
 	world_normal = world_direction_from_rest(leaf.y, normal_sink.xyz);
-	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : load_material(leaf.z).exitance.xyz;
-	albedo = load_material(leaf.z).rho.xyz * INVERSE_PI;
+	world_position = p + world_normal * normal_sink.w;
+	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : load_material(material).exitance.xyz;
 	if (mode != MODE_DIRECT)
-		sum += load_material(leaf.z).rho.xyz *
+		sum += load_material(material).rho.xyz *
 		       (load_light(light_vertex.x).xyz * light_weight.x + load_light(light_vertex.y).xyz * light_weight.y +
 			load_light(light_vertex.z).xyz * light_weight.z + load_light(light_vertex.w).xyz * light_weight.w);
 	own = sum * INVERSE_PI;

@@ -20,8 +20,22 @@
 #define GI_LAMP_SAMPLE_MAX 32u /* depth maps of all lamps together */
 #define GI_LAMP_FEW_SAMPLES 16u /* of one lamp, and of each of two */
 #define GI_LAMP_PROBES 8u      /* samples that have to disagree before the others are asked */
+#define GI_LAMP_WIDE_PROBES 4u /* of GI_LAMP_FEW_SAMPLES, near the lamp's corners: they decide where a penumbra ends */
 
-#define GI_BIND_LAMPS 1 /* uniform block */
+#define GI_BIND_LAMP 1 /* uniform block */
+
+/* Where a lamp may be hidden is known by a grid of 64 x 64 x 32 cells (gi/src/occluder_mask.h). */
+#define GI_MASK_SIDE 64u
+#define GI_MASK_HEIGHT 32u
+
+/* Texture units of gi_draw beside those of the buffers: the four before them, and what follows. */
+#define GI_UNIT_MAPS 0
+#define GI_UNIT_MAP_VALUES 1
+#define GI_UNIT_PLACE 2
+#define GI_UNIT_LOOK 3
+#define GI_UNIT_DEPTH (GI_TEXEL_UNIT + GI_BIND_COUNT)
+#define GI_UNIT_SO_FAR (GI_UNIT_DEPTH + 1)
+#define GI_UNIT_MASKS (GI_UNIT_DEPTH + 2)
 
 /* One lamp, world space.
  *
@@ -32,7 +46,12 @@
  *   frame_x .. z    rows of the frame; w: minus the row times the origin
  *   map.x scale     map.y bend      map.zw shift
  *   depth.x, depth.y as above; depth.z edge of a texel at e = 1; depth.w how far a sample looks aside, metres
- *   range.x first sample    range.y samples; 0: casts no shadows
+ *   range.x layer of the first sample's map    range.y samples; 0: casts no shadows
+ *   range.w probes of four texels, the first ones
+ *   range.z first word of its mask, two a row, low bits first
+ *   grid_lower.xyz, grid_scale.xyz    cell of the mask = (q - lower) * scale
+ *   samples[k].xy in the lamp's frame, samples[k].zw where its second look lies
+ *   rest            uniform blocks begin at multiples of 256 bytes
  */
 GI_STRUCT(gi_lamp) {
 	GI_VEC4 corner[4];
@@ -43,13 +62,10 @@ GI_STRUCT(gi_lamp) {
 	GI_VEC4 map;
 	GI_VEC4 depth;
 	GI_UVEC4 range;
-} GI_END(gi_lamp)
-
-/* counts.x lamps; samples.xy in the lamp's frame, samples.zw where its second look lies. */
-GI_STRUCT(gi_lamp_block) {
-	GI_UVEC4 counts;
+	GI_VEC4 grid_lower;
+	GI_VEC4 grid_scale;
 	GI_VEC4 samples[GI_LAMP_SAMPLE_MAX];
-	gi_lamp lamps[GI_LAMP_MAX];
-} GI_END(gi_lamp_block)
+	GI_VEC4 rest[3];
+} GI_END(gi_lamp)
 
 #endif

@@ -162,6 +162,80 @@ void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit)
 	glBindSampler(unit + 1, maps->plain_sampler);
 }
 
+/* ---- targets ---- */
+
+static GLuint make_texture(GLenum format, const gpu_target *t)
+{
+	GLuint texture = 0;
+	glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+	glTextureStorage2D(texture, 1, format, (GLsizei)t->width, (GLsizei)t->height);
+	glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	return texture;
+}
+
+static void attach_textures(gpu_target *t, const gpu_format formats[2], bool depth)
+{
+	static const GLenum internal[] = {GL_NONE, GL_RGBA32F, GL_RGBA32UI};
+	const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, formats[1] ? GL_COLOR_ATTACHMENT1 : GL_NONE};
+	const uint64_t pixels = (uint64_t)t->width * t->height;
+	glCreateFramebuffers(1, &t->framebuffer);
+	for (GLuint k = 0; k < 2 && formats[k]; k++) {
+		t->color[k] = make_texture(internal[formats[k]], t);
+		glNamedFramebufferTexture(t->framebuffer, attached[k], t->color[k], 0);
+		t->bytes += 4 * sizeof(float) * pixels;
+	}
+	glNamedFramebufferDrawBuffers(t->framebuffer, 2, attached);
+	if (!depth)
+		return;
+	t->depth = make_texture(GL_DEPTH_COMPONENT32F, t);
+	glNamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->depth, 0);
+	t->bytes += sizeof(float) * pixels;
+}
+
+gi_result gpu_target_create(gpu *g, gpu_target *t, const gpu_format formats[2], bool depth, uint32_t width,
+			    uint32_t height)
+{
+	if (t->framebuffer && t->width == width && t->height == height)
+		return GI_OK;
+	gpu_target_free(g, t);
+	while (glGetError() != GL_NO_ERROR)
+		;
+	t->width = width;
+	t->height = height;
+	attach_textures(t, formats, depth);
+	g->buffer_bytes += t->bytes;
+	if (glGetError() == GL_NO_ERROR &&
+	    glCheckNamedFramebufferStatus(t->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+		return GI_OK;
+	gpu_target_free(g, t);
+	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for a picture of %u x %u", width, height);
+}
+
+void gpu_target_free(gpu *g, gpu_target *t)
+{
+	const GLuint textures[3] = {t->color[0], t->color[1], t->depth};
+	glDeleteTextures(3, textures); /* 0 is ignored */
+	glDeleteFramebuffers(1, &t->framebuffer);
+	g->buffer_bytes -= t->bytes;
+	*t = (gpu_target){0};
+}
+
+void gpu_target_begin(const gpu_target *t)
+{
+	static const GLfloat farthest = 1;
+	glBindFramebuffer(GL_DRAW_FRAMEBUFFER, t->framebuffer);
+	glViewport(0, 0, (GLsizei)t->width, (GLsizei)t->height);
+	if (t->depth)
+		glClearBufferfv(GL_DEPTH, 0, &farthest);
+}
+
+void gpu_bind_texture(uint32_t unit, uint32_t texture)
+{
+	glBindTextureUnit(unit, texture);
+	glBindSampler(unit, 0);
+}
+
 /* ---- state ---- */
 
 void gpu_draw_begin(gpu_draw_state *s)
@@ -223,9 +297,21 @@ void gpu_draw_to_host(const gpu_draw_state *s, uint32_t width, uint32_t height)
 	glViewport(s->viewport[0], s->viewport[1], (GLsizei)width, (GLsizei)height);
 }
 
-void gpu_draw_cull_backs(bool cull)
+void gpu_draw_cull(gpu_cull cull)
 {
-	set(GL_CULL_FACE, cull);
+	set(GL_CULL_FACE, cull != GPU_CULL_NONE);
+	glFrontFace(cull == GPU_CULL_MIRRORED_BACKS ? GL_CW : GL_CCW);
+}
+
+void gpu_draw_scissor(const int lower[2], const int upper[2])
+{
+	glEnable(GL_SCISSOR_TEST);
+	glScissor(lower[0], lower[1], upper[0] - lower[0], upper[1] - lower[1]);
+}
+
+void gpu_draw_unscissored(void)
+{
+	glDisable(GL_SCISSOR_TEST);
 }
 
 void gpu_draw_clip(bool clip)
@@ -240,4 +326,21 @@ void gpu_draw_multiplied(bool on)
 	glBlendFunc(on ? GL_ZERO : GL_ONE, on ? GL_SRC_COLOR : GL_ZERO);
 	glDepthFunc(on ? GL_LEQUAL : GL_LESS);
 	glDepthMask(!on);
+}
+
+void gpu_draw_added(bool on)
+{
+	set(GL_BLEND, on);
+	glBlendFunc(GL_ONE, on ? GL_ONE : GL_ZERO);
+	set(GL_DEPTH_TEST, !on);
+}
+
+void gpu_bind_uniform_range(uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes)
+{
+	glBindBufferRange(GL_UNIFORM_BUFFER, binding, buffer->name, (GLintptr)offset, (GLsizeiptr)bytes);
+}
+
+void gpu_set_corner(uint32_t program, int location, const int corner[2])
+{
+	glProgramUniform2i(program, location, corner[0], corner[1]);
 }

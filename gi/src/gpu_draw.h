@@ -47,6 +47,23 @@ void gpu_depth_maps_begin_layer(const gpu_depth_maps *maps, uint32_t layer, bool
 /* Compared at `unit`, as plain values at the next. */
 void gpu_depth_maps_bind(const gpu_depth_maps *maps, uint32_t unit);
 
+/* Textures of one size to draw into: up to two of four components, and a depth. */
+typedef enum gpu_format { GPU_FORMAT_NONE, GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED } gpu_format; /* of 32 bits */
+
+typedef struct gpu_target {
+	uint32_t framebuffer, color[2], depth, width, height;
+	uint64_t bytes;
+} gpu_target;
+
+/* Keeps what is there when it is the same size. */
+gi_result gpu_target_create(gpu *g, gpu_target *target, const gpu_format formats[2], bool depth, uint32_t width,
+			    uint32_t height);
+void gpu_target_free(gpu *g, gpu_target *target);
+/* Makes it what is drawn into and clears its depth to the farthest; colours are left as they are. */
+void gpu_target_begin(const gpu_target *target);
+/* Read by texelFetch. */
+void gpu_bind_texture(uint32_t unit, uint32_t texture);
+
 enum { GPU_CLIP_DISTANCES = 3 }; /* that a vertex shader may write */
 
 /* What drawing changes and a host may have set. */
@@ -60,10 +77,22 @@ void gpu_draw_begin(gpu_draw_state *state);
 void gpu_draw_end(const gpu_draw_state *state);
 /* Into the host's framebuffer. */
 void gpu_draw_to_host(const gpu_draw_state *state, uint32_t width, uint32_t height);
-void gpu_draw_cull_backs(bool cull);
+/* Nothing is culled, or backs: of pictures, or of pictures that are mirrored. */
+typedef enum gpu_cull { GPU_CULL_NONE, GPU_CULL_BACKS, GPU_CULL_MIRRORED_BACKS } gpu_cull;
+void gpu_draw_cull(gpu_cull cull);
+/* Only the pixels lower..upper - 1 are drawn, until gpu_draw_unscissored(). */
+void gpu_draw_scissor(const int lower[2], const int upper[2]);
+void gpu_draw_unscissored(void);
 /* By the vertex shader's gl_ClipDistance. */
 void gpu_draw_clip(bool clip);
 /* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
 void gpu_draw_multiplied(bool on);
+
+/* What is drawn is added to what is there, whatever the depth. */
+void gpu_draw_added(bool on);
+
+/* A part of the buffer; offset a multiple of 256. */
+void gpu_bind_uniform_range(uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes);
+void gpu_set_corner(uint32_t program, int location, const int corner[2]);
 
 #endif

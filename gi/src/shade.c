@@ -1,5 +1,10 @@
-/* The picture: everything drawn at once, direct light per pixel (lamp.c, shadow.c), indirect light from the leaves
- * (skin.h).
+/* The picture: direct light per pixel (lamp.c, shadow.c), indirect light from the leaves (skin.h).
+ *
+ *   surfaces   what is seen: place, normal, material, light through the leaves    draw.vert surface.frag
+ *   lamps      one pass over the picture each; the last one's goes to the host    screen.vert light_*.frag
+ *
+ * Surfaces first, so that what is expensive is done once a pixel: on a software renderer a triangle of a few pixels
+ * costs whole blocks of 4 x 4.
  *
  * One mesh holds the skins of all objects, small objects first: what they hide of the walls behind them is not shaded.
  *
@@ -26,15 +31,26 @@ typedef struct draw_vertex {
 	float weight[4];
 } draw_vertex;
 
-/* Fragment shaders by how many lamps there are. */
-enum { DRAW_PROGRAMS = 4 };
-static const char *const DRAW_SHADERS[DRAW_PROGRAMS] = {"draw_none.frag", "draw_one.frag", "draw_two.frag",
-							 "draw_many.frag"};
+/* Of a lamp: where nothing can hide it, and next to that where something may. */
+typedef enum program {
+	PROGRAM_OWN,
+	PROGRAM_SURFACE,
+	PROGRAM_MORE,
+	PROGRAM_MORE_SHADOWS,
+	PROGRAM_LAST,
+	PROGRAM_LAST_SHADOWS,
+	PROGRAM_COUNT
+} program;
+static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {
+    {"draw.vert", "draw_none.frag"},    {"draw.vert", "surface.frag"},
+    {"screen.vert", "light_more.frag"}, {"screen.vert", "light_more_shadows.frag"},
+    {"screen.vert", "light_last.frag"}, {"screen.vert", "light_last_shadows.frag"}};
 
 struct gi_shade {
-	bool built; /* for the scene as committed */
-	uint32_t programs[DRAW_PROGRAMS]; /* made when wanted */
-	gpu_mesh mesh;
+	bool built;                       /* for the scene as committed */
+	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
+	gpu_mesh mesh, screen;
+	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
 	gi_overlays overlays;
 };
@@ -168,7 +184,10 @@ void shade_free(gi_context *gi)
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
 	overlay_free(gi, &gi->shade->overlays);
-	for (int k = 0; k < DRAW_PROGRAMS; k++)
+	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
+	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
+	gpu_target_free(&gi->gpu, &gi->shade->so_far);
+	for (int k = 0; k < PROGRAM_COUNT; k++)
 		gpu_program_free(&gi->shade->programs[k]);
 	free(gi->shade);
 	gi->shade = NULL;
@@ -179,10 +198,10 @@ void shade_free(gi_context *gi)
 gi_view gi_view_default(void)
 {
 	return (gi_view){
-		.view_from_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-		.clip_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-		.width = 512,
-		.height = 512,
+	    .view_from_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+	    .clip_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+	    .width = 512,
+	    .height = 512,
 	};
 }
 
@@ -204,20 +223,118 @@ static bool is_heat_map(const gi_view *view)
 	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
 }
 
-static gi_result draw_surfaces(gi_context *gi, const gi_view *view, const float clip_from_world[16])
+static gi_result want_program(gi_context *gi, program which)
+{
+	uint32_t *program = &gi->shade->programs[which];
+	return *program ? GI_OK : gpu_program_draw(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
+}
+
+static void draw_surfaces(const gi_shade *shade, program which, const gi_view *view, const float clip_from_world[16])
+{
+	const uint32_t program = shade->programs[which];
+	gpu_set_matrices(program, 0, 1, clip_from_world);
+	gpu_set_uint(program, 1, (uint32_t)view->mode);
+	gpu_mesh_draw(&shade->mesh, program);
+}
+
+/* One lamp's pass over a rectangle of the picture, whose corner is where the framebuffer has it. */
+static void draw_rect(const gi_shade *shade, program which, uint32_t lamp, const int corner[2], int x0, int y0, int x1,
+		      int y1)
+{
+	if (x0 >= x1 || y0 >= y1)
+		return;
+	const uint32_t program = shade->programs[which];
+	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
+	gpu_set_corner(program, 0, corner);
+	if (which == PROGRAM_LAST || which == PROGRAM_LAST_SHADOWS)
+		gpu_set_uint(program, 1, lamp == 0);
+	gpu_draw_scissor(lower, upper);
+	gpu_mesh_draw(&shade->screen, program);
+}
+
+/* Where it may be hidden, and the rest around. */
+static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_view *view,
+		      const float clip_from_world[16], const int corner[2])
+{
+	const gi_shade *shade = gi->shade;
+	const uint32_t size[2] = {view->width, view->height};
+	const int width = (int)view->width, height = (int)view->height;
+	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, clip_from_world, size);
+	if (r.upper[0] <= r.lower[0] || r.upper[1] <= r.lower[1])
+		r = (screen_rect){{0, 0}, {0, 0}};
+	gpu_bind_uniform_range(GI_BIND_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp), sizeof(gi_lamp));
+	draw_rect(shade, which + 1, lamp, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
+	draw_rect(shade, which, lamp, corner, 0, 0, width, r.lower[1]);
+	draw_rect(shade, which, lamp, corner, 0, r.upper[1], width, height);
+	draw_rect(shade, which, lamp, corner, 0, r.lower[1], r.lower[0], r.upper[1]);
+	draw_rect(shade, which, lamp, corner, r.upper[0], r.lower[1], width, r.upper[1]);
+	gpu_draw_unscissored();
+}
+
+static void bind_surfaces(gi_context *gi)
 {
 	gi_shade *shade = gi->shade;
-	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamps.counts.x;
-	const uint32_t kind = lamps < DRAW_PROGRAMS ? lamps : DRAW_PROGRAMS - 1;
-	uint32_t *program = &shade->programs[kind];
-	gi_result result = *program ? GI_OK : gpu_program_draw(&gi->gpu, "draw.vert", DRAW_SHADERS[kind], program);
+	gpu_depth_maps_bind(&shade->shadow.maps, GI_UNIT_MAPS);
+	gpu_bind_texture(GI_UNIT_PLACE, shade->surfaces.color[0]);
+	gpu_bind_texture(GI_UNIT_LOOK, shade->surfaces.color[1]);
+	gpu_bind_texture(GI_UNIT_DEPTH, shade->surfaces.depth);
+	gpu_bind_texture(GI_UNIT_SO_FAR, shade->so_far.color[0]);
+	gpu_bind_texture(GI_UNIT_MASKS, shade->shadow.mask_words.texture);
+}
+
+/* All lamps but the last, into a picture of their own. */
+static void add_lamps(gi_context *gi, uint32_t count, const gi_view *view, const float clip_from_world[16])
+{
+	static const int corner[2] = {0, 0};
+	const gi_shade *shade = gi->shade;
+	gpu_target_begin(&shade->so_far);
+	for (uint32_t k = 0; k < count; k++) {
+		gpu_draw_added(k > 0);
+		draw_lamp(gi, PROGRAM_MORE, k, view, clip_from_world, corner);
+	}
+	gpu_draw_added(false);
+}
+
+static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
+{
+	static const gpu_format surfaces[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED},
+				so_far[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_NONE};
+	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
+	static const float corners[3][2] = {{-1, -1}, {3, -1}, {-1, 3}};
+	static const uint32_t indices[3] = {0, 1, 2};
+	gi_shade *shade = gi->shade;
+	gpu *g = &gi->gpu;
+	gi_result result = want_program(gi, PROGRAM_SURFACE);
+	for (program k = lamps > 1 ? PROGRAM_MORE : PROGRAM_LAST; !result && k < PROGRAM_COUNT; k++)
+		result = want_program(gi, k);
+	if (!result && !shade->screen.array)
+		result = gpu_mesh_create(g, &shade->screen, attributes, sizeof *corners, 3, corners, 3, indices);
+	if (!result)
+		result = gpu_target_create(g, &shade->surfaces, surfaces, true, view->width, view->height);
+	if (!result && lamps > 1)
+		result = gpu_target_create(g, &shade->so_far, so_far, false, view->width, view->height);
+	return result;
+}
+
+static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_state *state,
+			  const float clip_from_world[16])
+{
+	gi_shade *shade = gi->shade;
+	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
+	gi_result result = lamps ? prepare_lamps(gi, view, lamps) : want_program(gi, PROGRAM_OWN);
 	if (result)
 		return result;
-	gpu_set_matrices(*program, 0, 1, clip_from_world);
-	gpu_set_uint(*program, 1, (uint32_t)view->mode);
-	gpu_bind_uniforms(GI_BIND_LAMPS, &shade->shadow.uniforms);
-	gpu_depth_maps_bind(&shade->shadow.maps, 0);
-	gpu_mesh_draw(&shade->mesh, *program);
+	if (!lamps) {
+		draw_surfaces(shade, PROGRAM_OWN, view, clip_from_world);
+		return GI_OK;
+	}
+	gpu_target_begin(&shade->surfaces);
+	draw_surfaces(shade, PROGRAM_SURFACE, view, clip_from_world);
+	bind_surfaces(gi);
+	if (lamps > 1)
+		add_lamps(gi, lamps - 1, view, clip_from_world);
+	gpu_draw_to_host(state, view->width, view->height);
+	draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, clip_from_world, state->viewport);
 	return GI_OK;
 }
 
@@ -229,7 +346,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 	gpu_draw_to_host(state, view->width, view->height);
 	if (!is_heat_map(view))
-		result = draw_surfaces(gi, view, clip_from_world);
+		result = draw_lit(gi, view, state, clip_from_world);
 	if (!result && view->overlay != GI_OVERLAY_NONE)
 		result = overlay_draw(gi, &gi->shade->overlays, view, clip_from_world);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);

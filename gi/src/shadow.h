@@ -2,25 +2,26 @@
 #ifndef GI_SHADOW_H
 #define GI_SHADOW_H
 
-#include "gpu_draw.h"
-#include "shade_shared.h"
+#include "casters.h"
+#include "occluder_mask.h"
+#include "screen_rect.h"
 
 struct gi_context;
 
 typedef struct gi_shadow {
 	uint32_t program;
-	gpu_mesh mesh;          /* the surface as the rays see it: coarsest flat nodes */
-	struct shadow_caster *casters; /* by slot */
-	uint32_t caster_count;
+	gi_casters casters;
 	gpu_depth_maps maps;
-	gpu_buffer uniforms;
-	gi_lamp_block lamps;
-	uint64_t generation;    /* redraws so far */
-	uint32_t drawn_lamps;   /* generation of gi_lamps that the maps show */
-	bool drawn;             /* the maps show the poses below */
+	uint32_t lamp_count, map_count;
+	gi_lamp lamps[GI_LAMP_MAX];
+	gpu_buffer uniforms;              /* lamps */
+	occluder_mask masks[GI_LAMP_MAX]; /* where each lamp may be hidden */
+	uint64_t *mask_rows;
+	gpu_buffer mask_words;
+	uint32_t drawn_lamps;    /* generation of gi_lamps that the maps show */
+	bool drawn;              /* the maps show the poses below */
 	float (*drawn_rows)[12]; /* by slot */
-	gpu_range *ranges;      /* scratch: what one lamp's maps draw */
-	uint32_t range_capacity;
+	struct lamp_box *boxes;  /* scratch: of the casters */
 } gi_shadow;
 
 /* Builds the casters of the committed scene. */
@@ -29,6 +30,10 @@ gi_result shadow_create(struct gi_context *gi, gi_shadow *shadow);
 /* Brings lamps and maps up to the poses of the last update; nothing when they are. Leaves another framebuffer bound
  * when it drew. */
 gi_result shadow_update(struct gi_context *gi, gi_shadow *shadow);
+
+/* Where in the picture the lamp may be hidden from what is seen. */
+screen_rect shadow_rect(const struct gi_context *gi, const gi_shadow *shadow, uint32_t lamp,
+			const float clip_from_world[16], const uint32_t size[2]);
 
 /* Drops what depends on the committed scene; the program stays. */
 void shadow_invalidate(struct gi_context *gi, gi_shadow *shadow);

@@ -6,6 +6,7 @@
 #include <glad/gl.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -214,6 +215,62 @@ static void test_shadow_is_black(void **state)
 	harness_update(gi);
 	draw(gi, &t, &view);
 	assert_true(pixel(&t, (int)((0.2 + 2) / 4 * SIZE), (int)((2 - 0.1) / 4 * SIZE))[0] > 0.1f);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+/* A plate of 1 x 1 half way between floor and lamp: what it covers of the lamp is a rectangle, so every pixel of its
+ * soft shadow is known. 1 is the brightest pixel without the plate. */
+static void check_soft_shadow(float exitance, const target *t, double *rms, double *most)
+{
+	const float bottom = 1;
+	const double brightest = 0.8 * (double)exitance *
+				 rectangle_factor(0.2, 0.1, LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
+	double squares = 0;
+	*most = 0;
+	for (int y = 0; y < SIZE; y++)
+		for (int x = 0; x < SIZE; x++) {
+			const double at[2] = {pixel_x(x), pixel_z(y)};
+			float lower[2], upper[2];
+			for (int axis = 0; axis < 2; axis++) {
+				const double scale = LAMP_HEIGHT / bottom, from = at[axis] + (-0.5 - at[axis]) * scale,
+					     to = at[axis] + (0.5 - at[axis]) * scale;
+				lower[axis] = (float)fmin(fmax(from, LAMP_LOWER[axis]), LAMP_UPPER[axis]);
+				upper[axis] = (float)fmin(fmax(to, LAMP_LOWER[axis]), LAMP_UPPER[axis]);
+			}
+			const double seen = rectangle_factor(at[0], at[1], LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) -
+					    rectangle_factor(at[0], at[1], lower, upper, LAMP_HEIGHT);
+			const double error =
+			    (double)pixel(t, x, y)[0] / brightest - 0.8 * (double)exitance * seen / PI / brightest;
+			squares += error * error;
+			*most = fmax(*most, fabs(error));
+		}
+	*rms = sqrt(squares / (SIZE * SIZE));
+}
+
+static void test_soft_shadow(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){-0.5f, 1, -0.5f}, (const float[]){0.5f, 1.001f, 0.5f}, 2, false, &mesh));
+	harness_add(gi, &(harness_object){.name = "plate"}, &mesh);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	view.mode = GI_MODE_DIRECT;
+	view.clip_from_view[10] = -1 / 0.5f; /* from under the plate */
+	draw(gi, &t, &view);
+	double rms, most;
+	check_soft_shadow(10, &t, &rms, &most);
+	printf("soft shadow: off by %.4f of the brightest pixel (RMS), %.4f at most\n", rms, most);
+	/* A lamp of 16 samples, each seen in two looks: steps of 1/32 (0.03), and rounded corners of the penumbra. */
+	assert_true(rms < 0.01);
+	assert_true(most < 0.06);
 	free_target(&t);
 	gi_context_destroy(gi);
 }
@@ -466,6 +523,7 @@ int main(void)
 		cmocka_unit_test(test_open_floor),
 		cmocka_unit_test(test_lamp_of_many_faces),
 		cmocka_unit_test(test_shadow_is_black),
+		cmocka_unit_test(test_soft_shadow),
 		cmocka_unit_test(test_modes_add_up),
 		cmocka_unit_test(test_empty_scene),
 		cmocka_unit_test(test_rest_draws_no_shadows),

@@ -19,7 +19,7 @@
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
  * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..35, uniform buffer bindings 0 and 1,
- * texture units 0..39, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
+ * texture units 0..45, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
  * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
  * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
@@ -362,8 +362,9 @@ gi_view gi_view_default(void);
  * one looks into a room through its walls from behind.
  *
  * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it); objects
- * beyond that, the weakest, light through the leaves. One or two of them cost least. Shadow maps are drawn again only after something
- * moved. */
+ * beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are drawn again only after
+ * something moved. Surfaces go through textures of the viewport's size before they reach the framebuffer: one that is
+ * multisampled gets the same value in all samples of a pixel. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */

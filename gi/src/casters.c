@@ -1,0 +1,286 @@
+#include "casters.h"
+
+#include "context.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
+enum { WALL_POLYGONS = 64 };
+
+/* All objects share this many bounding spheres. Each costs a lamp some 0.5 us when something moves. */
+enum { SPHERES = 2048 };
+
+/* And no object gets more. */
+enum { MOST_SPHERES = 512 };
+
+/* Vertices this share of the scene's size behind a wall still lie on it. */
+static const double WALL_SLACK = 1e-4;
+
+typedef struct caster_vertex {
+	float position[3];
+	uint32_t slot;
+} caster_vertex;
+
+/* ---- the surface ---- */
+
+/* The next of the coarsest flat polygons that tile the object, GI_NONE after the last; *node is where the walk is. */
+static uint32_t next_flat(const gi_hierarchy *h, uint32_t *node)
+{
+	while (*node < h->node_count) {
+		const gi_uvec4 range = h->topology[*node].range;
+		const uint32_t found = *node;
+		if ((range.w & GI_NODE_LEAF) || ((range.w & GI_NODE_POLYGON) && (range.w & GI_NODE_FLAT))) {
+			*node = range.x;
+			return found;
+		}
+		++*node;
+	}
+	return GI_NONE;
+}
+
+static uint32_t add_polygon(uint32_t *indices, const gi_node_topology *t, uint32_t base)
+{
+	const gi_uvec4 c = t->corners;
+	const uint32_t six[6] = {c.x + base, c.y + base, c.z + base, c.x + base, c.z + base, c.w + base};
+	const uint32_t count = c.z == c.w ? 3 : 6;
+	memcpy(indices, six, sizeof *six * count);
+	return count;
+}
+
+static bool add_walls(const gi_hierarchy *h, gi_caster *c, uint32_t polygons)
+{
+	c->walls = calloc(polygons + 1, sizeof *c->walls);
+	if (!c->walls)
+		return false;
+	uint32_t at = c->range.first, node = 0, found;
+	while ((found = next_flat(h, &node)) != GI_NONE) {
+		caster_wall *w = &c->walls[c->wall_count++];
+		const uint32_t *corners = &h->topology[found].corners.x;
+		for (int k = 0; k < 4; k++)
+			memcpy(w->corner[k], &h->vertices[corners[k]], sizeof w->corner[k]);
+		w->range = (gpu_range){at, corners[2] == corners[3] ? 3 : 6};
+		at += w->range.count;
+	}
+	return true;
+}
+
+static uint32_t child_count(const gi_hierarchy *h, uint32_t node)
+{
+	uint32_t count = 0;
+	for (uint32_t child = node + 1; child < h->topology[node].range.x; child = h->topology[child].range.x)
+		count++;
+	return count;
+}
+
+/* The largest of the nodes that have children, as its place in the list. */
+static uint32_t largest_node(const gi_hierarchy *h, const uint32_t *nodes, uint32_t count)
+{
+	uint32_t largest = GI_NONE;
+	for (uint32_t k = 0; k < count; k++)
+		if (child_count(h, nodes[k]) &&
+		    (largest == GI_NONE || h->geometry[nodes[k]].sphere.w > h->geometry[nodes[largest]].sphere.w))
+			largest = k;
+	return largest;
+}
+
+/* Nodes that tile the object, the largest parted until there are enough. */
+static uint32_t part(const gi_hierarchy *h, uint32_t *nodes, uint32_t limit)
+{
+	uint32_t count = 1, largest;
+	nodes[0] = 0;
+	while ((largest = largest_node(h, nodes, count)) != GI_NONE) {
+		const uint32_t parent = nodes[largest];
+		if (count - 1 + child_count(h, parent) > limit)
+			break;
+		nodes[largest] = nodes[--count];
+		for (uint32_t child = parent + 1; child < h->topology[parent].range.x;
+		     child = h->topology[child].range.x)
+			nodes[count++] = child;
+	}
+	return count;
+}
+
+static bool add_spheres(const gi_hierarchy *h, gi_caster *c, uint32_t limit)
+{
+	uint32_t nodes[MOST_SPHERES];
+	c->sphere_count = part(h, nodes, limit);
+	c->spheres = malloc(sizeof *c->spheres * c->sphere_count);
+	for (uint32_t k = 0; c->spheres && k < c->sphere_count; k++)
+		c->spheres[k] = h->geometry[nodes[k]].sphere;
+	return c->spheres;
+}
+
+static bool share_spheres(const gi_scene *s, gi_casters *casters)
+{
+	uint32_t objects = 0;
+	for (uint32_t slot = 0; slot < casters->count; slot++)
+		objects += casters->list[slot].range.count > 0;
+	const uint32_t share = objects && objects < SPHERES ? SPHERES / objects : 1;
+	bool ok = true;
+	for (uint32_t slot = 0; ok && slot < casters->count; slot++)
+		if (casters->list[slot].range.count)
+			ok = add_spheres(&s->objects[s->slots[slot]].hierarchy, &casters->list[slot],
+					 share < MOST_SPHERES ? share : MOST_SPHERES);
+	return ok;
+}
+
+/* Flat surfaces are drawn where they are. Others: each drawn vertex lies so far from its leaf's middle, which is
+ * inside; twice, because points are moved along their normals when they look for their shadows. */
+static double off_of(const scene_object *o, bool flat)
+{
+	double far = 0, outside = 0;
+	for (uint32_t k = 0; k < o->skin.vertex_count; k++) {
+		const gi_draw_vertex *v = &o->skin.vertices[k];
+		const gi_vec4 s = o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]].sphere;
+		const double d = gi_vec3d_length(gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(s)));
+		far = fmax(far, d);
+		outside = fmax(outside, d - 1.001 * s.w);
+	}
+	return flat && outside <= 0 ? 0 : 2 * far;
+}
+
+static bool add_caster(const scene_object *o, uint32_t slot, gi_caster *c, caster_vertex *vertices, uint32_t *indices,
+		       uint32_t *index_count)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	for (uint32_t v = 0; v < h->vertex_count; v++) {
+		memcpy(vertices[o->vertex_base + v].position, &h->vertices[v], 3 * sizeof(float));
+		vertices[o->vertex_base + v].slot = slot;
+	}
+	c->solid = h->closed && h->volume > 0;
+	c->range.first = *index_count;
+	uint32_t node = 0, found, polygons = 0;
+	for (; (found = next_flat(h, &node)) != GI_NONE; polygons++)
+		*index_count += add_polygon(indices + *index_count, &h->topology[found], o->vertex_base);
+	c->range.count = *index_count - c->range.first;
+	c->off = off_of(o, polygons <= WALL_POLYGONS);
+	return polygons > WALL_POLYGONS || add_walls(h, c, polygons);
+}
+
+gi_result casters_create(gi_context *gi, gi_casters *casters)
+{
+	const gi_scene *s = &gi->scene;
+	casters->list = calloc(s->slot_count + 1, sizeof *casters->list);
+	casters->count = s->slot_count;
+	caster_vertex *vertices = calloc(s->vertex_count + 1, sizeof *vertices);
+	uint32_t *indices = calloc(6 * (size_t)s->leaf_count + 1, sizeof *indices), index_count = 0;
+	bool ok = casters->list && vertices && indices;
+	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			ok = add_caster(&s->objects[s->slots[slot]], slot, &casters->list[slot], vertices, indices,
+					&index_count);
+	ok = ok && share_spheres(s, casters);
+	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
+	gi_result result = GI_OK;
+	if (ok)
+		result = gpu_mesh_create(&gi->gpu, &casters->mesh, attributes, sizeof *vertices, s->vertex_count,
+					 vertices, index_count, indices);
+	else
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	free(vertices);
+	free(indices);
+	return result;
+}
+
+void casters_free(gi_context *gi, gi_casters *casters)
+{
+	for (uint32_t k = 0; casters->list && k < casters->count; k++) {
+		free(casters->list[k].walls);
+		free(casters->list[k].spheres);
+	}
+	free(casters->list);
+	free(casters->ranges);
+	gpu_mesh_free(&gi->gpu, &casters->mesh);
+	*casters = (gi_casters){0};
+}
+
+/* ---- what can hide something ---- */
+
+gi_vec3d caster_to_world(const gi_object_data *d, gi_vec3d p)
+{
+	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w,
+			  gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w,
+			  gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w};
+}
+
+/* Corners of the rest box, in the world: a tighter hull than the world's box of a turned object. */
+static void place_box(const gi_object_data *d, gi_vec3d box[8])
+{
+	const float *lower = &d->lower.x, *upper = &d->upper.x;
+	for (int k = 0; k < 8; k++) {
+		const gi_vec3d p = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1],
+				    k & 4 ? upper[2] : lower[2]};
+		box[k] = caster_to_world(d, p);
+	}
+}
+
+/* Does the whole scene lie on the front of the polygon's plane? Then it comes between no two points. */
+static bool hides_nothing(const gi_context *gi, const gi_casters *casters, uint32_t slot, const caster_wall *w)
+{
+	const gi_object_data *d = &gi->scene.object_data[slot];
+	gi_vec3d c[4];
+	for (int k = 0; k < 4; k++)
+		c[k] = caster_to_world(d, gi_vec3d_load(w->corner[k]));
+	const gi_vec3d normal = gi_vec3d_cross(gi_vec3d_sub(c[2], c[0]), gi_vec3d_sub(c[3], c[1]));
+	const double length = gi_vec3d_length(normal);
+	if (!(length > 0))
+		return true;
+	const double slack = -WALL_SLACK * sqrt(length) * length, plane = gi_vec3d_dot(normal, c[0]);
+	for (uint32_t k = 0; k < casters->count; k++) {
+		if (k == slot || gi->scene.slots[k] == GI_NONE)
+			continue;
+		for (int b = 0; b < 8; b++)
+			if (gi_vec3d_dot(normal, casters->list[k].box[b]) - plane < slack)
+				return false;
+	}
+	/* Its own object polygon by polygon: a room's walls are seen from inside only. */
+	const gi_caster *own = &casters->list[slot];
+	for (uint32_t k = 0; k < own->wall_count; k++)
+		for (int b = 0; b < 4; b++)
+			if (gi_vec3d_dot(normal, caster_to_world(d, gi_vec3d_load(own->walls[k].corner[b]))) - plane <
+			    slack)
+				return false;
+	return true;
+}
+
+static bool add_range(gi_casters *casters, uint32_t *count, gpu_range range, bool may_merge)
+{
+	if (may_merge && *count &&
+	    casters->ranges[*count - 1].first + casters->ranges[*count - 1].count == range.first) {
+		casters->ranges[*count - 1].count += range.count;
+		return true;
+	}
+	if (*count == casters->range_capacity) {
+		const uint32_t capacity = 2 * *count + 64;
+		gpu_range *grown = realloc(casters->ranges, sizeof *grown * capacity);
+		if (!grown)
+			return false;
+		casters->ranges = grown;
+		casters->range_capacity = capacity;
+	}
+	casters->ranges[(*count)++] = range;
+	return true;
+}
+
+bool casters_place(const gi_context *gi, gi_casters *casters)
+{
+	uint32_t count = 0;
+	bool ok = true;
+	for (uint32_t slot = 0; slot < casters->count; slot++)
+		place_box(&gi->scene.object_data[slot], casters->list[slot].box);
+	for (uint32_t slot = 0; ok && slot < casters->count; slot++) {
+		gi_caster *c = &casters->list[slot];
+		c->first_range = count;
+		if (!c->wall_count && c->range.count)
+			ok = add_range(casters, &count, c->range, false);
+		for (uint32_t k = 0; ok && k < c->wall_count; k++) {
+			c->walls[k].hides = !hides_nothing(gi, casters, slot, &c->walls[k]);
+			if (c->walls[k].hides)
+				ok = add_range(casters, &count, c->walls[k].range, count > c->first_range);
+		}
+		c->end_range = count;
+	}
+	return ok;
+}

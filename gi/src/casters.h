@@ -1,0 +1,49 @@
+/* What casts shadows: the surface as the rays see it, the coarsest flat polygons of each object, and which of them can
+ * hide anything where the objects are now. */
+#ifndef GI_CASTERS_H
+#define GI_CASTERS_H
+
+#include "gpu_draw.h"
+#include "shade_shared.h"
+#include "vec3d.h"
+
+struct gi_context;
+
+/* A flat polygon of an object that has few. */
+typedef struct caster_wall {
+	float corner[4][3]; /* rest frame */
+	gpu_range range;
+	bool hides; /* something, where it is now */
+} caster_wall;
+
+typedef struct gi_caster {
+	gpu_range range;
+	bool solid;          /* a closed surface, seen from outside */
+	uint32_t wall_count; /* 0: too many to look at */
+	caster_wall *walls;
+	uint32_t sphere_count;
+	gi_vec4 *spheres;                /* hold all of the surface; rest frame, w radius */
+	double off;                      /* what is drawn lies at most this far outside of them */
+	uint32_t first_range, end_range; /* that can hide something */
+	gi_vec3d box[8];                 /* world */
+} gi_caster;
+
+typedef struct gi_casters {
+	gi_caster *list; /* by slot */
+	uint32_t count;
+	gpu_mesh mesh;
+	gpu_range *ranges;
+	uint32_t range_capacity;
+} gi_casters;
+
+/* Of the committed scene. */
+gi_result casters_create(struct gi_context *gi, gi_casters *casters);
+void casters_free(struct gi_context *gi, gi_casters *casters);
+
+/* Boxes, ranges and which walls hide, for the objects' poses. False when memory ran out. */
+bool casters_place(const struct gi_context *gi, gi_casters *casters);
+
+/* From the object's rest frame. */
+gi_vec3d caster_to_world(const gi_object_data *d, gi_vec3d p);
+
+#endif

@@ -1,0 +1,39 @@
+// One lamp's light on what is seen. All lamps but the last add their irradiance up; the last one's pass makes radiance
+// of it, (rho * (H_direct + H_indirect) + E) / pi, and puts it where the host draws.
+#ifdef LAST
+#define READ_MATERIALS
+#endif
+#include "buffers.glsl"
+#include "direct.glsl"
+#include "surface.glsl"
+
+layout(location = 0) uniform ivec2 corner; // of the viewport, pixels
+
+#ifdef LAST
+layout(binding = GI_UNIT_DEPTH) uniform sampler2D depths;
+layout(binding = GI_UNIT_SO_FAR) uniform sampler2D so_far; // irradiance from the other lamps
+layout(location = 1) uniform bool first; // there are no others
+#endif
+
+layout(location = 0) out vec4 result;
+
+const float INVERSE_PI = 0.318309886183791;
+
+void main()
+{
+	ivec2 pixel = ivec2(gl_FragCoord.xy) - corner;
+	surface s = surface_at(pixel);
+	vec3 irradiance = direct_irradiance(s.p, s.n);
+#ifdef LAST
+	float depth = texelFetch(depths, pixel, 0).x;
+	if (depth == 1.0)
+		discard; // nothing is seen
+	if (!first)
+		irradiance += texelFetch(so_far, pixel, 0).xyz;
+	vec3 rho = load_material(s.material).rho.xyz;
+	result = vec4(s.own + rho * INVERSE_PI * irradiance, 1.0);
+	gl_FragDepth = depth;
+#else
+	result = vec4(irradiance, 0.0);
+#endif
+}

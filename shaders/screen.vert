@@ -1,0 +1,9 @@
+#version 450 core
+// One triangle over the whole viewport.
+
+layout(location = 0) in vec2 corner;
+
+void main()
+{
+	gl_Position = vec4(corner, 0.0, 1.0);
+}

@@ -1,0 +1,17 @@
+#version 450 core
+// What is seen in a pixel, for the lamps' passes to light (surface.glsl).
+#include "octahedron.glsl"
+
+layout(location = 0) in vec3 world_position;
+layout(location = 1) in vec3 world_normal;
+layout(location = 2) in vec3 own;
+layout(location = 3) flat in uint material;
+
+layout(location = 0) out vec4 place;
+layout(location = 1) out uvec4 look;
+
+void main()
+{
+	place = vec4(world_position, float(material));
+	look = uvec4(floatBitsToUint(own), packSnorm2x16(octahedron_from_direction(world_normal)));
+}

@@ -1,0 +1,19 @@
+// What surface.frag wrote.
+#include "octahedron.glsl"
+
+layout(binding = GI_UNIT_PLACE) uniform sampler2D places; // xyz world position, w material
+layout(binding = GI_UNIT_LOOK) uniform usampler2D looks;  // xyz bits of (rho * H_indirect + E) / pi, w normal
+
+struct surface {
+	vec3 p, n;
+	vec3 own;
+	uint material;
+};
+
+surface surface_at(ivec2 pixel)
+{
+	vec4 place = texelFetch(places, pixel, 0);
+	uvec4 look = texelFetch(looks, pixel, 0);
+	return surface(place.xyz, direction_from_octahedron(unpackSnorm2x16(look.w)), uintBitsToFloat(look.xyz),
+		       uint(place.w));
+}
