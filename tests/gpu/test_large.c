@@ -3,6 +3,8 @@
 #include "scenes/cornell.h"
 #include "snapshot.h"
 
+#include <stdio.h>
+
 static const uint64_t BLOCK_ENTRIES = (128u << 20) / 16;
 
 static void beyond_a_block(void **state)
