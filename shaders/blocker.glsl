@@ -8,11 +8,12 @@ uint blocker_of(body body_a, segment_end a, body body_b, segment_end b, bool cle
 	bool last = !clear && (body_b.flags & GI_OBJECT_FLAT) == 0u && body_b.object != body_a.object;
 	bool sky = body_b.object == GI_NONE;
 	grid_ray world = world_ray(a, b, sky);
-	uint n = 0u, blocker = GI_BLOCKER_NONE;
+	uvec2 tree = scene_tree(sky);
+	uint n = tree.x, blocker = GI_BLOCKER_NONE;
 	while (blocker == GI_BLOCKER_NONE) {
 		uint object = first ? body_a.object : body_b.object;
 		if (!first && !last)
-			object = next_third(world, body_a, a, body_b, b, n);
+			object = next_third(world, body_a, a, body_b, b, tree.y, n);
 		if (object == GI_NONE)
 			break;
 		last = last && first;

@@ -171,6 +171,7 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, W/m2... of the largest B
  *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
@@ -184,6 +185,7 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 grid;
 	GI_VEC4 cells;
 	GI_UVEC4 update;
+	GI_UVEC4 inner;
 	GI_VEC4 limit;
 } GI_END(gi_frame)
 

@@ -101,14 +101,20 @@ bool same_side(uint object, segment_end a, segment_end b, bool sky)
 	return (from >= -slack_a && to >= -slack_b) || (from <= slack_a && to <= slack_b);
 }
 
-// The next object at or after node n of the scene's tree that may cut the segment, other than the two at its ends; GI_NONE: no more. n goes
+// The scene's tree for segments to the sky, and for others the one without what encloses the scene: first and end.
+uvec2 scene_tree(bool sky)
+{
+	return sky ? uvec2(0u, frame.misc.x) : frame.inner.xy;
+}
+
+// The next object at or after node n of the scene's tree, which ends at `last`, that may cut the segment, other than the two at its ends; GI_NONE: no more. n goes
 // on behind it. The bodies at the ends are asked without the test of world boxes, whose rounding depends on the pose: an object at rest
 // relative to both ends must always answer the same.
-uint next_third(grid_ray r, body body_a, segment_end a, body body_b, segment_end b, inout uint n)
+uint next_third(grid_ray r, body body_a, segment_end a, body body_b, segment_end b, uint last, inout uint n)
 {
 	bool sky = body_b.object == GI_NONE;
 	uint object = GI_NONE;
-	while (n < frame.misc.x && object == GI_NONE) {
+	while (n < last && object == GI_NONE) {
 		uvec4 node = load_tlas(n);
 		bool hit = hits_box(r, node, sky ? 3e38 : 1.0);
 		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;

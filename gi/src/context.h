@@ -1,7 +1,7 @@
 /* What a gi_context is made of. Each part belongs to one module; gi.c holds the public functions that join them.
  *
  *   gi.c, frame.c
- *     -> scene.c, scene_upload.c, sky.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
@@ -59,8 +59,7 @@ typedef struct gi_scene {
 	gi_bvh_node *tlas;
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
-	uint32_t *tlas_order;
-	uint32_t tlas_count;         /* nodes */
+	uint32_t tlas_count, tlas_inner; /* nodes: of all objects, of those that may lie between two others */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu, materials_gpu,
 		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu, spread_gpu, leaf_quads_gpu;
@@ -170,6 +169,9 @@ gi_result scene_upload_changes(gi_context *gi);
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_free(gi_context *gi);
+
+/* tlas.c: where the objects are now. */
+gi_result tlas_upload(gi_context *gi);
 
 /* scene_upload.c */
 gi_result scene_upload(gi_context *gi);

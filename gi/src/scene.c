@@ -1,7 +1,6 @@
-/* All objects together, frame by frame: poses, materials, the tree over the objects, bindings. scene_upload.c lays them
+/* All objects together, frame by frame: poses, materials, bindings. scene_upload.c lays them
  * end to end. */
 #include "context.h"
-#include "pack.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -119,41 +118,9 @@ static void free_arrays(gi_scene *s)
 	free(s->node_exitance);
 	free(s->tlas);
 	free(s->tlas_packed);
-	free(s->tlas_order);
 }
 
 /* ---- per frame ---- */
-
-static gi_result upload_tlas(gi_context *gi)
-{
-	gi_scene *s = &gi->scene;
-	const uint32_t count = s->tlas_count ? (s->tlas_count + 1) / 2 : 0;
-	gi_vec4 *lower = calloc(count + 1, sizeof *lower), *upper = calloc(count + 1, sizeof *upper);
-	bool ok = lower && upper;
-	for (uint32_t k = 0; ok && k < count; k++) {
-		lower[k] = s->objects[s->slots[k]].world_lower;
-		upper[k] = s->objects[s->slots[k]].world_upper;
-	}
-	ok = ok && gi_bvh_build_boxes(lower, upper, count, s->tlas, s->tlas_order);
-	free(lower);
-	free(upper);
-	if (!ok)
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (!s->tlas_count)
-		return GI_OK;
-	gi_pack_grid(&(gi_vec4){s->tlas[0].lower.x, s->tlas[0].lower.y, s->tlas[0].lower.z, 0},
-		     &(gi_vec4){s->tlas[0].upper.x, s->tlas[0].upper.y, s->tlas[0].upper.z, 0}, &s->tlas_grid,
-		     &s->tlas_cells);
-	for (uint32_t k = 0; k < s->tlas_count; k++) {
-		gi_uvec4 *packed = &s->tlas_packed[k];
-		*packed = gi_pack_node(&s->tlas[k], s->tlas_grid, s->tlas_cells, 0, 0);
-		/* Leaves of the tree name slots directly. */
-		if (packed->w & GI_PACKED_LEAF)
-			packed->w = GI_PACKED_LEAF | s->tlas_order[packed->w & ~GI_PACKED_LEAF];
-	}
-	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas_packed * s->tlas_count, s->tlas_packed);
-	return GI_OK;
-}
 
 static void upload_material(gi_context *gi, scene_object *o)
 {
@@ -189,7 +156,7 @@ gi_result scene_upload_changes(gi_context *gi)
 	}
 	if (relit)
 		lamps_select(gi, true);
-	return upload_tlas(gi);
+	return tlas_upload(gi);
 }
 
 void scene_bind(const gi_context *gi)

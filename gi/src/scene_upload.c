@@ -111,8 +111,7 @@ static bool allocate_all(gathered *g)
 	n->topology = allocate(n->node_count, sizeof *n->topology);
 	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
 	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
-	n->tlas_packed = allocate(n->tlas_count, sizeof *n->tlas_packed);
-	n->tlas_order = allocate(n->slot_count, sizeof *n->tlas_order);
+	n->tlas_packed = allocate(2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
 	g->rest = allocate(n->node_count, sizeof *g->rest);
 	g->spread = allocate(n->node_count, sizeof *g->spread);
 	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
@@ -124,9 +123,9 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
-	       n->tlas_order && g->rest && g->spread && g->vertices && g->leaves && g->materials && g->bvh &&
-	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
+	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && g->rest &&
+	       g->spread && g->vertices && g->leaves && g->materials && g->bvh && g->primitives && g->leaf_quads &&
+	       g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -301,7 +300,7 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
 	    {&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
 	    {&s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
-	    {&s->tlas_gpu, sizeof(gi_uvec4) * n->tlas_count, NULL},
+	    {&s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
 	    {&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
 	    {&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
 	    {&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},

@@ -1,0 +1,105 @@
+/* Trees over the scene's objects ("top-level"), made anew for every update: one over all, which rays to the sky and
+ * path tracing walk, and one without the walls that enclose the scene, which lie between no two points of it.
+ *
+ *   tlas_gpu   | all objects: 2 n - 1 nodes | inner objects | unused
+ */
+#include "context.h"
+#include "pack.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* What pokes through a plane by less, as a share of the coordinates involved, lies in it: rays' ends must lie farther
+ * off to be behind it (PLANE_SLACK of segments.glsl is this). */
+static const double HULL_SLACK = 2.5e-7;
+
+/* How far an object's box reaches along a unit normal, from its centre: a turned box, not a world box about it. */
+static double reach_along(const scene_object *o, const gi_object_data *data, gi_vec4 n)
+{
+	const float turn[3][3] = {{data->row0.x, data->row0.y, data->row0.z},
+				  {data->row1.x, data->row1.y, data->row1.z},
+				  {data->row2.x, data->row2.y, data->row2.z}};
+	double reach = 0;
+	for (int k = 0; k < 3; k++) {
+		const double half = 0.5 * ((double)(&o->hierarchy.upper.x)[k] - (&o->hierarchy.lower.x)[k]);
+		reach += half * fabs((double)n.x * turn[0][k] + (double)n.y * turn[1][k] + (double)n.z * turn[2][k]);
+	}
+	return reach;
+}
+
+/* Does the object lie in a plane with all others on one side of it, as a wall of a room does? Then it hides only what
+ * is beyond all objects. */
+static bool encloses(const gi_scene *s, uint32_t slot)
+{
+	const gi_vec4 plane = s->object_data[slot].plane;
+	bool front = false, behind = false;
+	for (uint32_t k = 0; k < s->slot_count && !(front && behind); k++) {
+		if (k == slot || s->slots[k] == GI_NONE)
+			continue;
+		const gi_object_data *data = &s->object_data[k];
+		const gi_vec4 c = data->sphere;
+		const double along = (double)plane.x * c.x + (double)plane.y * c.y + (double)plane.z * c.z;
+		const double reach = reach_along(&s->objects[s->slots[k]], data, plane);
+		const double slack = HULL_SLACK * (fabs(along) + reach + fabs((double)plane.w));
+		front = front || along + reach - plane.w > slack;
+		behind = behind || along - reach - plane.w < -slack;
+	}
+	return !(front && behind);
+}
+
+/* The tree over some slots, behind the nodes that are there. False when memory ran out. */
+static bool build(gi_scene *s, const uint32_t *slots, uint32_t count, uint32_t base, gi_bvh_node *nodes)
+{
+	gi_vec4 *lower = calloc(count + 1, sizeof *lower), *upper = calloc(count + 1, sizeof *upper);
+	uint32_t *order = calloc(count + 1, sizeof *order);
+	for (uint32_t k = 0; lower && upper && k < count; k++) {
+		lower[k] = s->objects[s->slots[slots[k]]].world_lower;
+		upper[k] = s->objects[s->slots[slots[k]]].world_upper;
+	}
+	const bool ok = lower && upper && order && gi_bvh_build_boxes(lower, upper, count, nodes, order);
+	if (ok && base == 0 && count)
+		gi_pack_grid(&(gi_vec4){nodes[0].lower.x, nodes[0].lower.y, nodes[0].lower.z, 0},
+			     &(gi_vec4){nodes[0].upper.x, nodes[0].upper.y, nodes[0].upper.z, 0}, &s->tlas_grid,
+			     &s->tlas_cells);
+	for (uint32_t k = 0; ok && count && k < 2 * count - 1; k++) {
+		gi_uvec4 *packed = &s->tlas_packed[base + k];
+		*packed = gi_pack_node(&nodes[k], s->tlas_grid, s->tlas_cells, base, 0);
+		/* Leaves of the tree name slots directly. */
+		if (packed->w & GI_PACKED_LEAF)
+			packed->w = GI_PACKED_LEAF | slots[order[packed->w & ~GI_PACKED_LEAF]];
+	}
+	free(lower);
+	free(upper);
+	free(order);
+	return ok;
+}
+
+static bool build_both(gi_scene *s, uint32_t *slots, gi_bvh_node *scratch)
+{
+	uint32_t count = 0, inner = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE)
+			slots[count++] = slot;
+	if (!build(s, slots, count, 0, s->tlas))
+		return false;
+	for (uint32_t k = 0; k < count; k++)
+		if (!s->objects[s->slots[slots[k]]].plane || !encloses(s, slots[k]))
+			slots[inner++] = slots[k];
+	s->tlas_inner = inner ? 2 * inner - 1 : 0;
+	return build(s, slots, inner, s->tlas_count, scratch);
+}
+
+gi_result tlas_upload(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	uint32_t *slots = calloc(s->slot_count + 1, sizeof *slots);
+	gi_bvh_node *scratch = calloc(s->tlas_count + 1, sizeof *scratch);
+	const bool ok = slots && scratch && build_both(s, slots, scratch);
+	free(slots);
+	free(scratch);
+	if (!ok)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas_packed * (s->tlas_count + s->tlas_inner),
+			  s->tlas_packed);
+	return GI_OK;
+}
