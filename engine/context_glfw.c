@@ -145,7 +145,7 @@ static void write_error(const char *what, char *message, size_t message_size)
 {
 	const char *description = NULL;
 	glfw.glfwGetError(&description);
-	snprintf(message, message_size, "%s (%s); use --context egl or --context osmesa", what,
+	snprintf(message, message_size, "%s (%s); use --context egl", what,
 		 description ? description : "no reason given");
 }
 
@@ -173,7 +173,7 @@ static GLFWwindow *create_window(const engine_context_def *def, char *message, s
 static bool glfw_open(engine_context *context, const engine_context_def *def, char *message, size_t message_size)
 {
 	if (!engine_library_load(file_names, symbols, sizeof symbols / sizeof symbols[0], &glfw,
-				 "install libglfw3 or use --context egl or osmesa", message, message_size))
+				 "install libglfw3 or use --context egl", message, message_size))
 		return false;
 	GLFWwindow *window = create_window(def, message, message_size);
 	if (!window)
