@@ -4,6 +4,7 @@
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* clang-format off */
 #define FUNCTIONS(X) \
@@ -170,8 +171,20 @@ static GLFWwindow *create_window(const engine_context_def *def, char *message, s
 	return window;
 }
 
+static bool is_set(const char *variable)
+{
+	const char *value = getenv(variable);
+	return value && value[0];
+}
+
 static bool glfw_open(engine_context *context, const engine_context_def *def, char *message, size_t message_size)
 {
+	/* Not asked of GLFW: the libraries that it tries write to stderr themselves. */
+	if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) {
+		snprintf(message, message_size,
+			 "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); use --context egl");
+		return false;
+	}
 	if (!engine_library_load(file_names, symbols, sizeof symbols / sizeof symbols[0], &glfw,
 				 "install libglfw3 or use --context egl", message, message_size))
 		return false;
