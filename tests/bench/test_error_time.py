@@ -8,11 +8,10 @@ import sys
 import tempfile
 import unittest
 
+sys.path.append(os.path.join(os.path.dirname(__file__), ".."))
+import headless
+
 PROGRAM = sys.argv.pop(1)
-if "RELUME_CONTEXT" not in os.environ:  # headless: no window without a display
-    os.environ.pop("DISPLAY", None)
-    os.environ.pop("WAYLAND_DISPLAY", None)
-CONTEXT = os.environ.get("RELUME_CONTEXT", "auto")
 METHODS = {
     "scratch": {"engine", "Embree paths", "shader paths"},
     "moving": {"engine", "engine rebuilt", "engine budget", "engine error", "Embree paths", "shader paths"},
@@ -22,7 +21,7 @@ METHODS = {
 class ErrorTime(unittest.TestCase):
     def test_quick_run(self):
         with tempfile.TemporaryDirectory() as folder:
-            command = [PROGRAM, "--context", CONTEXT, "--quick", "--seconds", "2", "--scene", "corridor",
+            command = [PROGRAM, "--context", headless.CONTEXT, "--quick", "--seconds", "2", "--scene", "corridor",
                        "--out", folder]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if "no OpenGL 4.5 context" in done.stderr and done.returncode:

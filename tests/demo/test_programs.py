@@ -17,12 +17,12 @@ import tempfile
 import time
 import unittest
 
+sys.path.append(os.path.join(os.path.dirname(__file__), ".."))
+import headless
+
 PROGRAMS, SOURCE = sys.argv[1], sys.argv[2]
 DOOR = os.path.join(SOURCE, "demos", "scenes", "door.gltf")
-if "RELUME_CONTEXT" not in os.environ:  # headless: no window without a display
-    os.environ.pop("DISPLAY", None)
-    os.environ.pop("WAYLAND_DISPLAY", None)
-CONTEXT = ["--context", os.environ.get("RELUME_CONTEXT", "auto")]
+CONTEXT = ["--context", headless.CONTEXT]
 TINY = CONTEXT + ["--size", "64x48"]
 FIELD_TYPES = {"float": ("f", 4), "int": ("i", 4), "uchar": ("B", 1)}
 
