@@ -140,17 +140,11 @@ static engine_context *create_kind(engine_context_kind kind, const engine_contex
 	return NULL;
 }
 
-static bool is_set(const char *variable)
-{
-	const char *value = getenv(variable);
-	return value && value[0];
-}
-
 static engine_context *create_auto(const engine_context_def *def, char *message, size_t message_size)
 {
 	static const engine_context_kind order[] = {ENGINE_CONTEXT_GLFW, ENGINE_CONTEXT_OSMESA, ENGINE_CONTEXT_EGL};
-	char reasons[3][256] = {"no display is set", "", ""};
-	for (int i = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") ? 0 : 1; i < 3; i++) {
+	char reasons[3][256] = {"", "", ""};
+	for (int i = 0; i < 3; i++) {
 		engine_context *context = create_kind(order[i], def, reasons[i], sizeof reasons[i]);
 		if (context)
 			return context;

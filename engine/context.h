@@ -23,7 +23,7 @@ typedef enum engine_context_kind {
 	ENGINE_CONTEXT_AUTO,   /* glfw where a display is set and works, else osmesa, else egl */
 	ENGINE_CONTEXT_GLFW,   /* a window */
 	ENGINE_CONTEXT_EGL,    /* headless: first hardware device that gives 4.5 core, else surfaceless Mesa */
-	ENGINE_CONTEXT_OSMESA, /* headless: llvmpipe into client memory; gone from Mesa 25.1 on, use egl there */
+	ENGINE_CONTEXT_OSMESA, /* headless: llvmpipe into client memory; Mesa has none after 25.0, use egl there */
 } engine_context_kind;
 
 typedef struct engine_context_def {

@@ -61,14 +61,14 @@ static bool has_extension(const char *list, const char *name)
 static bool load_library(char *message, size_t message_size)
 {
 	if (!engine_library_load(file_names, symbols, sizeof symbols / sizeof symbols[0], &egl,
-				 "install libegl1 or use --context osmesa", message, message_size))
+				 "install libegl1 or use another --context", message, message_size))
 		return false;
 	get_platform_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl.eglGetProcAddress("eglGetPlatformDisplayEXT");
 	query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl.eglGetProcAddress("eglQueryDevicesEXT");
 	query_device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC)egl.eglGetProcAddress("eglQueryDeviceStringEXT");
 	if (get_platform_display)
 		return true;
-	snprintf(message, message_size, "libEGL lacks EGL_EXT_platform_base; update it or use --context osmesa");
+	snprintf(message, message_size, "libEGL lacks EGL_EXT_platform_base; update it or use another --context");
 	return false;
 }
 
@@ -181,7 +181,7 @@ static bool egl_open(engine_context *context, const engine_context_def *def, cha
 		return true;
 	snprintf(
 	    message, message_size,
-	    "EGL has no device with OpenGL 4.5 core; install a GPU driver or libegl-mesa0, or use --context osmesa");
+	    "EGL has no device with OpenGL 4.5 core; install a GPU driver or libegl-mesa0, or use another --context");
 	free(native);
 	context->native = NULL;
 	return false;

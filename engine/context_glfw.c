@@ -4,6 +4,7 @@
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* clang-format off */
 #define FUNCTIONS(X) \
@@ -145,7 +146,7 @@ static void write_error(const char *what, char *message, size_t message_size)
 {
 	const char *description = NULL;
 	glfw.glfwGetError(&description);
-	snprintf(message, message_size, "%s (%s); use --context egl or --context osmesa", what,
+	snprintf(message, message_size, "%s (%s); use --context egl", what,
 		 description ? description : "no reason given");
 }
 
@@ -170,10 +171,22 @@ static GLFWwindow *create_window(const engine_context_def *def, char *message, s
 	return window;
 }
 
+static bool is_set(const char *variable)
+{
+	const char *value = getenv(variable);
+	return value && value[0];
+}
+
 static bool glfw_open(engine_context *context, const engine_context_def *def, char *message, size_t message_size)
 {
+	/* Not asked of GLFW: the libraries that it tries write to stderr themselves. */
+	if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) {
+		snprintf(message, message_size,
+			 "no display for a window (neither DISPLAY nor WAYLAND_DISPLAY is set); use --context egl");
+		return false;
+	}
 	if (!engine_library_load(file_names, symbols, sizeof symbols / sizeof symbols[0], &glfw,
-				 "install libglfw3 or use --context egl or osmesa", message, message_size))
+				 "install libglfw3 or use --context egl", message, message_size))
 		return false;
 	GLFWwindow *window = create_window(def, message, message_size);
 	if (!window)

@@ -59,7 +59,8 @@ static bool osmesa_open(engine_context *context, const engine_context_def *def, 
 {
 	(void)def;
 	if (!engine_library_load(file_names, symbols, sizeof symbols / sizeof symbols[0], &osmesa,
-				 "install libosmesa6 or use --context egl", message, message_size))
+				 "install libosmesa6 (Mesa has none after 25.0) or use --context egl", message,
+				 message_size))
 		return false;
 	osmesa_native *native = calloc(1, sizeof *native);
 	if (!native) {

@@ -17,13 +17,13 @@ bool engine_gl_load(engine_gl_get_proc get_proc, char *message, size_t message_s
 	int version = gladLoadGL(get_proc);
 	if (version == 0) {
 		snprintf(message, message_size,
-			 "the OpenGL driver gives no functions; reinstall the driver or try --context osmesa");
+			 "the OpenGL driver gives no functions; reinstall the driver or try another --context");
 		return false;
 	}
 	if (is_core_45())
 		return true;
 	snprintf(message, message_size,
-		 "OpenGL 4.5 core is needed, the driver \"%s\" gives %d.%d; update it or try --context osmesa",
+		 "OpenGL 4.5 core is needed, the driver \"%s\" gives %d.%d; update it or try another --context",
 		 (const char *)glGetString(GL_RENDERER), GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
 	return false;
 }

@@ -1,3 +1,4 @@
+#define _POSIX_C_SOURCE 200809L /* unsetenv */
 #include "harness.h"
 
 #include <stdio.h>
@@ -11,10 +12,13 @@ int harness_open(void **state)
 {
 	(void)state;
 	engine_context_def def = engine_context_def_default();
-	def.kind = ENGINE_CONTEXT_OSMESA;
 	const char *name = getenv("RELUME_CONTEXT");
 	if (name && !engine_context_kind_from_name(name, &def.kind))
 		fprintf(stderr, "RELUME_CONTEXT=%s is not a kind of context\n", name);
+	if (!name) { /* headless: no window without a display */
+		unsetenv("DISPLAY");
+		unsetenv("WAYLAND_DISPLAY");
+	}
 	def.width = def.height = 64;
 	def.hidden = true;
 	char message[256];

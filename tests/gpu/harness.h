@@ -1,7 +1,7 @@
 /* What the GPU tests share: a context for the whole program, gi contexts, objects from cages.
  *
- * The OpenGL context is OSMesa's unless RELUME_CONTEXT names another (egl, glfw); without one the tests are skipped
- * with a line that says so.
+ * The OpenGL context is headless, OSMesa's or EGL's, unless RELUME_CONTEXT names a kind (osmesa, egl, glfw); without
+ * one the tests are skipped with a line that says so.
  */
 #ifndef TESTS_HARNESS_H
 #define TESTS_HARNESS_H

@@ -212,6 +212,19 @@ static void resize_and_input(void **state)
 	engine_context_destroy(context);
 }
 
+static void without_osmesa_egl_is_advised(void **state)
+{
+	(void)state;
+	char message[256];
+	engine_context *context = open_kind(ENGINE_CONTEXT_OSMESA, message, sizeof message);
+	const bool is_there = context != NULL;
+	engine_context_destroy(context);
+	if (is_there)
+		skip();
+	assert_non_null(strstr(message, "OSMesa"));
+	assert_non_null(strstr(message, "--context egl"));
+}
+
 static void osmesa_resizes(void **state)
 {
 	(void)state;
@@ -276,6 +289,7 @@ int main(void)
 	    cmocka_unit_test(two_contexts_take_turns),
 	    cmocka_unit_test(resize_and_input),
 	    cmocka_unit_test(osmesa_resizes),
+	    cmocka_unit_test(without_osmesa_egl_is_advised),
 	    cmocka_unit_test(broken_shaders_give_one_line),
 	};
 	return cmocka_run_group_tests_name("context", tests, NULL, NULL);

@@ -13,7 +13,8 @@
  */
 #include "reference.h"
 
-#include <embree3/rtcore.h>
+#include "embree.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -286,17 +287,12 @@ static inline struct RTCRay make_ray(vec3 origin, vec3 direction, float near, fl
 	return ray;
 }
 
-typedef struct front_context {
-	struct RTCIntersectContext base;
-	const triangle *triangles;
-} front_context;
-
 static void keep_front_hits(const struct RTCFilterFunctionNArguments *args)
 {
-	const front_context *context = (const front_context *)args->context;
+	const triangle *triangles = (const triangle *)args->geometryUserPtr;
 	const struct RTCRay *ray = (const struct RTCRay *)args->ray;
 	const struct RTCHit *hit = (const struct RTCHit *)args->hit;
-	vec3 n = context->triangles[hit->primID].n;
+	vec3 n = triangles[hit->primID].n;
 	if (n.x * ray->dir_x + n.y * ray->dir_y + n.z * ray->dir_z >= 0.0f)
 		args->valid[0] = 0;
 }
@@ -307,13 +303,10 @@ static bool front_of_sheet(const tracer *t, struct RTCRayHit *rh, vec3 origin, v
 {
 	float cosine = fmaxf(dot(t->triangles[rh->hit.primID].n, direction), 1e-3f);
 	float window = t->offset / cosine, distance = rh->ray.tfar;
-	front_context context = {.triangles = t->triangles};
-	rtcInitIntersectContext(&context.base);
-	context.base.filter = keep_front_hits;
 	float near = fmaxf(distance - window, 0.0f), far = distance + window;
 	struct RTCRayHit again = {.ray = make_ray(origin, direction, near, far)};
 	again.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	rtcIntersect1(t->scene, &context.base, &again);
+	embree_closest(t->scene, &again, keep_front_hits);
 	if (again.hit.geomID == RTC_INVALID_GEOMETRY_ID)
 		return false;
 	*rh = again;
@@ -330,11 +323,9 @@ enum hit_kind { HIT_NONE, HIT_FRONT, HIT_BACK };
 /* Closest leaf; *next and *distance are set for HIT_FRONT only. */
 static inline enum hit_kind closest_hit(const tracer *t, vec3 origin, vec3 direction, vertex *next, float *distance)
 {
-	struct RTCIntersectContext context;
-	rtcInitIntersectContext(&context);
 	struct RTCRayHit rh = {.ray = make_ray(origin, direction, 0.0f, INFINITY)};
 	rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	rtcIntersect1(t->scene, &context, &rh);
+	embree_closest(t->scene, &rh, NULL);
 	if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
 		return HIT_NONE;
 	if (dot(t->triangles[rh.hit.primID].n, direction) >= 0.0f && !front_of_sheet(t, &rh, origin, direction))
@@ -349,11 +340,8 @@ static inline enum hit_kind closest_hit(const tracer *t, vec3 origin, vec3 direc
 
 static inline bool segment_free(const tracer *t, vec3 from, vec3 to)
 {
-	struct RTCIntersectContext context;
-	rtcInitIntersectContext(&context);
 	struct RTCRay ray = make_ray(from, sub(to, from), 0.0f, 1.0f);
-	rtcOccluded1(t->scene, &context, &ray);
-	return ray.tfar >= 0.0f; /* Embree writes -inf when occluded */
+	return !embree_occluded(t->scene, &ray);
 }
 
 /* ---- paths ---- */
@@ -646,6 +634,7 @@ static RTCGeometry build_geometry(const tracer *t, const reference_scene *s)
 		indices[3 * i + 1] = first + 1 + t->triangles[i].half;
 		indices[3 * i + 2] = first + 2 + t->triangles[i].half;
 	}
+	rtcSetGeometryUserData(geometry, t->triangles); /* keep_front_hits' */
 	rtcCommitGeometry(geometry);
 	return geometry;
 }
@@ -657,8 +646,8 @@ static bool build_embree(tracer *t, const reference_scene *s)
 		return false;
 	rtcSetDeviceErrorFunction(t->device, report_embree_error, NULL);
 	t->scene = rtcNewScene(t->device);
-	/* robust: watertight along shared edges; the context filter is front_of_sheet's */
-	rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+	/* robust: watertight along shared edges; the filter is front_of_sheet's */
+	rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST | EMBREE_RAY_FILTERS);
 	rtcSetSceneBuildQuality(t->scene, RTC_BUILD_QUALITY_HIGH);
 	if (t->triangle_count > 0) {
 		RTCGeometry geometry = build_geometry(t, s);
