@@ -1,6 +1,6 @@
 #version 450 core
-// Under a budget: what has to be refreshed of each row, what that takes, and a bound on what it changes. One thread a
-// leaf.
+// Under a budget: what has to be refreshed of a row, what that takes, and a bound on what it changes, entry by entry. One
+// thread a row in the list that enlist.comp made.
 //
 // A closed row shares out a weight of 1. Let T be the sum of F V of its entries, T' what it becomes. Closing gives what
 // is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry, beta
@@ -22,8 +22,9 @@
 #define READ_TARGETS
 #define READ_SUSPECTS
 #define READ_ROWS
+#define READ_LINKS
 #define READ_RADIOSITY
-#define READ_PENDING
+#define READ_LEAF_RADIOSITY
 #define READ_SHINE
 #define WRITE_ROWS
 #define WRITE_CHOICES
@@ -37,24 +38,21 @@
 #include "facing.glsl"
 #include "reach.glsl"
 #include "sampling.glsl"
+#include "priority.glsl"
+#include "row_light.glsl"
+#include "received.glsl"
+#include "whole_row.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
 // As closing has them (close.comp): no entry more than doubles, and rows that lack a fifth when all have doubled stay open;
 // above this weight none does. Sums end this close to 1.
 const float CLOSE_RAISE = 2.0;
-const float OPEN_RAISE = 2.5; // and is scaled to what is missing of 1
 const float CLOSES_ABOVE = 0.5;
 const float CLOSE_SLACK = 4e-5;
 
 // Emitters of more weight than this may have to be lowered for a row to close.
 const float EMITTERS_MOVE_ABOVE = 0.9;
-
-// After so many updates (and up to half as many more) a row goes first, whatever its bound.
-const float OLDEST = 48.0;
-
-// More than the rounding of the sum of a row's links.
-const float SUM_SLACK = 1e-5;
 
 struct range {
 	vec3 least, most;
@@ -190,16 +188,14 @@ sums sum_row(uint leaf, watch w)
 }
 
 // xyz: bound on what refreshing the row changes of H; w: on the share of its weight that moves.
-vec4 bound_of(sums s, vec3 h)
+vec4 bound_of(sums s, received r)
 {
 	float firm = s.firm_others + s.firm_emitters, lost = weight_of(s.lost);
 	float emitters = s.firm_emitters + s.lost.emitters + s.gained.emitters;
 	vec3 darkest = min(s.others.least, s.emitters.least), dim = s.others.most, bright = max(dim, s.emitters.most);
-	// Whatever the row becomes: weights of 1 in sum, of which emitters have no more than raised and scaled.
-	vec3 most = min(dim + OPEN_RAISE * emitters * s.emitters.most, bright);
-	vec3 rise_limit = max(most - h, vec3(0.0)) + SUM_SLACK * h, fall_limit = h * (1.0 + SUM_SLACK);
+	limits whole = whole_row(r, dim, s.emitters.most, emitters);
 	if (firm < CLOSES_ABOVE)
-		return vec4(max(rise_limit, fall_limit), 1.0);
+		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
 	// Touched entries are raised too: none more than doubles, together they gain no more than the row lacks.
 	float raise_old = min((CLOSE_RAISE - 1.0) * lost, max(0.0, 1.0 - firm - lost));
@@ -209,55 +205,37 @@ vec4 bound_of(sums s, vec3 h)
 	float raised = min(emitters, max(0.0, 1.0 - CLOSE_RAISE * s.firm_others - s.firm_emitters));
 	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
 	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
-	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * most;
+	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * whole.most;
 	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low +
 		    s.lost.emitters * dim_emitters;
 	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
-	return vec4(max(min(max(rise, 0.0) + either, rise_limit), min(max(fall, 0.0) + either, fall_limit)), moved);
+	return vec4(max(min(max(rise, 0.0) + either, whole.rise), min(max(fall, 0.0) + either, whole.fall)), moved);
 }
 
-// Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go first.
-uint bucket_of(uint leaf, float bound, uint since)
+void assess(uint leaf)
 {
-	float age = float(frame.update.x - since);
-	float random = unit_float(hash(leaf ^ hash(since)));
-	if (age > OLDEST * (1.0 + 0.5 * random))
-		return GI_BUCKETS - 1u;
-	float largest = max(uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]), 1e-30);
-	float octave = log2(max(bound / largest, exp2(-40.0))) + log2(age) + 2.0 * random;
-	return uint(clamp(int(float(GI_BUCKETS_PER_OCTAVE) * (octave + 41.0)), 1, int(GI_BUCKETS) - 2));
+	sums s = sum_row(leaf, watch_of(leaf));
+	uint since = load_row(leaf).z;
+	if (s.entries == 0u) {
+		rows[leaf].z = frame.update.x; // nothing of it can have changed
+		pending[leaf].key = uvec4(0u);
+		return;
+	}
+	gi_material_data m = load_material(load_leaf(leaf).z);
+	vec4 bound = bound_of(s, received_by(leaf, m));
+	bound.xyz *= m.rho.xyz;
+	float off = expected_off(bound, max(m.rho.x, max(m.rho.y, m.rho.z)));
+	float worth = worth_of(off, load_world(load_leaf(leaf).x), s.rays);
+	uint bucket = is_wanted(off) ? bucket_of(leaf, worth, since) : 0u;
+	pending[leaf].key = uvec4(bucket, s.rays, s.entries, frame.update.x);
+	pending[leaf].bound = bound;
+	if (bucket > 0u)
+		atomicAdd(choices[bucket], s.rays);
 }
 
 void main()
 {
-	uint leaf = thread_number();
-	if (leaf >= frame.counts.x)
-		return;
-	watch w = watch_of(leaf);
-	vec3 h = load_pending(leaf).bound.xyz;
-	gi_pending row = gi_pending(uvec4(0u), vec4(0.0), load_pending(leaf).before);
-	bool changed = false;
-	for (uint k = frame.update.y; k < frame.update.z; k++)
-		changed = changed || max(object_changed(load_suspect(k)).x, object_changed(load_suspect(k)).y) > w.since;
-	if (changed) {
-		sums s = sum_row(leaf, w);
-		gi_material_data m = load_material(load_leaf(leaf).z);
-		vec4 bound = bound_of(s, h);
-		bound.xyz *= m.rho.xyz;
-		// As it will count in the end (stale.comp), if B goes about as far as it went in the update before.
-		float rho = max(m.rho.x, max(m.rho.y, m.rho.z));
-		float more = 2.0 * bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * rho;
-		float largest = (max(bound.x, max(bound.y, bound.z)) + more) / (1.0 - rho);
-		if (s.entries == 0u) {
-			rows[leaf].z = frame.update.x; // nothing of it can have changed
-		} else {
-			row.bound = bound;
-			row.key.yz = uvec2(s.rays, s.entries);
-			bool wanted = frame.limit.y == 0.0 || largest > frame.limit.y * uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]);
-			row.key.x = wanted ? bucket_of(leaf, largest, w.since) : 0u;
-			if (wanted)
-				atomicAdd(choices[row.key.x], s.rays);
-		}
-	}
-	pending[leaf] = row;
+	uint k = spread_number(state[GI_STATE_ASSESSED]);
+	if (k < state[GI_STATE_ASSESSED])
+		assess(choices[GI_CHOICE_CHOSEN + frame.counts.x + k]);
 }

@@ -385,7 +385,8 @@ uint load_choice(uint n)
 TEXELS(GI_BIND_PENDING) pending_texels;
 gi_pending load_pending(uint n)
 {
-	return gi_pending(texel(pending_texels, 3u * n), float_texel(pending_texels, 3u * n + 1u), float_texel(pending_texels, 3u * n + 2u));
+	return gi_pending(texel(pending_texels, 4u * n), float_texel(pending_texels, 4u * n + 1u), float_texel(pending_texels, 4u * n + 2u),
+			  float_texel(pending_texels, 4u * n + 3u));
 }
 #endif
 

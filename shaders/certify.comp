@@ -3,4 +3,6 @@
 #define CERTIFY
 #define REAL double
 #define REAL4 dvec4
+#define SUM double
+#define SUM4 dvec4
 #include "gather.glsl"

@@ -1,7 +1,7 @@
 #version 450 core
-// Under a budget: the lowest bucket that is still refreshed. STAGE 0: one group adds up the rays from the top bucket
-// on; the first bucket that holds any is always taken, so every update gets on. STAGE 1: group counts for the rows
-// that enlist.comp listed.
+// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and to
+// refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken, so
+// every update gets on. Stages 1 and 3: group counts for the rows that were listed.
 #define READ_FRAME
 #define READ_CHOICES
 #define WRITE_STATE
@@ -11,46 +11,59 @@
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint stage;
 
+const uint ASSESS = 0u, ASSESS_GROUPS = 1u, REFRESH = 2u, REFRESH_GROUPS = 3u;
+
 const uint SHARE = GI_BUCKETS / GI_GROUP_SIZE;
 
-shared uint rays_of[GI_GROUP_SIZE];
+shared uint cost_of[GI_GROUP_SIZE];
 
-uint threshold(uint budget)
+uint threshold(uint first, uint budget)
 {
 	uint sum = 0u, lowest = GI_BUCKETS;
 	for (uint group = GI_GROUP_SIZE; group-- > 0u;) {
-		if (rays_of[group] == 0u)
+		if (cost_of[group] == 0u)
 			continue;
-		if (sum + rays_of[group] <= budget) {
-			sum += rays_of[group];
+		if (sum + cost_of[group] <= budget) {
+			sum += cost_of[group];
 			lowest = group * SHARE;
 			continue;
 		}
 		for (uint k = (group + 1u) * SHARE; k-- > group * SHARE;) {
-			if (sum > 0u && sum + load_choice(k) > budget)
+			if (sum > 0u && sum + load_choice(first + k) > budget)
 				return k + 1u;
-			sum += load_choice(k);
+			sum += load_choice(first + k);
 		}
 		return group * SHARE;
 	}
 	return lowest;
 }
 
+void count_groups()
+{
+	if (stage == ASSESS_GROUPS) {
+		state[GI_STATE_ASSESSED] = min(state[GI_STATE_ASSESSED], frame.rations.z);
+		set_groups(GI_STATE_ARGS_ASSESS, spread_groups(state[GI_STATE_ASSESSED]));
+	} else {
+		set_groups(GI_STATE_ARGS_CHOSEN, spread_groups(state[GI_STATE_CHOSEN]));
+		set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * frame.counts.z));
+	}
+}
+
 void main()
 {
-	uint local = gl_LocalInvocationID.x;
-	if (stage == 1u) {
-		if (local == 0u) {
-			set_groups(GI_STATE_ARGS_CHOSEN, groups_for(state[GI_STATE_CHOSEN]));
-			set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * frame.counts.z));
-		}
-		return;
-	}
+	uint local = gl_LocalInvocationID.x, first = stage == ASSESS ? GI_CHOICE_ROWS : 0u;
+	bool choose = stage == ASSESS || stage == REFRESH;
 	uint sum = 0u;
-	for (uint k = 0u; k < SHARE; k++)
-		sum += load_choice(local * SHARE + k);
-	rays_of[local] = sum;
+	for (uint k = 0u; choose && k < SHARE; k++)
+		sum += load_choice(first + local * SHARE + k);
+	cost_of[local] = sum;
 	barrier();
-	if (local == 0u)
-		state[GI_STATE_THRESHOLD] = max(threshold(uint(min(frame.limit.x, 4e9))), 1u);
+	if (local > 0u)
+		return;
+	if (stage == ASSESS)
+		state[GI_STATE_ASSESS_THRESHOLD] = max(threshold(first, frame.rations.z), 1u);
+	else if (stage == REFRESH)
+		state[GI_STATE_THRESHOLD] = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
+	else
+		count_groups();
 }

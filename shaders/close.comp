@@ -139,7 +139,7 @@ struct row_counts {
 	uint lit; // how many carry light
 };
 
-// Leaves each segment's share of seen samples with it.
+// Leaves each segment's share of seen samples and the form factors of the fronts it shows with it.
 row_counts count_row(uint leaf)
 {
 	row_counts count = row_counts(0u, 0u);
@@ -147,14 +147,16 @@ row_counts count_row(uint leaf)
 		uint slot = leaf * frame.counts.z + s;
 		uvec2 range = range_of(segments[slot]);
 		uint seen = 0u, taken = 0u;
+		float factors = 0.0;
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
 			seen += seen_of(e);
 			taken += samples_of(e);
 			if (seen_of(e) > 0u && uintBitsToFloat(e.y) >= LEAST_FACTOR && carries_light(e, load_target(k)))
 				count.lit++;
+			factors += (e.w & GI_ENTRY_BACK) != 0u ? 0.0 : uintBitsToFloat(e.y);
 		}
-		segments[slot].z = floatBitsToUint(taken > 0u ? float(seen) / float(taken) : 0.0);
+		segments[slot].zw = floatBitsToUint(vec2(taken > 0u ? float(seen) / float(taken) : 0.0, factors));
 		count.entries += range.y - range.x;
 	}
 	return count;
@@ -225,7 +227,7 @@ uvec2 fit_block(uvec2 block, uint needed)
 
 void main()
 {
-	uint leaf = chosen_leaf(thread_number());
+	uint leaf = chosen_row();
 	if (leaf == GI_NONE || load_touched(leaf) == 0u)
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);

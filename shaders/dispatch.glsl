@@ -27,6 +27,24 @@ uint groups_for(uint threads)
 	return (threads + GI_GROUP_SIZE - 1u) / GI_GROUP_SIZE;
 }
 
+// Few long threads are spread over many groups, whose unused threads cost next to nothing: a software renderer gives a
+// whole group to one processor, and eight threads fill its vectors.
+const uint FEW = 1024u, SPREAD = 8u;
+
+uint spread_groups(uint threads)
+{
+	return threads < FEW ? (threads + SPREAD - 1u) / SPREAD : groups_for(threads);
+}
+
+// Number of a thread among those; GI_NONE: none.
+uint spread_number(uint threads)
+{
+	uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, local = gl_LocalInvocationID.x;
+	if (threads >= FEW)
+		return group * GI_GROUP_SIZE + local;
+	return local < SPREAD ? group * SPREAD + local : GI_NONE;
+}
+
 #ifdef WRITE_STATE
 // Folded into y as thread_number expects.
 void set_groups(uint at, uint groups)

@@ -1,6 +1,6 @@
 #version 450 core
-// Under a budget: lists the rows to refresh and counts those that wait. One thread a leaf. Whichever order the list
-// comes in, the rows are the same.
+// Under a budget: lists rows. STAGE 0: those to assess; 1: those to refresh, and counts those that wait. One thread a leaf.
+// Whichever order a list comes in, the rows are the same.
 #define READ_FRAME
 #define READ_PENDING
 #define WRITE_CHOICES
@@ -10,6 +10,16 @@
 #include "dispatch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint stage;
+
+// Given time, an update takes no bucket that holds more than fits, only some of its rows.
+bool fits(uint rays)
+{
+	if ((frame.update.w & GI_UPDATE_TIMED) == 0u)
+		return true;
+	uint before = atomicAdd(state[GI_STATE_CHOSEN_RAYS], rays);
+	return before == 0u || float(before) + float(rays) <= frame.limit.x;
+}
 
 void main()
 {
@@ -17,8 +27,16 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	uvec4 key = load_pending(leaf).key;
-	if (key.x >= state[GI_STATE_THRESHOLD]) {
-		choices[GI_BUCKETS + atomicAdd(state[GI_STATE_CHOSEN], 1u)] = leaf;
+	if (stage == 0u) {
+		uint k = frame.rations.z;
+		if (key.w == 0u && key.x >= state[GI_STATE_ASSESS_THRESHOLD])
+			k = atomicAdd(state[GI_STATE_ASSESSED], 1u);
+		if (k < frame.rations.z)
+			choices[GI_CHOICE_CHOSEN + frame.counts.x + k] = leaf;
+		return;
+	}
+	if (key.w > 0u && key.x >= state[GI_STATE_THRESHOLD] && fits(key.y)) {
+		choices[GI_CHOICE_CHOSEN + atomicAdd(state[GI_STATE_CHOSEN], 1u)] = leaf;
 		pending[leaf].key = uvec4(0u);
 	} else if (key.z > 0u) {
 		atomicAdd(state[GI_STATE_WAITING_ROWS], 1u);

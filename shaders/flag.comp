@@ -25,7 +25,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 
 void main()
 {
-	uint leaf = chosen_leaf(thread_number());
+	uint leaf = chosen_row();
 	if (leaf == GI_NONE)
 		return;
 	watch w = watch_of(leaf);

@@ -2,4 +2,6 @@
 // The gather of an ordinary sweep, in single precision: fast, and what it says of residuals is an estimate.
 #define REAL float
 #define REAL4 vec4
+#define SUM float
+#define SUM4 vec4
 #include "gather.glsl"

@@ -5,6 +5,9 @@
 // damped one, omega (T B - B) + B (check.comp). Never below 0, which no solution is, so that sums have terms of one
 // sign only and rounding is relative to them.
 //
+// SUM is what links are summed in, REAL everything else. With LIGHT the irradiance of everything but lamps' own exitance comes
+// with it, at the B before the sweep and at no walk of its own (indirect.comp).
+//
 // The fourth channel solves u = 1 + rho_max * sum of weight * u_node along with B: how much the scene amplifies.
 #define READ_FRAME
 #define READ_LEAVES
@@ -15,6 +18,10 @@
 #define READ_LEAF_RADIOSITY
 #define WRITE_LEAF_RADIOSITY
 #define WRITE_STATE
+#ifdef LIGHT
+#define READ_PENDING
+#define WRITE_LEAF_INDIRECT
+#endif
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
@@ -36,20 +43,20 @@ const uint DESCENT = GI_STATE_DESCENT_BITS - GI_STATE_GAP_BITS;
 const uint INFINITY_BITS = 0x7F800000u;
 
 struct gathered {
-	REAL4 sum;    // of weight * B_node, and of weight * u_node
-	REAL row_sum; // of weights
-	uint count;   // of links
+	SUM4 sum;    // of weight * B_node, and of weight * u_node
+	SUM row_sum; // of weights
+	uint count;  // of links
 };
 
 gathered gather(uint leaf)
 {
 	uvec4 row = load_row(leaf);
-	gathered g = gathered(REAL4(0.0), REAL(0.0), row.y & GI_BLOCK_COUNT_MASK);
+	gathered g = gathered(SUM4(0.0), SUM(0.0), row.y & GI_BLOCK_COUNT_MASK);
 	for (uint k = row.x / 2u; 2u * k < row.x + g.count; k++) {
 		uvec4 two = load_two_links(k);
-		REAL first = REAL(uintBitsToFloat(two.y)), second = REAL(uintBitsToFloat(two.w));
-		g.sum += first * REAL4(load_radiosity(two.x));
-		g.sum += second * REAL4(load_radiosity(two.z));
+		SUM first = SUM(uintBitsToFloat(two.y)), second = SUM(uintBitsToFloat(two.w));
+		g.sum += first * SUM4(load_radiosity(two.x));
+		g.sum += second * SUM4(load_radiosity(two.z));
 #ifdef CERTIFY
 		g.row_sum += first;
 		g.row_sum += second;
@@ -84,23 +91,32 @@ float inward(double x)
 	return max(float(x) * (1.0 - 2.3841858e-7) - LEAST_NORMAL, 0.0);
 }
 
+// A term of a sum rounds by this share of the sum, and what is less than this of it is lost.
+#ifdef SUM_IN_SINGLE
+const double TERM_ROUNDING = 5.9604701e-8lf, TERM_LOST = 1.17549435e-38lf;
+#else
+const double TERM_ROUNDING = 1.1102230246251565e-16lf, TERM_LOST = 0.0lf;
+#endif
+
 // Bounds, channel by channel; doubt bounds |computed T B - T B|: nodes are off by ROUNDING of their means, all terms of
-// the sums are >= 0 and n of them add n 2^-53, a node below the least normal float is off by no more than that.
+// the sums are >= 0 and n of them add n TERM_ROUNDING, a node below the least normal float is off by no more than that.
 void report(gathered g, dvec4 rho, dvec4 image, dvec4 before, vec4 next)
 {
 	// A leaf that sees nothing has B = E, exactly.
-	double sum_rounding = g.count == 0u ? 0.0lf : double(g.count + 8u) * 1.1102230246251565e-16lf;
-	dvec4 arrived = rho * g.sum;
+	double terms = g.count == 0u ? 0.0lf : double(g.count + 8u), sum_rounding = terms * TERM_ROUNDING;
+	dvec4 arrived = rho * dvec4(g.sum);
 	dvec4 lost = mix(dvec4(0.0lf), dvec4(2.0 * LEAST_NORMAL), greaterThan(arrived, dvec4(0.0lf)));
-	dvec4 doubt = ROUNDING * arrived + sum_rounding * image + lost;
+	dvec4 storing = ROUNDING * arrived + lost;
+	dvec4 doubt = storing + sum_rounding * image + terms * TERM_LOST;
 	dvec4 residual = abs(image - before) + doubt, written = abs(dvec4(next) - image) + doubt;
 	double least_left = 0.0lf;
 	for (uint c = 0u; c < 3u; c++) {
 		report_largest(RESIDUAL + c, outward(residual[c]));
 		report_largest(B_MAX + c, next[c]);
 		report_largest(WRITE + c, outward(written[c]));
-		report_least(GAP + c, g.count == 0u ? 1.0 : inward(1.0lf - rho[c] * g.row_sum * (1.0lf + sum_rounding)));
-		least_left = max(least_left, ROUNDING * double(next[c]) + doubt[c]);
+		report_least(GAP + c, g.count == 0u ? 1.0 : inward(1.0lf - rho[c] * double(g.row_sum) * (1.0lf + sum_rounding)));
+		// Sums in double precision would leave this.
+		least_left = max(least_left, ROUNDING * double(next[c]) + storing[c] + terms * 1.1102230246251565e-16lf * image[c]);
 	}
 	report_largest(FLOOR, outward(least_left));
 	report_largest(U_MAX, float(before.w));
@@ -123,9 +139,12 @@ void report(gathered g, vec4 rho, vec4 image, vec4 before, vec4 next)
 void sweep(uint leaf)
 {
 	gathered g = gather(leaf);
+#ifdef LIGHT
+	leaf_indirect[leaf] = vec4(max(vec3(g.sum.xyz) - load_pending(leaf).lamps.xyz, vec3(0.0)), 0.0);
+#endif
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
-	REAL4 image = REAL4(vec4(m.exitance.xyz, 1.0)) + rho * g.sum;
+	REAL4 image = REAL4(vec4(m.exitance.xyz, 1.0)) + rho * REAL4(g.sum);
 	vec4 before = load_leaf_radiosity(leaf);
 	REAL omega = REAL(uintBitsToFloat(state[GI_STATE_OMEGA_BITS]));
 	REAL4 step_to = image;

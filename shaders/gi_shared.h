@@ -172,7 +172,9 @@ GI_STRUCT(gi_material_data) {
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others
- *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, W/m2... of the largest B
+ *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest B
+ *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
+ *            update may assess, the newest update that moved, lit or put out an object
  *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
@@ -187,36 +189,44 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 update;
 	GI_UVEC4 inner;
 	GI_VEC4 limit;
+	GI_UVEC4 rations;
 } GI_END(gi_frame)
 
-#define GI_UPDATE_REBUILD 1u /* every row from nothing */
-#define GI_UPDATE_PART 2u    /* only the rows in the list of the chosen */
+#define GI_UPDATE_REBUILD 1u   /* every row from nothing */
+#define GI_UPDATE_PART 2u      /* only the rows in the list of the chosen */
+#define GI_UPDATE_TIMED 4u     /* no more than fits, however old rows become */
+#define GI_UPDATE_MATERIAL 8u  /* some material has other values than in the solve before */
 
-/* A row under a budget (assess.comp).
+/* A row under a budget (survey.comp, assess.comp).
  *
  *   //--------------- 16B ---------------
- *   key.x bucket of its priority, 0: need not be refreshed    key.y rays it takes    key.z dirty entries    key.w 0
- *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve; until then H (shine.comp)
+ *   key.x bucket of its priority, to be assessed or to be refreshed; 0: need not be
+ *   key.y rays it takes    key.z dirty entries, or how many may be    key.w update that assessed it, 0: none that still holds
+ *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve
  *   bound.w   bound on the share of the row's weight that moves
  *   before.xyz B before the solve
+ *   lamps.xyz  irradiance by the own exitance of lamps, which is drawn per pixel (lamps.comp)
  */
 GI_STRUCT(gi_pending) {
 	GI_UVEC4 key;
 	GI_VEC4 bound;
 	GI_VEC4 before;
+	GI_VEC4 lamps;
 } GI_END(gi_pending)
 
 #define GI_BUCKETS 1024u
 #define GI_BUCKETS_PER_OCTAVE 16u
 
-/* Of an object under a budget, words of three channels each as float bits: the largest B of its leaves that emit nothing,
- * the largest of all, the complement of the least. */
+/* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float bits: the
+ * largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
 #define GI_SHINE_OTHERS 0u
 #define GI_SHINE_ALL 3u
 #define GI_SHINE_LEAST 6u
 #define GI_SHINE_WORDS 9u
 
-/* The buffer of choices: rays by bucket, then the chosen leaves. */
+/* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to assess. */
+#define GI_CHOICE_ROWS GI_BUCKETS
+#define GI_CHOICE_CHOSEN (2u * GI_BUCKETS)
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
  *   x node
@@ -231,8 +241,8 @@ GI_STRUCT(gi_pending) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
-/* A segment, the cut of one object in one row: x and y a block of entries, z the share of its samples that see their
- * object as float bits (close.comp), w 0.
+/* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
+ * samples that see their object, w the sum of the form factors of entries that are no backs.
  *
  * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
  */
@@ -301,6 +311,10 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_THRESHOLD 86u       /* lowest bucket that is refreshed */
 #define GI_STATE_ARGS_CHOSEN 87u     /* group counts, 3 words: a thread a chosen row */
 #define GI_STATE_ARGS_PAIRS 90u      /* 3 words: a thread a chosen row and object */
+#define GI_STATE_ASSESSED 75u        /* rows to assess */
+#define GI_STATE_ASSESS_THRESHOLD 76u /* lowest bucket that is assessed */
+#define GI_STATE_ARGS_ASSESS 77u     /* 3 words: some threads a row to assess */
+#define GI_STATE_CHOSEN_RAYS 93u     /* those that chosen rows are thought to take */
 /* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
 #define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
@@ -355,7 +369,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24        /* uint: the movers, then each mover's neighbours */
+#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects */
 #define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
@@ -363,9 +377,9 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
 #define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
 #define GI_BIND_SPREAD 31
-#define GI_BIND_CHOICES 32         /* uint: GI_BUCKETS, then leaves */
+#define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot */
+#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 

@@ -1,33 +1,56 @@
 #version 450 core
 // What light there is before the solve. Of each object's leaves the largest B, that of those that emit nothing, the
-// least; of each leaf B, and H in the place of the bound that assess.comp makes with it. One thread a leaf.
+// least; and the same of the whole scene, the sky's among it. One group an object.
 #define READ_FRAME
+#define READ_OBJECTS
 #define READ_TOPOLOGY
 #define READ_LEAVES
-#define READ_ROWS
-#define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define WRITE_PENDING
 #define WRITE_SHINE
 #include "buffers.glsl"
-#include "dispatch.glsl"
-#include "row_light.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
+shared uint found[GI_SHINE_WORDS];
+
+struct extremes {
+	vec3 all, others, least;
+};
+
+void include(inout extremes e, vec3 b, bool emitter)
+{
+	e = extremes(max(e.all, b), max(e.others, emitter ? vec3(0.0) : b), min(e.least, b));
+}
+
+// Floats >= 0 order as their bits do.
+void share(extremes e)
+{
+	for (uint c = 0u; c < 3u; c++) {
+		atomicMax(found[GI_SHINE_ALL + c], floatBitsToUint(e.all[c]));
+		atomicMax(found[GI_SHINE_OTHERS + c], floatBitsToUint(e.others[c]));
+		atomicMax(found[GI_SHINE_LEAST + c], ~floatBitsToUint(e.least[c]));
+	}
+}
+
 void main()
 {
-	uint leaf = thread_number();
-	if (leaf >= frame.counts.x)
-		return;
-	bool emitter = (load_range(load_leaf(leaf).x).w & GI_NODE_EMITTER) != 0u;
-	for (uint c = 0u; c < 3u; c++) {
-		uint at = GI_SHINE_WORDS * load_leaf(leaf).y + c, b = floatBitsToUint(load_leaf_radiosity(leaf)[c]);
-		atomicMax(shine[at + GI_SHINE_ALL], b);
-		atomicMax(shine[at + GI_SHINE_OTHERS], emitter ? 0u : b);
-		atomicMax(shine[at + GI_SHINE_LEAST], ~b);
+	uint local = gl_LocalInvocationID.x, object = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+	bool there = object < frame.counts.z;
+	uvec4 nodes = there ? object_nodes(object) : uvec4(0u);
+	if (local < GI_SHINE_WORDS)
+		found[local] = 0u;
+	barrier();
+	extremes e = extremes(vec3(0.0), vec3(0.0), vec3(3e38));
+	for (uint leaf = nodes.z + local; leaf < nodes.w; leaf += GI_GROUP_SIZE)
+		include(e, load_leaf_radiosity(leaf).xyz, (load_range(load_leaf(leaf).x).w & GI_NODE_EMITTER) != 0u);
+	if (there && local == 0u && (object_bvh(object).z & GI_OBJECT_SKY) != 0u)
+		include(e, load_radiosity(nodes.x).xyz, (load_range(nodes.x).w & GI_NODE_EMITTER) != 0u);
+	if (there)
+		share(e);
+	barrier();
+	if (there && local < GI_SHINE_WORDS) {
+		shine[GI_SHINE_WORDS * object + local] = found[local];
+		atomicMax(shine[GI_SHINE_WORDS * frame.counts.z + local], found[local]);
 	}
-	pending[leaf].bound.xyz = light_of_row(leaf);
-	pending[leaf].before = vec4(load_leaf_radiosity(leaf).xyz, 0.0);
 }

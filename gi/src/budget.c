@@ -1,29 +1,40 @@
 /* Updates that may not refresh every row: which rows go first, and what those that wait may be off by.
  *
  *   shine    the range of B of each object
- *   assess   of every row: the rays that it takes, a bound on what refreshing it changes, the bucket of its priority
- *   choose   the lowest bucket that the budget reaches
- *   enlist   the rows to refresh, in a list that cut, flag and close work through
- *   (rows, solve)
- *   stale    the largest bound of a row that waits
+ *   survey   of every row: whether anything changed, a bound on what refreshing it changes for all that is known
+ * without its entries, the bucket of its priority choose, enlist    the rows to assess; all but under a budget of time,
+ * which assesses as many as fit assess   of those: the rays that they take, a bound that asks their entries, the bucket
+ * of their priority choose, enlist    the rows to refresh, in a list that cut, flag and close work through (rows,
+ * solve) stale    the largest bound of a row that waits
  *
  * Let B solve the rows that are there and B* those that an exact update would have. |B - B*| <= d + rho F* |B - B*|
  * leaf by leaf, d bounding what refreshing the row changes at B; since no row sums to more than 1, the leaf that is off
  * most bounds them all: |B - B*| <= max d / (1 - rho). The B of the frame is within solve_bound of B.
+ *
+ * A budget of time is shared out to what updates before were seen to take: a solve and rows to assess get their shares
+ * of it, but a sweep and LEAST_ROWS at least, and rays what is left.
  */
 #include "bits.h"
 #include "context.h"
 
 #include <math.h>
 
-/* A frame's ray costs change slowly; a single timing is noise. */
-static const float LEARNING = 0.3f;
+/* Of a new measurement, when it is more than what was thought and when it is less; a single timing is noise. */
+static const float LEARNING_MORE = 0.3f, LEARNING_LESS = 0.5f;
 
-/* Fewer rays tell the price of dispatches, not of rays. */
+/* A measurement counts no more than so many times what was thought: some frames compile shaders. */
+static const float BELIEVED = 2;
+
+/* Few rays that nothing waits behind tell the price of dispatches, not of rays. */
 static const uint64_t RAYS_TO_LEARN = 2000;
 
 /* However little time is left, some rows are refreshed. */
 static const float LEAST_SHARE = 0.1f;
+
+/* Of the time: what sweeps and the look at rows may take. */
+static const float SWEEP_SHARE = 0.3f, ASSESS_SHARE = 0.1f;
+
+static const uint32_t LEAST_ROWS = 32;
 
 bool budget_is_exact(const gi_budget *budget)
 {
@@ -53,10 +64,13 @@ gi_result budget_allocate(gi_context *gi)
 	gpu *g = &gi->gpu;
 	if (!r->made) {
 		const gpu_program_file programs[] = {{"shine.comp", &r->shine_program},
+						     {"survey.comp", &r->survey_program},
 						     {"assess.comp", &r->assess_program},
 						     {"choose.comp", &r->choose_program},
 						     {"enlist.comp", &r->enlist_program},
-						     {"stale.comp", &r->stale_program}};
+						     {"stale.comp", &r->stale_program},
+						     {"certify_brief.comp", &gi->solver.brief_program},
+						     {"lamps.comp", &gi->solver.lamps_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -66,13 +80,18 @@ gi_result budget_allocate(gi_context *gi)
 	const struct {
 		gpu_buffer *buffer;
 		uint64_t bytes;
-	} sizes[] = {{&r->choices, sizeof(uint32_t) * (GI_BUCKETS + leaves)},
+	} sizes[] = {{&r->choices, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
 		     {&r->pending, sizeof(gi_pending) * leaves},
-		     {&r->shine, sizeof(uint32_t) * GI_SHINE_WORDS * slots}};
+		     {&r->shine, sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
-	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++)
-		if (!sizes[k].buffer->name || sizes[k].buffer->size < sizes[k].bytes)
-			result = gpu_buffer_allocate(g, sizes[k].buffer, sizes[k].bytes, NULL);
+	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
+		gpu_buffer *buffer = sizes[k].buffer;
+		if (buffer->name && buffer->size >= sizes[k].bytes)
+			continue;
+		result = gpu_buffer_allocate(g, buffer, sizes[k].bytes, NULL);
+		if (!result)
+			gpu_buffer_clear(buffer, 0, buffer->size, 0); /* no row was assessed */
+	}
 	return result;
 }
 
@@ -86,40 +105,100 @@ static float pass_sum(const gi_context *gi, const gi_pass *passes, size_t count)
 	return sum;
 }
 
-/* The rays that fit into the time left by the passes that a budget does not shorten. */
-static double rays_in(const gi_context *gi, float ms)
+static bool is_timed(const gi_budget *budget)
 {
-	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
-	const float left = fmaxf(LEAST_SHARE * ms, ms - pass_sum(gi, fixed, sizeof fixed / sizeof *fixed));
-	return gi->rations.ms_per_ray > 0 ? (double)(left / gi->rations.ms_per_ray) : INFINITY;
+	return budget && budget->ms > 0;
 }
 
-void budget_limits(gi_context *gi, const gi_budget *budget, gi_vec4 *limit)
+/* How often a cost goes into a share of the time; a cost that is not known yet, not at all. */
+static double fits(float share, float ms, float cost)
 {
-	double rays = budget->rays ? (double)budget->rays : INFINITY;
-	if (budget->ms > 0)
-		rays = fmin(rays, rays_in(gi, budget->ms));
-	gi->rations.error = budget->error;
-	*limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
+	return cost > 0 ? (double)(share * ms / cost) : 0;
+}
+
+static double rays_in(const gi_costs *c, float ms)
+{
+	return fits(1, fmaxf(LEAST_SHARE * ms, ms - c->fixed), c->ray);
+}
+
+void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
+{
+	const gi_costs *c = &gi->rations.costs;
+	double rays = budget->rays ? (double)budget->rays : INFINITY, rows = INFINITY;
+	if (is_timed(budget)) {
+		frame->update.w |= GI_UPDATE_TIMED;
+		rays = fmin(rays, rays_in(c, budget->ms));
+		rows = fmax(LEAST_ROWS, fits(ASSESS_SHARE, budget->ms, c->row));
+	}
+	gi->rations.last = *budget;
+	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
+	frame->rations.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
+}
+
+bool budget_times_solve(const gi_context *gi, const gi_budget *budget)
+{
+	/* The first rows get a whole solve. */
+	return is_timed(budget) && gi->rations.in_force;
+}
+
+uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget)
+{
+	const double sweeps = fits(SWEEP_SHARE, budget->ms, gi->rations.costs.sweep);
+	return (uint32_t)fmax(1, fmin(sweeps, gi->def.max_sweeps));
+}
+
+/* ---- what updates take ---- */
+
+float budget_choose_ms(const gi_context *gi)
+{
+	return gi->timers[GI_PASS_CHOOSE].ms + gi->rations.assess_timer.ms;
+}
+
+static void learn(float *cost, float measured)
+{
+	if (*cost <= 0)
+		*cost = measured;
+	else if (measured > *cost)
+		*cost += LEARNING_MORE * (fminf(measured, BELIEVED * *cost) - *cost);
+	else
+		*cost += LEARNING_LESS * (measured - *cost);
+}
+
+/* What rays do not change of the update, ms: the passes, and on a software renderer, where the CPU waits for each of
+ * them, all else that gi_update does. */
+static float fixed_ms(const gi_context *gi)
+{
+	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
+	static const gi_pass rest[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
+	const float passes = pass_sum(gi, fixed, sizeof fixed / sizeof *fixed) + budget_choose_ms(gi);
+	const float between = gi->report.update_ms - passes - pass_sum(gi, rest, sizeof rest / sizeof *rest);
+	return passes + (gi->gpu.software ? fmaxf(between, 0) : 0);
 }
 
 void budget_learn(gi_context *gi)
 {
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
-	gi_rations *r = &gi->rations;
-	if (!gi->def.profile || report->frame == r->learned || report->rays < RAYS_TO_LEARN)
+	gi_costs *c = &gi->rations.costs;
+	if (!gi->def.profile || report->frame == c->frame)
 		return;
-	const float ms_per_ray = pass_sum(gi, by_ray, sizeof by_ray / sizeof *by_ray) / (float)report->rays;
-	if (ms_per_ray > 0)
-		r->ms_per_ray += (r->ms_per_ray > 0 ? LEARNING : 1) * (ms_per_ray - r->ms_per_ray);
-	r->learned = report->frame;
+	c->frame = report->frame;
+	if (report->rays >= RAYS_TO_LEARN || (report->rays && gi->rations.late))
+		learn(&c->ray, pass_sum(gi, by_ray, sizeof by_ray / sizeof *by_ray) / (float)report->rays);
+	if (report->sweeps)
+		learn(&c->sweep, gi->timers[GI_PASS_SOLVE].ms / (float)report->sweeps);
+	if (report->assessed_rows) {
+		learn(&c->row, gi->rations.assess_timer.ms / (float)report->assessed_rows);
+		/* Above the budget it makes no difference, and one slow frame would take long to be forgotten. */
+		learn(&c->fixed, fminf(fixed_ms(gi), gi->rations.last.ms > 0 ? gi->rations.last.ms : INFINITY));
+	}
 }
 
 void budget_report(const uint32_t *state, gi_report *out)
 {
 	out->waiting_rows = state[GI_STATE_WAITING_ROWS];
 	out->waiting_entries = state[GI_STATE_WAITING_ENTRIES];
+	out->assessed_rows = state[GI_STATE_ASSESSED];
 	out->stale_bound = out->stale_relative = 0;
 	if (!out->waiting_rows)
 		return;
@@ -129,21 +208,39 @@ void budget_report(const uint32_t *state, gi_report *out)
 
 /* ---- passes ---- */
 
+/* Stages of choose.comp, and of enlist.comp halved. */
+enum { ASSESS = 0, ASSESS_GROUPS = 1, REFRESH = 2, REFRESH_GROUPS = 3 };
+
+static void run_stage(gi_context *gi, uint32_t stage)
+{
+	gpu_set_uint(gi->rations.choose_program, 0, stage);
+	gpu_dispatch_groups(&gi->gpu, gi->rations.choose_program, 1);
+}
+
+/* Lists the rows to assess, or to refresh. */
+static void enlist(gi_context *gi, uint32_t stage)
+{
+	run_stage(gi, stage);
+	gpu_set_uint(gi->rations.enlist_program, 0, stage / REFRESH);
+	gpu_dispatch(&gi->gpu, gi->rations.enlist_program, gi->scene.leaf_count);
+	run_stage(gi, stage + 1);
+}
+
 void budget_choose(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
 	gpu *g = &gi->gpu;
 	gpu_timer_begin(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_buffer_clear(&r->shine, 0, r->shine.size, 0);
-	gpu_buffer_clear(&r->choices, 0, sizeof(uint32_t) * GI_BUCKETS, 0);
-	gpu_dispatch(g, r->shine_program, gi->scene.leaf_count);
-	gpu_dispatch(g, r->assess_program, gi->scene.leaf_count);
-	gpu_set_uint(r->choose_program, 0, 0);
-	gpu_dispatch_groups(g, r->choose_program, 1);
-	gpu_dispatch(g, r->enlist_program, gi->scene.leaf_count);
-	gpu_set_uint(r->choose_program, 0, 1);
-	gpu_dispatch_groups(g, r->choose_program, 1);
+	gpu_buffer_clear(&r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
+	gpu_dispatch_groups(g, r->shine_program, gi->scene.slot_count);
+	gpu_dispatch(g, r->survey_program, gi->scene.leaf_count);
+	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
+	gpu_timer_begin(g, &r->assess_timer);
+	gpu_dispatch_indirect(g, r->assess_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_ASSESS);
+	enlist(gi, REFRESH);
+	gpu_timer_end(g, &r->assess_timer);
 }
 
 void budget_bound(gi_context *gi)
@@ -170,8 +267,8 @@ void budget_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->choices, &r->pending, &r->shine};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&r->shine_program, &r->assess_program, &r->choose_program, &r->enlist_program,
-				&r->stale_program};
+	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,
+				&r->choose_program, &r->enlist_program, &r->stale_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }

@@ -82,16 +82,25 @@ typedef struct gi_rows {
 
 /* ---- budget ---- */
 
+/* What updates under a budget were seen to take, ms; 0: not known yet. */
+typedef struct gi_costs {
+	float ray;   /* of cut, factor, flag, trace and close together */
+	float row;   /* that is assessed */
+	float sweep;
+	float fixed; /* what no number of rays changes: the other passes, and on a software renderer what lies between them */
+	uint64_t frame; /* that they were learned from last */
+} gi_costs;
+
 /* Made by the first update that has a budget. */
 typedef struct gi_rations {
 	bool made;         /* programs */
 	bool in_force;     /* some rows may wait: bounds on them are kept up with B */
 	bool late;         /* some wait for lack of budget alone, as of the newest report: the next update goes on */
-	float ms_per_ray;  /* of cut, factor, flag, trace and close together; 0: not known yet */
-	uint64_t learned;  /* frame that ms_per_ray is from */
-	float error;       /* of the last budget */
+	gi_costs costs;
+	gi_budget last;    /* budget of the last update of rows that had one */
+	gpu_timer assess_timer; /* part of the choose pass */
 	gpu_buffer choices, pending, shine;
-	uint32_t shine_program, assess_program, choose_program, enlist_program, stale_program;
+	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program;
 } gi_rations;
 
 /* ---- solver ---- */
@@ -100,6 +109,8 @@ typedef struct gi_solver {
 	bool cold;         /* start from B = E */
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
+	bool lamps_known;  /* each row's light by lamps is remembered (gi_pending.lamps) */
+	uint32_t brief_program, lamps_program; /* made by the first update that has a budget */
 	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
 } gi_solver;
 
@@ -197,19 +208,24 @@ bool budget_is_exact(const gi_budget *budget);
 gi_result budget_check(const gi_context *gi, const gi_budget *budget);
 /* Programs and buffers, where they are not there yet. */
 gi_result budget_allocate(gi_context *gi);
-void budget_limits(gi_context *gi, const gi_budget *budget, gi_vec4 *limit);
+/* Of the frame: limit, and of rations the rows to assess. */
+void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
+/* Is time what a solve is given, and not as many sweeps as it needs? */
+bool budget_times_solve(const gi_context *gi, const gi_budget *budget);
+uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget); /* that such a solve may take */
 void budget_choose(gi_context *gi);  /* the rows to refresh; the movers' poses must be in the world */
 void budget_bound(gi_context *gi);   /* after the solve: what waiting rows may be off by */
 void budget_report(const uint32_t *state, gi_report *out);
-void budget_learn(gi_context *gi);   /* what a ray costs, from the newest report */
+void budget_learn(gi_context *gi);   /* what updates cost, from the newest report */
+float budget_choose_ms(const gi_context *gi); /* of the choose pass */
 void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 
 /* solver.c */
 gi_result solver_init(gi_context *gi);
 gi_result solver_allocate(gi_context *gi);
-/* anew: the rows or materials are not those of the solve before. */
-void solver_update(gi_context *gi, bool anew);
+/* anew: the rows or materials are not those of the solve before. budget may be NULL. */
+void solver_update(gi_context *gi, bool anew, const gi_budget *budget);
 void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);

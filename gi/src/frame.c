@@ -81,6 +81,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_poll(&gi->timers[k], wait);
+	gpu_timer_poll(&gi->rations.assess_timer, wait);
 	budget_learn(gi);
 }
 
@@ -88,7 +89,7 @@ static void collect_reports(gi_context *gi, bool wait)
 static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
 {
 	const bool waiting = gi->rows.current < gi->rows.update;
-	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.error);
+	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.last.error);
 }
 
 /* rows: more than the start of the solve; a material's values go the way of the rows too, which cost little then. */
@@ -120,7 +121,7 @@ static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
 		rows_clear_counts(gi);
 	if (result)
 		return result;
-	solver_update(gi, rows);
+	solver_update(gi, rows, budget);
 	if (gi->rations.in_force)
 		budget_bound(gi);
 	result = estimate_update(gi);
@@ -248,5 +249,7 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 	out->gpu_bytes = gi->gpu.buffer_bytes;
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		out->pass_ms[k] = k < GI_PASS_SHADOW && out->outcome == GI_OUTCOME_AT_REST ? 0 : gi->timers[k].ms;
+	if (out->pass_ms[GI_PASS_CHOOSE] > 0)
+		out->pass_ms[GI_PASS_CHOOSE] = budget_choose_ms(gi);
 	return GI_OK;
 }

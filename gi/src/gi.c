@@ -156,6 +156,7 @@ void gi_context_destroy(gi_context *gi)
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_free(&gi->timers[k]);
+	gpu_timer_free(&gi->rations.assess_timer);
 	free(gi);
 }
 

@@ -163,6 +163,7 @@ gi_result rows_grow(gi_context *gi)
 typedef struct plan {
 	bool part; /* under a budget: the chosen rows alone */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
+	uint32_t first_emitter, end_emitter; /* in the list of suspects */
 	uint64_t cut_threads;
 } plan;
 
@@ -296,20 +297,39 @@ static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *lis
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data); returns how many movers come first. */
-static gi_result upload_suspects(gi_context *gi, uint32_t *movers)
+/* More emitting objects than this are not asked for one by one (survey.comp). */
+enum { MOST_EMITTERS = 32 };
+
+/* Appends the emitting objects, [*first, *end); first > end: too many. */
+static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first, uint32_t *end)
+{
+	const gi_scene *s = &gi->scene;
+	bool ok = true;
+	*first = list->count;
+	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
+		if (s->topology[s->object_data[slot].nodes.x].range.w & GI_NODE_EMITTER)
+			ok = append(list, slot);
+	*end = list->count;
+	if (*end - *first > MOST_EMITTERS)
+		*first = *end + 1;
+	return ok;
+}
+
+/* Objects that may have changed what entries see (gi_object_data), movers first, and those that emit. */
+static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
 	gpu_buffer *buffer = &gi->rows.suspects;
 	slot_list list = {0};
 	bool ok = list_movers(gi, &list);
-	*movers = list.count;
-	for (uint32_t k = 0; ok && k < *movers; k++) {
+	p->movers = list.count;
+	for (uint32_t k = 0; ok && k < p->movers; k++) {
 		gi_object_data *data = &s->object_data[list.slots[k]];
 		data->bvh.w = list.count;
 		ok = list_neighbours(gi, list.slots[k], &list);
 		data->extra.x = list.count;
 	}
+	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
 	if (!ok)
@@ -337,6 +357,26 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	return GI_OK;
 }
 
+static bool materials_changed(const gi_context *gi)
+{
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		if (gi->scene.objects[k].material_changed || gi->scene.objects[k].relit)
+			return true;
+	return false;
+}
+
+/* The update that last moved, lit or put out something. */
+static uint32_t newest_change(const gi_context *gi)
+{
+	uint32_t newest = 0;
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
+		const gi_uvec4 changed = gi->scene.object_data[slot].changed;
+		newest = changed.x > newest ? changed.x : newest;
+		newest = changed.y > newest ? changed.y : newest;
+	}
+	return newest;
+}
+
 static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
@@ -358,8 +398,9 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	if (p->part) {
-		gi->frame.update.w |= GI_UPDATE_PART;
-		budget_limits(gi, budget, &gi->frame.limit);
+		gi->frame.update.w |= GI_UPDATE_PART | (materials_changed(gi) ? GI_UPDATE_MATERIAL : 0);
+		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
+		budget_limits(gi, budget, &gi->frame);
 	}
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
 }
@@ -379,6 +420,8 @@ static void begin(gi_context *gi)
 	rows_clear_counts(gi);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -440,7 +483,7 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	if (p->cut_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
-	result = upload_suspects(gi, &p->movers);
+	result = upload_suspects(gi, p);
 	return result ? result : upload_plan(gi, p);
 }
 

@@ -4,6 +4,10 @@
  * A sweep is gather (leaves; in single precision, or certify in double), pull (ancestors as area means) and check,
  * which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued but not
  * wanted: no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound relies on.
+ *
+ * Under a budget of time a solve takes as many sweeps as fit and the next update goes on from there. While rows change
+ * its last sweep is a brief one: it sums in single precision, certifies all the same, and leaves the light too. Once
+ * they stay, solves end as they always do.
  */
 #include "context.h"
 
@@ -71,12 +75,13 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-static void sweep(gi_context *gi)
+/* certify: the program of certifying sweeps. */
+static void sweep(gi_context *gi, uint32_t certify)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
 	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, s->certify_program, &gi->state, word * GI_STATE_ARGS_CERTIFY);
+	gpu_dispatch_indirect(&gi->gpu, certify, &gi->state, word * GI_STATE_ARGS_CERTIFY);
 	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
 	if (gi->scene.wide_count)
 		gpu_dispatch_indirect(&gi->gpu, s->wide_program, &gi->state, word * GI_STATE_ARGS_WIDE);
@@ -95,27 +100,50 @@ static bool is_lit(const gi_scene *s)
 	return false;
 }
 
-void solver_update(gi_context *gi, bool anew)
+/* The light by lamps of the rows that this update refreshed, or of all. */
+static void remember_lamps(gi_context *gi)
 {
 	gi_solver *s = &gi->solver;
-	const bool start = s->cold || !is_lit(&gi->scene);
+	const bool all = !s->lamps_known || (gi->frame.update.w & GI_UPDATE_MATERIAL);
+	gpu_set_uint(s->lamps_program, 0, all);
+	if (all)
+		gpu_dispatch(&gi->gpu, s->lamps_program, gi->scene.leaf_count);
+	else
+		gpu_dispatch_indirect(&gi->gpu, s->lamps_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+}
+
+static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps, bool brief)
+{
+	gi_solver *s = &gi->solver;
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
+	if (brief)
+		remember_lamps(gi);
+	if (s->cold || !is_lit(&gi->scene))
+		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
+	gpu_set_uint(s->check_program, CHECK_STAGE, stage);
+	gpu_set_uint(s->check_program, CHECK_MAX_SWEEPS, sweeps);
+	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
+	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
+	for (uint32_t k = 0; k < sweeps; k++)
+		sweep(gi, brief ? s->brief_program : s->certify_program);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
+}
+
+void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
+{
+	gi_solver *s = &gi->solver;
+	const bool timed = budget_times_solve(gi, budget), brief = timed && anew;
+	const bool begin = anew || s->cold || !is_lit(&gi->scene);
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
-	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
-	if (start)
-		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
+	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps, brief);
 	s->cold = false;
-	gpu_set_uint(s->check_program, CHECK_STAGE, anew || start ? STAGE_BEGIN : STAGE_GO_ON);
-	gpu_set_uint(s->check_program, CHECK_MAX_SWEEPS, gi->def.max_sweeps);
-	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
-	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
-	for (uint32_t k = 0; k < gi->def.max_sweeps; k++)
-		sweep(gi);
-	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
+	s->lamps_known = brief || (s->lamps_known && !anew);
 
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
-	gpu_dispatch(&gi->gpu, s->indirect_program, gi->scene.leaf_count);
+	if (!brief)
+		gpu_dispatch(&gi->gpu, s->indirect_program, gi->scene.leaf_count);
 	gpu_dispatch(&gi->gpu, s->light_program, gi->scene.light_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 }
@@ -146,7 +174,8 @@ void solver_free(gi_context *gi)
 	gi_solver *s = &gi->solver;
 	solver_release(gi, s);
 	uint32_t *programs[] = {&s->gather_program, &s->certify_program, &s->pull_program,     &s->wide_program,
-				&s->check_program,  &s->start_program,   &s->indirect_program, &s->light_program};
+				&s->check_program,  &s->start_program,   &s->indirect_program, &s->light_program,
+				&s->brief_program,  &s->lamps_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }

@@ -3,6 +3,7 @@
 #define TESTS_BENCH_BENCH_FRAMES_H
 
 #include "bench_scene.h"
+#include "scenes/scenes.h"
 
 typedef struct bench_run {
 	engine_context *context;
@@ -21,6 +22,11 @@ void bench_frames(const bench_run *run);
  * on by as much. run->budget is not looked at. */
 void bench_rate_head(void);
 void bench_rate(const bench_run *run);
+
+/* A line of a table for each call: the scene at the library's defaults, moving, every update given so many milliseconds;
+ * after it is known what things take, and without a picture. */
+void bench_budget_head(void);
+void bench_budget(engine_context *context, const scene_kind *kind, float ms, uint32_t frames);
 
 /* How far B is from that of an exact update of the same poses. */
 typedef struct bench_distance {

@@ -20,7 +20,8 @@ typedef struct options {
 	bench_settings settings; /* of the frame-rate runs */
 	gi_budget budget;        /* of the first of them */
 	float fps;               /* of its animation */
-	float budget_fps;        /* asked for in the budgets' table; 0: two usual ones */
+	float budget_fps;        /* asked for in the frame rates' table; 0: two usual ones */
+	float update_ms;         /* likewise of an update, in the budgets' */
 } options;
 
 /* ---- update against rebuild ---- */
@@ -128,6 +129,18 @@ static void run_rates(const bench_run *usual, const options *o)
 	printf("\n");
 }
 
+/* ---- budgets of time ---- */
+
+static void run_budgets(engine_context *context, const options *o)
+{
+	static const char *const scenes[] = {"cornell", "corridor"};
+	printf("## Under a budget of time, the library's defaults\n\n");
+	bench_budget_head();
+	for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++)
+		bench_budget(context, scene_kind_find(scenes[k]), o->update_ms, o->frames);
+	printf("\n");
+}
+
 /* ---- options ---- */
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -173,6 +186,11 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 		if (!(o->budget_fps > 0))
 			argp_error(state, "--budget-fps is above 0");
 		return 0;
+	case 'u':
+		o->update_ms = (float)atof(argument);
+		if (!(o->update_ms > 0))
+			argp_error(state, "--update-ms is above 0");
+		return 0;
 	case 'f':
 		o->fps = (float)atof(argument);
 		if (!(o->fps > 0))
@@ -198,12 +216,13 @@ int main(int argc, char **argv)
 	     0},
 	    {"budget-fps", 'b', "R", 0,
 	     "frames a second that a budget is to keep, default 30, and 60 with walls one step coarser", 0},
+	    {"update-ms", 'u', "MS", 0, "what updates are given in the table of budgets of time, default 4", 0},
 	    {"fps", 'f', "R", 0, "frames a second of the frame-rate run's animation, default 10", 0},
 	    {0},
 	};
 	const struct argp argp = {
 	    list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
-	options o = {.frames = 40, .size = 512, .settings = bench_settings_coarse(), .fps = 10};
+	options o = {.frames = 40, .size = 512, .settings = bench_settings_coarse(), .fps = 10, .update_ms = 4};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 	engine_context *context = bench_open_window(o.kind, o.size);
 	printf("# gi_bench on %s\n\nbuilt from %s\n\n", engine_context_describe(context), RELUME_COMMIT);
@@ -215,6 +234,7 @@ int main(int argc, char **argv)
 			       .budget = o.budget};
 	bench_frames(&run);
 	run_rates(&run, &o);
+	run_budgets(context, &o);
 	run_updates_and_rebuilds(context, &o);
 	engine_context_destroy(context);
 	return 0;

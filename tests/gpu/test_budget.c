@@ -278,6 +278,69 @@ static void small_changes_wait(void **state)
 	close_pair(&p);
 }
 
+/* ---- time ---- */
+
+static gi_context_def timed_def(void)
+{
+	gi_context_def def = coarse_def();
+	def.profile = true; /* a budget of time needs the timers */
+	return def;
+}
+
+static void time_is_certified(void **state)
+{
+	(void)state;
+	const gi_context_def def = timed_def();
+	play("1 ms", open_box, &def, &(gi_budget){.ms = 1}, 40);
+	play("3 ms", open_room, &def, &(gi_budget){.ms = 3}, 40);
+	play("2 ms, error 0.1", open_box, &def, &(gi_budget){.ms = 2, .error = .1f}, 30);
+}
+
+/* Into next to no time fit one row, one sweep, and a look at as many rows as always. What is counted is asked for, not
+ * what it took. */
+static void expect_little_work(const gi_report *r)
+{
+	enum { LEAST_ROWS = 32, MOST_DISPATCHES = 100 };
+	assert_true(r->dirty_rows <= 1);
+	assert_int_equal(r->sweeps, 1);
+	assert_true(r->assessed_rows <= LEAST_ROWS);
+	assert_true(r->dispatches <= MOST_DISPATCHES);
+}
+
+/* Nothing fits, everything moves; then nothing moves, and all rows become an exact update's, the solve as near as one.
+ */
+static void little_time_little_work(void **state)
+{
+	(void)state;
+	const gi_context_def def = timed_def();
+	const gi_budget little = {.ms = 1e-3f};
+	pair p = open_pair(open_box, &def, 13, false);
+	update_under(p.bounded.gi, &little);
+	harness_update(p.exact.gi);
+	static tally t;
+	t = (tally){0};
+	gi_report r;
+	for (int frame = 0; frame < 20; frame++) {
+		move_both(&p);
+		r = update_under(p.bounded.gi, &little);
+		const gi_report exact = harness_update(p.exact.gi);
+		expect_little_work(&r);
+		expect_bounded(&p, &r, &exact, "little time", &t);
+	}
+	print_tally("next to no time", &t);
+	uint32_t updates = 0;
+	do {
+		r = update_under(p.bounded.gi, &little);
+		assert_true(r.dirty_rows <= 1 && r.sweeps <= 1);
+	} while (++updates < 4 * r.leaves && r.outcome != GI_OUTCOME_AT_REST);
+	printf("  one row at a time: at rest %u updates after the last move, %u leaves\n", updates, r.leaves);
+	assert_int_equal(r.outcome, GI_OUTCOME_AT_REST);
+	assert_int_equal(r.waiting_rows, 0);
+	assert_true(r.solve_relative <= def.solve_tolerance);
+	expect_same_rows(&p, "one row at a time");
+	close_pair(&p);
+}
+
 /* ---- edges ---- */
 
 static void no_budget_is_exact(void **state)
@@ -348,6 +411,8 @@ int main(void)
 	    cmocka_unit_test(error),
 	    cmocka_unit_test(nothing_waits_for_ever),
 	    cmocka_unit_test(small_changes_wait),
+	    cmocka_unit_test(time_is_certified),
+	    cmocka_unit_test(little_time_little_work),
 	    cmocka_unit_test(no_budget_is_exact),
 	    cmocka_unit_test(switches_and_commits),
 	    cmocka_unit_test(bad_budgets),

@@ -3,8 +3,8 @@
  * an exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have
  * it.
  *
- * RELUME_SCENES=N: as many scenes of four frames each; the default takes about twenty seconds. RELUME_TEST=NAME: only that
- * of the tests.
+ * RELUME_SCENES=N: as many scenes of four frames each; the default takes about twenty seconds. RELUME_TEST=NAME: only
+ * that of the tests.
  */
 #include "exact_rows.h"
 #include "random_scene.h"
@@ -83,6 +83,40 @@ static void expect_certified(gi_context *gi, const gi_context_def *def, random_s
 	note_ratio(t, bound, distance, seed);
 }
 
+/* Holds B as it is, of the last of some updates under a budget, against the solution of the rows of an exact update. */
+static void compare_with_exact(gi_context *gi, const gi_context_def *def, const gi_report *r, uint64_t seed, int frame,
+			       tally *t)
+{
+	snapshot under = snapshot_take(gi);
+	const gi_report full = harness_update(gi);
+	assert_int_equal(full.waiting_rows, 0);
+	snapshot exact = snapshot_take(gi);
+	for (uint32_t k = 0; k < exact.leaf_count; k++)
+		memcpy(exact.leaves[k].radiosity, under.leaves[k].radiosity, sizeof exact.leaves[k].radiosity);
+	const double bound = (double)r->solve_bound + (double)r->stale_bound;
+	const double distance = exact_distance(&exact, &full, def->sky_exitance, bound);
+	if (!(distance <= bound))
+		fail_msg("scene %llu, frame %d: B is %.6g from the solution of the exact rows; solve_bound %.6g, "
+			 "stale_bound %.6g "
+			 "(%llu of %u rows wait)",
+			 (unsigned long long)seed, frame, distance, (double)r->solve_bound, (double)r->stale_bound,
+			 (unsigned long long)r->waiting_rows, r->leaves);
+	snapshot_free(&under);
+	snapshot_free(&exact);
+	t->by_outcome[r->outcome]++;
+	t->waited += r->waiting_rows > 0;
+	if (r->waiting_rows)
+		note_ratio(t, bound, distance, seed);
+}
+
+static gi_report update_under(gi_context *gi, const gi_budget *budget)
+{
+	gi_report r = {0};
+	if (gi_update(gi, budget) || gi_finish(gi) || gi_get_report(gi, &r))
+		fail_msg("update: %s", harness_last_message());
+	return r;
+}
+
 /* Updates under a budget but for the first time, then exactly, and holds the first B against the solution of the second
  * rows. */
 static void expect_bounded(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed, int frame,
@@ -95,29 +129,29 @@ static void expect_bounded(gi_context *gi, const gi_context_def *def, random_sce
 	const double kind = random_scene_draw(scene);
 	const gi_budget budget = {.rays = kind < .6 ? 1 + (uint64_t)(random_scene_draw(scene) * 2000) : 0,
 				  .error = kind > .4 ? (float)(random_scene_draw(scene) * .5) : 0};
-	gi_report r = {0};
-	if (gi_update(gi, &budget) || gi_finish(gi) || gi_get_report(gi, &r))
-		fail_msg("update: %s", harness_last_message());
-	snapshot under = snapshot_take(gi);
-	const gi_report full = harness_update(gi);
-	assert_int_equal(full.waiting_rows, 0);
-	snapshot exact = snapshot_take(gi);
-	for (uint32_t k = 0; k < exact.leaf_count; k++)
-		memcpy(exact.leaves[k].radiosity, under.leaves[k].radiosity, sizeof exact.leaves[k].radiosity);
-	const double bound = (double)r.solve_bound + (double)r.stale_bound;
-	const double distance = exact_distance(&exact, &full, def->sky_exitance, bound);
-	if (!(distance <= bound))
-		fail_msg("scene %llu, frame %d: B is %.6g from the solution of the exact rows; solve_bound %.6g, "
-			 "stale_bound %.6g "
-			 "(%llu of %u rows wait)",
-			 (unsigned long long)seed, frame, distance, (double)r.solve_bound, (double)r.stale_bound,
-			 (unsigned long long)r.waiting_rows, r.leaves);
-	snapshot_free(&under);
-	snapshot_free(&exact);
-	t->by_outcome[r.outcome]++;
-	t->waited += r.waiting_rows > 0;
-	if (r.waiting_rows)
-		note_ratio(t, bound, distance, seed);
+	const gi_report r = update_under(gi, &budget);
+	compare_with_exact(gi, def, &r, seed, frame, t);
+}
+
+/* The same under a budget of time, from what nothing fits into to what all may fit into, with up to five updates in a
+ * row: rows keep their bounds from one to the next where nothing moved between. */
+static void expect_bounded_in_time(gi_context *gi, const gi_context_def *def, random_scene *scene, uint64_t seed,
+				   int frame, tally *t)
+{
+	if (frame == 0) {
+		harness_update(gi);
+		return;
+	}
+	const gi_budget budget = {.ms = (float)exp2(13 * random_scene_draw(scene) - 10),
+				  .error = random_scene_draw(scene) > .7 ? (float)(random_scene_draw(scene) * .5) : 0};
+	const int updates = (int)(random_scene_draw(scene) * 5);
+	gi_report r = update_under(gi, &budget);
+	for (int k = 0; k < updates; k++) {
+		if (random_scene_draw(scene) > .6)
+			random_scene_move(gi, scene);
+		r = update_under(gi, &budget);
+	}
+	compare_with_exact(gi, def, &r, seed, frame, t);
 }
 
 static int order_doubles(const void *a, const void *b)
@@ -151,12 +185,13 @@ static tally new_tally(uint32_t capacity)
 	return t;
 }
 
-static tally run_scenes(frame_fn *expect)
+static tally run_scenes(frame_fn *expect, bool profile)
 {
 	const uint32_t scenes = scenes_wanted();
 	tally t = new_tally(scenes * FRAMES);
 	for (uint32_t which = 0; which < CONTEXTS; which++) {
-		const gi_context_def def = def_of(which);
+		gi_context_def def = def_of(which);
+		def.profile = profile;
 		gi_context *gi = harness_context(&def);
 		for (uint64_t seed = which; seed < scenes; seed += CONTEXTS) {
 			random_scene scene = random_scene_make(gi, seed);
@@ -182,7 +217,7 @@ static void print_ratios(const tally *t)
 static void never_exceeded(void **state)
 {
 	(void)state;
-	tally t = run_scenes(expect_certified);
+	tally t = run_scenes(expect_certified, false);
 	print_outcomes(&t);
 	print_ratios(&t);
 	/* Every way a solve can end was seen. */
@@ -191,19 +226,31 @@ static void never_exceeded(void **state)
 	free(t.ratios);
 }
 
-static void budgets_never_exceeded(void **state)
+static void expect_never_exceeded(frame_fn *expect, bool profile)
 {
-	(void)state;
-	tally t = run_scenes(expect_bounded);
+	tally t = run_scenes(expect, profile);
 	printf("  %u of %u frames under a budget had waiting rows\n", t.waited, scenes_wanted() * (FRAMES - 1));
 	print_ratios(&t);
 	assert_true(t.waited > scenes_wanted() / 2);
 	free(t.ratios);
 }
 
+static void budgets_never_exceeded(void **state)
+{
+	(void)state;
+	expect_never_exceeded(expect_bounded, false);
+}
+
+static void times_never_exceeded(void **state)
+{
+	(void)state;
+	expect_never_exceeded(expect_bounded_in_time, true); /* a budget of time needs the timers */
+}
+
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded), cmocka_unit_test(budgets_never_exceeded)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded), cmocka_unit_test(budgets_never_exceeded),
+					   cmocka_unit_test(times_never_exceeded)};
 	const char *only = getenv("RELUME_TEST");
 	if (only)
 		cmocka_set_test_filter(only);

@@ -222,8 +222,14 @@ gi_result gi_commit(gi_context *gi);
  *
  * A row (all that one leaf receives) is refreshed whole or waits. Rows that an update would change most go first, by a
  * certified bound; a row that waits keeps the light of poses it knew, and gi_report counts it and bounds what all
- * waiting rows are off by (stale_bound). None waits for more than some 70 updates for lack of budget. The first update
- * after a commit and those after gi_invalidate build every row whatever the budget. */
+ * waiting rows are off by (stale_bound). The first update after a commit and those after gi_invalidate build every row
+ * whatever the budget.
+ *
+ * Under rays or error alone every row is looked at, and none waits for more than some 70 updates for lack of budget.
+ * Given time, an update keeps to it: it looks at as many rows as fit, bounds the others by what any row may become
+ * (stale_bound is larger then), takes as many sweeps as fit, one at least, which the next update goes on with
+ * (solve_bound says how far that is), and refreshes one row at least. Rows go by their bound, the size of their leaf,
+ * the square of their age and their cost: none waits for ever. It takes some ten updates to learn what things take. */
 typedef struct gi_budget {
 	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
 	uint64_t rays; /* > 0: about so many rays */
@@ -296,7 +302,9 @@ typedef struct gi_report {
 	uint64_t rays;
 
 	uint64_t waiting_rows;    /* under a budget: not refreshed although something of them may have changed */
-	uint64_t waiting_entries; /* their entries that may have */
+	uint64_t waiting_entries; /* their entries that may have; of rows not assessed, how many they have that bring light */
+	uint32_t assessed_rows;   /* under a budget: rows whose entries were looked at to choose; all that may have changed, or as
+				   * many as fit into budget.ms */
 	float stale_bound;    /* certified: the solution of the rows as they are and that of the rows of an exact update differ
 			       * nowhere by more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
 	float stale_relative; /* stale_bound over the largest B */

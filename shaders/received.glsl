@@ -1,0 +1,17 @@
+// H of a leaf by its row, at B as the solve before left it.
+
+struct received {
+	vec3 h;
+	vec3 slack; // how far off that may be
+};
+
+// By the solve, B = E + rho H but for its residual: what is stored lies within BOUND of the solution of the rows, and
+// |T B - B| = |M (B* - B)| <= 2 BOUND. That holds as long as E and rho are those of the solve.
+received received_by(uint leaf, gi_material_data m)
+{
+	if ((frame.update.w & GI_UPDATE_MATERIAL) != 0u)
+		return received(light_of_row(leaf), vec3(0.0));
+	vec3 rho = max(m.rho.xyz, vec3(1e-20));
+	vec3 reflected = max(load_leaf_radiosity(leaf).xyz - m.exitance.xyz, vec3(0.0));
+	return received(reflected / rho, 2.0 * uintBitsToFloat(state[GI_STATE_BOUND_BITS]) / rho);
+}
