@@ -41,10 +41,10 @@ gi_context_def gi_context_def_default(void)
 gi_object_def gi_object_def_default(void)
 {
 	return (gi_object_def){
-		.draw_levels = 2,
-		.scale = {1, 1, 1},
-		.pose = gi_pose_identity(),
-		.internal = OBJECT_COOKIE,
+	    .draw_levels = 2,
+	    .scale = {1, 1, 1},
+	    .pose = gi_pose_identity(),
+	    .internal = OBJECT_COOKIE,
 	};
 }
 
@@ -130,7 +130,10 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	if (!gi)
 		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi->def = *def;
-	gi->gpu = (gpu){.log = log, .shader_directory = def->shader_directory, .profile = def->profile};
+	gi->gpu = (gpu){.log = log,
+			.shader_directory = def->shader_directory,
+			.profile = def->profile,
+			.host_limit = (uint64_t)def->max_buffer_mib << 20};
 	gi->solver.cold = true;
 	result = start_context(gi);
 	if (result) {

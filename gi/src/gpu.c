@@ -125,7 +125,7 @@ static bool reaches_beyond(gpu *g)
 	return found == TRIAL;
 }
 
-uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted)
+static uint64_t block_limit(gpu *g, uint64_t wanted)
 {
 	if (wanted <= g->block_bytes || g->block_bytes == g->texture_bytes || g->tried)
 		return g->block_bytes;
@@ -133,6 +133,12 @@ uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted)
 	if (reaches_beyond(g))
 		g->block_bytes = g->texture_bytes;
 	return g->block_bytes;
+}
+
+uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted)
+{
+	const uint64_t limit = block_limit(g, g->host_limit && g->host_limit < wanted ? g->host_limit : wanted);
+	return g->host_limit && g->host_limit < limit ? g->host_limit : limit;
 }
 
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)

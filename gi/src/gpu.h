@@ -41,6 +41,7 @@ typedef struct gpu {
 	gi_log log;
 	const char *shader_directory; /* NULL: built in */
 	uint32_t group_size;          /* threads of a compute group, a power of two */
+	uint64_t host_limit;          /* of a buffer, bytes; 0: none */
 	uint64_t block_bytes;         /* of a storage block, as promised or found by trial */
 	uint64_t texture_bytes;       /* of a buffer texture */
 	bool tried;                   /* whether a storage block holds more than promised */

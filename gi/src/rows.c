@@ -152,7 +152,7 @@ gi_result rows_grow(gi_context *gi)
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
-		    (unsigned)(gi->gpu.block_bytes >> 20));
+		    (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
 	r->entry_limit = 2 * r->entry_limit < most ? 2 * r->entry_limit : most;
 	r->link_limit = r->entry_limit;
 	return allocate_pools(gi);

@@ -350,7 +350,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use "
 			       "fewer levels or "
 			       "a larger leaf_size",
-			       g->next.leaf_count, g->next.slot_count, (unsigned)(gi->gpu.block_bytes >> 20));
+			       g->next.leaf_count, g->next.slot_count, (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
 	const bool ready = allocate_all(g);
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;

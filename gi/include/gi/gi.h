@@ -120,6 +120,10 @@ typedef struct gi_context_def {
 	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
 	uint32_t estimate_leaves;
 
+	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an entry, are what comes
+	 * near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY. All buffers together take about three times the largest. */
+	uint32_t max_buffer_mib;
+
 	bool profile; /* measure ms per pass with GPU timers; default true */
 	uint32_t internal; /* set by gi_context_def_default */
 } gi_context_def;
