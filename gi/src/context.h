@@ -106,7 +106,7 @@ typedef struct gi_rations {
 /* ---- solver ---- */
 
 typedef struct gi_solver {
-	bool cold;         /* start from B = E */
+	bool cold;         /* start from B = E, though buffers hold another B; they begin with B = E */
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
 	bool lamps_known;  /* each row's light by lamps is remembered (gi_pending.lamps) */

@@ -163,7 +163,6 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi->def = *def;
 	gi->gpu = (gpu){.log = log, .shader_directory = def->shader_directory, .profile = def->profile};
-	gi->solver.cold = true;
 	result = start_context(gi);
 	if (result) {
 		gi_context_destroy(gi);
