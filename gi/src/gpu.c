@@ -93,8 +93,6 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 
 /* ---- buffers ---- */
 
-static gi_result program_compute(gpu *g, const char *file, uint32_t *out);
-
 /* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
 static void make_texture(gpu_buffer *buffer)
 {
@@ -119,7 +117,7 @@ static bool reaches_beyond(gpu *g)
 	static const uint32_t TRIAL = 0x52454c55u;
 	gpu_buffer tried = {.size = g->block_bytes + TEXEL_BYTES};
 	uint32_t found = 0, program = 0;
-	if (program_compute(g, "block_trial.comp", &program))
+	if (gpu_programs_compute(g, &(gpu_program_file){"block_trial.comp", &program}, 1))
 		return false;
 	GLint bound = 0;
 	glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
