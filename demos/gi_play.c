@@ -4,6 +4,7 @@
  */
 #include "file_scene.h"
 #include "player.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -91,6 +92,7 @@ int main(int argc, char **argv)
 				 .leaf_size = o->leaf_size,
 				 .cage_faces = o->cage_faces ? o->cage_faces : CAGE_FACES};
 	char message[1024];
+	progress_show(&(progress){.program = o->program}, "reading the file", 0, 0);
 	if (!file_scene_load(&play.file, play.path, message, sizeof message)) {
 		fprintf(stderr, "%s: %s\n", o->program, message);
 		return EXIT_FAILURE;

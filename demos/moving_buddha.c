@@ -5,6 +5,7 @@
  */
 #include "figure.h"
 #include "player.h"
+#include "progress.h"
 #include "scene_file.h"
 #include "scenes/cornell.h"
 
@@ -177,6 +178,8 @@ int main(int argc, char **argv)
 	b.options.out = "out/moving_buddha";
 	options_parse(&parser, argc, argv, &b);
 	char message[1024];
+	if (b.mesh_path)
+		progress_show(&(progress){.program = b.options.program}, "simplifying the mesh", 0, 0);
 	if (b.mesh_path && !load_figure(&b, message, sizeof message)) {
 		fprintf(stderr, "moving_buddha: %s\n", message);
 		free_figure(&b);

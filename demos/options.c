@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "image.h"
+#include "player.h"
 
 #include <errno.h>
 #include <float.h>
@@ -286,8 +287,13 @@ const struct argp options_argp = {.options = table, .parser = parse};
 
 options options_default(const char *program)
 {
-	return (options){
-	    .program = program, .fps = 24, .budget_fps = 30, .width = 512, .height = 512, .pixel_lamps = 32};
+	return (options){.program = program,
+			 .began_ms = player_clock_ms(),
+			 .fps = 24,
+			 .budget_fps = 30,
+			 .width = 512,
+			 .height = 512,
+			 .pixel_lamps = 32};
 }
 
 void options_parse(const struct argp *parser, int argc, char **argv, void *input)

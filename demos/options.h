@@ -14,6 +14,7 @@
 
 typedef struct options {
 	const char *program;
+	double began_ms; /* when it did, by player_clock_ms */
 	uint32_t frames; /* 0: endless in a window, the program's choice without one */
 	double fps;      /* frames a second of a recorded animation, default 24 */
 	int width, height;

@@ -30,6 +30,12 @@ static void on_message(gi_result result, const char *message, void *user)
 		snprintf(p->message, sizeof p->message, "%s", message);
 }
 
+static void on_progress(const char *what, uint32_t done, uint32_t total, void *user)
+{
+	player *p = user;
+	progress_show(&p->progress, what, done, total);
+}
+
 static bool succeeded(player *p, gi_result result)
 {
 	if (result && !p->message[0])
@@ -56,6 +62,7 @@ static bool open_gi(player *p)
 	gi_context_def def = gi_context_def_default();
 	def.get_proc_address = engine_context_get_proc_address(p->context);
 	def.message = on_message;
+	def.progress = on_progress;
 	def.user = p;
 	if (p->o->row_tolerance > 0)
 		def.row_tolerance = p->o->row_tolerance;
@@ -90,10 +97,15 @@ static void choose_frames(player *p)
 
 static bool begin(player *p)
 {
+	progress_show(&p->progress, "opening a context", 0, 0);
 	if (!open_context(p))
 		return false;
 	p->message[0] = '\0'; /* "auto" may have tried a kind in vain */
-	if (!open_picture(p) || !open_gi(p))
+	if (!open_picture(p))
+		return false;
+	p->progress.context = p->context;
+	p->progress.hud = p->hud;
+	if (!open_gi(p))
 		return false;
 	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !succeeded(p, gi_commit(p->gi)))
 		return false;
@@ -264,6 +276,13 @@ static void show_progress(const player *p, const gi_report *r)
 	fflush(stderr);
 }
 
+/* The first picture is there. */
+static void end_start(player *p)
+{
+	progress_end();
+	p->report.start_ms = player_clock_ms() - p->o->began_ms;
+}
+
 static bool play_frame(player *p)
 {
 	player_input(p);
@@ -277,9 +296,15 @@ static bool play_frame(player *p)
 	p->update_ms = player_clock_ms() - began;
 	if (p->frame == 0)
 		choose_exposure(p);
+	if (p->frame == 0)
+		progress_show(&p->progress, "first picture", 0, 0);
 	const double drawing = player_clock_ms();
 	gi_report report;
-	if (!draw(p, drawing - p->update_ms, &report) || !player_write_frame(p))
+	if (!draw(p, drawing - p->update_ms, &report))
+		return false;
+	if (p->frame == 0)
+		end_start(p);
+	if (!player_write_frame(p))
 		return false;
 	if (p->hud)
 		show(p, &report);
@@ -311,7 +336,10 @@ int player_run(const options *o, const player_scene *scene)
 	p->scene = scene;
 	p->mode = o->mode;
 	p->rebuild = o->rebuild;
+	p->progress.program = o->program;
 	const bool played = begin(p) && play(p);
+	if (!p->frame)
+		progress_end();
 	if (played)
 		player_print_end(p);
 	else

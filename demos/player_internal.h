@@ -5,6 +5,7 @@
 #include "frame_budget.h"
 #include "hud.h"
 #include "player.h"
+#include "progress.h"
 #include "report.h"
 #include "tonemap.h"
 
@@ -19,6 +20,7 @@ typedef struct player {
 	engine_hud *hud; /* NULL without a window */
 	gi_context *gi;
 	uint8_t *pixels; /* of a picture on its way to a file */
+	progress progress; /* until the first picture */
 
 	bool recording;
 	uint32_t frames; /* 0: endless */
@@ -79,8 +81,5 @@ bool player_close_files(player *p);
 
 /* Where everything lies, and the table of the run. */
 void player_print_end(const player *p);
-
-/* Milliseconds of a clock that only goes forward. */
-double player_clock_ms(void);
 
 #endif

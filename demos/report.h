@@ -49,6 +49,7 @@ typedef struct report {
 	uint32_t count, capacity;
 	gi_report first, last;
 	double first_ms;
+	double start_ms; /* from the start of the program to the first picture */
 	uint32_t outcomes[8]; /* by outcome, from GI_OUTCOME_NOT_FINITE on */
 } report;
 

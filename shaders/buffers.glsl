@@ -307,6 +307,12 @@ uint load_state(uint n)
 {
 	return word(state_texels, n);
 }
+
+// Words 4 n to 4 n + 3.
+uvec4 load_four_words(uint n)
+{
+	return texel(state_texels, n);
+}
 #endif
 
 #ifdef READ_RUNS

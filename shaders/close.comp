@@ -4,6 +4,7 @@
 // the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
 // black.
 #define READ_FRAME
+#define READ_SEGMENTS
 #define READ_TOPOLOGY
 #define READ_ENTRIES
 #define READ_TARGETS
@@ -80,8 +81,9 @@ void add(inout kahan s, float value)
 	s.sum = t;
 }
 
-uvec2 range_of(uvec4 segment)
+uvec2 range_of(uint slot)
 {
+	uvec4 segment = load_segment(slot);
 	return uvec2(segment.x, segment.x + (segment.y & GI_BLOCK_COUNT_MASK));
 }
 
@@ -145,7 +147,7 @@ row_counts count_row(uint leaf)
 	row_counts count = row_counts(0u, 0u);
 	for (uint s = 0u; s < frame.counts.z; s++) {
 		uint slot = leaf * frame.counts.z + s;
-		uvec2 range = range_of(segments[slot]);
+		uvec2 range = range_of(slot);
 		uint seen = 0u, taken = 0u;
 		float factors = 0.0;
 		for (uint k = range.x; k < range.y; k++) {
@@ -167,11 +169,12 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 	kahan weight = kahan(0.0, 0.0);
 	row_sums row = row_sums(0.0, correction(0.0, 0.0));
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec4 segment = segments[leaf * frame.counts.z + s];
-		uvec2 range = range_of(segment);
+		uint slot = leaf * frame.counts.z + s;
+		uvec2 range = range_of(slot);
+		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
-			visible_entry v = read_entry(e, uintBitsToFloat(segment.z));
+			visible_entry v = read_entry(e, share);
 			if (v.weight <= 0.0)
 				continue;
 			float w = corrected(v, c);
@@ -190,11 +193,12 @@ float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
 	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec4 segment = segments[leaf * frame.counts.z + s];
-		uvec2 range = range_of(segment);
+		uint slot = leaf * frame.counts.z + s;
+		uvec2 range = range_of(slot);
+		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
-			float weight = scale * corrected(read_entry(e, uintBitsToFloat(segment.z)), c);
+			float weight = scale * corrected(read_entry(e, share), c);
 			if (weight <= 0.0 || !carries_light(e, load_target(k)))
 				continue;
 			links[at++] = uvec2(load_target(k), floatBitsToUint(weight));
@@ -204,25 +208,6 @@ float write_links(uint leaf, uint at, correction c, float scale)
 	if ((at & 1u) == 1u)
 		links[at] = uvec2(0u); // they are read in pairs
 	return sum.sum;
-}
-
-// A block that holds `needed` links; none, and so no light, when the pool is full.
-uvec2 fit_block(uvec2 block, uint needed)
-{
-	uint size_class = block.y >> 24u;
-	bool has = size_class != GI_BLOCK_NO_CLASS, fits = has && needed <= GI_BLOCK_SMALLEST << size_class;
-	if (fits && !is_too_large(size_class, needed))
-		return block;
-	uint next = class_of(needed), offset = 0u;
-	if (needed == 0u)
-		next = GI_BLOCK_NO_CLASS;
-	else
-		offset = fits ? pool_try(next) : pool_take(next);
-	if (offset == GI_NONE)
-		return fits ? block : uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
-	if (has)
-		pool_give(block.x, size_class);
-	return uvec2(offset, next << 24u);
 }
 
 void main()
@@ -236,17 +221,20 @@ void main()
 	row_counts counts = count_row(leaf);
 	uint steps = min(CLOSE_STEPS, max(LOOP_TURNS / max(counts.entries, 1u), 4u) - 3u);
 	correction c = correction(0.0, 0.0);
-	row_sums sums = sum_corrected(leaf, c, true);
-	bool raise = sums.weight < 1.0;
-	for (uint step = 0u; step < steps && abs(1.0 - sums.weight) > CLOSE_ENOUGH; step++) {
+	row_sums sums;
+	bool raise = true;
+	for (uint step = 0u;; step++) {
+		sums = sum_corrected(leaf, c, raise);
+		raise = step == 0u ? sums.weight < 1.0 : raise;
 		float lack = 1.0 - sums.weight;
+		if (step == steps || abs(lack) <= CLOSE_ENOUGH)
+			break;
 		if (sums.free.others > 0.0)
 			c.others += lack / sums.free.others;
 		else if (sums.free.emitters > 0.0)
 			c.emitters += lack / sums.free.emitters;
 		else
 			break;
-		sums = sum_corrected(leaf, c, raise);
 	}
 	float scale = 1.0;
 	if (sums.weight > 1.0 - CLOSE_SHARE)

@@ -92,48 +92,25 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
-uint count_cut(gi_node_geometry p, uvec4 nodes, uint object, bool same)
+// Writes the first `room` nodes of the cut at entry `at`; returns how many nodes there are.
+uint write_cut(gi_node_geometry p, uint leaf, uint source, bool same, uint at, uint room)
 {
+	uvec4 nodes = object_nodes(source);
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = load_range(n);
-		uint verdict = classify(p, geometry_of(n, same), range.w, n, object, same);
-		count += verdict == CUT_TAKE ? 1u : 0u;
+		uint verdict = classify(p, geometry_of(n, same), range.w, n, source, same);
+		if (verdict == CUT_TAKE) {
+			// The form factor and the visibility come from the passes that follow; one sample is what most take.
+			if (count < room) {
+				entries[at + count].x = n;
+				entries[at + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT);
+			}
+			count++;
+		}
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
 	}
 	return count;
-}
-
-// Moves a full block to one of twice the size; 255 in the result's class when the pool is full.
-uvec2 grow(uvec2 block, uint count)
-{
-	uint c = block.y >> 24u;
-	uint offset = pool_take(c + 1u);
-	if (offset == GI_NONE)
-		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
-	for (uint k = 0u; k < count; k++)
-		entries[offset + k] = entries[block.x + k];
-	pool_give(block.x, c);
-	return uvec2(offset, (c + 1u) << 24u);
-}
-
-// Gives back a block that holds nothing, or moves what little it holds.
-uvec2 shrink(uvec2 block, uint count)
-{
-	uint c = block.y >> 24u;
-	if (count == 0u) {
-		pool_give(block.x, c);
-		return uvec2(0u, GI_BLOCK_NO_CLASS << 24u);
-	}
-	if (!is_too_large(c, count))
-		return block;
-	uint offset = pool_try(class_of(count));
-	if (offset == GI_NONE)
-		return block;
-	for (uint k = 0u; k < count; k++)
-		entries[offset + k] = entries[block.x + k];
-	pool_give(block.x, c);
-	return uvec2(offset, class_of(count) << 24u);
 }
 
 // Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
@@ -160,40 +137,21 @@ void main()
 		return;
 	bool same = mine == source;
 	gi_node_geometry p = geometry_of(load_leaf(leaf).x, same);
-	uvec4 nodes = object_nodes(source);
 	uint slot = leaf * frame.counts.z + source;
 	uvec2 block = load_segment(slot).xy;
-	uint old_count = block.y & GI_BLOCK_COUNT_MASK;
-
-	if (block.y >> 24u == GI_BLOCK_NO_CLASS) {
-		uint first_count = count_cut(p, nodes, source, same);
-		if (first_count == 0u)
-			return;
-		uint c = class_of(first_count);
-		uint offset = pool_take(c);
-		if (offset == GI_NONE)
-			return;
-		block = uvec2(offset, c << 24u);
+	uint old_count = block.y & GI_BLOCK_COUNT_MASK, count;
+	// Walked again where the block turns out not to fit, above all the first time. One place that walks, takes and
+	// writes: every call is put in line, and compilers take their time with copies.
+	for (bool again = true; again;) {
+		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
+		uint room = has ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
+		count = write_cut(p, leaf, source, same, block.x, room);
+		uvec2 fitting = fit_block(block, count);
+		bool full = fitting.x == GI_NONE; // then what there is room for is kept
+		again = !full && fitting != block && count > 0u;
+		count = full ? min(count, room) : count;
+		block = full ? block : fitting;
 	}
-	uint count = 0u;
-	for (uint n = nodes.x; n < nodes.y;) {
-		uvec4 range = load_range(n);
-		uint verdict = classify(p, geometry_of(n, same), range.w, n, source, same);
-		if (verdict == CUT_TAKE) {
-			if (count == GI_BLOCK_SMALLEST << (block.y >> 24u)) {
-				uvec2 larger = grow(block, count);
-				if (larger.x == GI_NONE)
-					break;
-				block = larger;
-			}
-			// The form factor and the visibility come from the passes that follow; one sample is what most take.
-			entries[block.x + count].x = n;
-			entries[block.x + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT);
-			count++;
-		}
-		n = verdict == CUT_REFINE ? n + 1u : range.x;
-	}
-	block = shrink(block, count);
 	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
 
 	if (count != old_count)

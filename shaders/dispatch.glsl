@@ -45,12 +45,18 @@ uint spread_number(uint threads)
 	return local < SPREAD ? group * SPREAD + local : GI_NONE;
 }
 
-#ifdef WRITE_STATE
 // Folded into y as thread_number expects.
+uvec3 folded(uint groups)
+{
+	return uvec3(min(groups, 32768u), (groups + 32767u) / 32768u, 1u);
+}
+
+#ifdef WRITE_STATE
 void set_groups(uint at, uint groups)
 {
-	state[at] = min(groups, 32768u);
-	state[at + 1u] = (groups + 32767u) / 32768u;
-	state[at + 2u] = 1u;
+	uvec3 g = folded(groups);
+	state[at] = g.x;
+	state[at + 1u] = g.y;
+	state[at + 2u] = g.z;
 }
 #endif

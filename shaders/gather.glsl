@@ -16,6 +16,7 @@
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
+#define READ_STATE
 #define WRITE_LEAF_RADIOSITY
 #define WRITE_STATE
 #ifdef LIGHT
@@ -146,22 +147,22 @@ void sweep(uint leaf)
 	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
 	REAL4 image = REAL4(vec4(m.exitance.xyz, 1.0)) + rho * REAL4(g.sum);
 	vec4 before = load_leaf_radiosity(leaf);
-	REAL omega = REAL(uintBitsToFloat(state[GI_STATE_OMEGA_BITS]));
+	REAL omega = REAL(uintBitsToFloat(load_state(GI_STATE_OMEGA_BITS)));
 	REAL4 step_to = image;
 	if (omega != REAL(1.0)) {
 		REAL4 earlier = omega < REAL(1.0) ? REAL4(before) : REAL4(load_leaf_radiosity(frame.counts.x + leaf));
 		step_to = omega * (image - earlier) + earlier;
 	}
 	vec4 next = to_single(max(step_to, REAL4(0.0)));
-	if (any(isnan(next)) || any(isinf(next))) {
+	bool finite = !any(isnan(next)) && !any(isinf(next));
+	if (!finite) {
 		atomicOr(state[GI_STATE_NOT_FINITE], 1u);
-		next = vec4(m.exitance.xyz, 1.0);
-		leaf_radiosity[leaf] = leaf_radiosity[frame.counts.x + leaf] = next;
-		return;
+		next = before = vec4(m.exitance.xyz, 1.0);
 	}
 	leaf_radiosity[leaf] = next;
 	leaf_radiosity[frame.counts.x + leaf] = before;
-	report(g, rho, image, REAL4(before), next);
+	if (finite)
+		report(g, rho, image, REAL4(before), next);
 }
 
 void main()

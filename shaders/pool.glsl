@@ -36,15 +36,6 @@ uint pool_try(uint size_class)
 	return GI_NONE;
 }
 
-// The same, and the frame's rows do not count then.
-uint pool_take(uint size_class)
-{
-	uint offset = pool_try(size_class);
-	if (offset == GI_NONE)
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);
-	return offset;
-}
-
 void pool_give(uint offset, uint size_class)
 {
 	uint k = atomicAdd(POOL[GI_POOL_PENDING], 1u);
@@ -59,5 +50,27 @@ void pool_give(uint offset, uint size_class)
 bool is_too_large(uint size_class, uint n)
 {
 	return size_class >= class_of(n) + 2u;
+}
+
+// A block that holds `needed` elements: the one there was, its count untouched, another one, or none for none. Where the
+// pool is full a block that is too large stays; one that is too small becomes GI_NONE, and the frame's rows do not count.
+uvec2 fit_block(uvec2 block, uint needed)
+{
+	uint size_class = block.y >> 24u;
+	bool has = size_class != GI_BLOCK_NO_CLASS, fits = has && needed <= GI_BLOCK_SMALLEST << size_class;
+	if (fits && needed > 0u && !is_too_large(size_class, needed))
+		return block;
+	uvec2 next = uvec2(0u, GI_BLOCK_NO_CLASS << 24u);
+	if (needed > 0u)
+		next = uvec2(pool_try(class_of(needed)), class_of(needed) << 24u);
+	if (next.x == GI_NONE && fits)
+		return block;
+	if (next.x == GI_NONE) {
+		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
+	}
+	if (has)
+		pool_give(block.x, size_class);
+	return next;
 }
 #endif

@@ -13,13 +13,17 @@ layout(location = 0) uniform uint stage;
 
 void main()
 {
+	uint threads, arguments;
 	if (stage == 0u) {
-		uint count = min(state[GI_STATE_NEW], frame.limits.y);
-		state[GI_STATE_QUEUED] = count;
-		set_groups(GI_STATE_ARGS_FACTOR, groups_for(count));
+		threads = min(state[GI_STATE_NEW], frame.limits.y);
+		state[GI_STATE_QUEUED] = threads;
+		arguments = GI_STATE_ARGS_FACTOR;
 	} else if (stage == 1u) {
-		set_groups(GI_STATE_ARGS_TRACE, groups_for(min(state[GI_STATE_QUEUED], frame.limits.y)));
+		threads = min(state[GI_STATE_QUEUED], frame.limits.y);
+		arguments = GI_STATE_ARGS_TRACE;
 	} else {
-		set_groups(GI_STATE_ARGS_RECYCLE, groups_for(min(max(entry_pool[GI_POOL_PENDING], link_pool[GI_POOL_PENDING]), GI_POOL_PENDING_MAX)));
+		threads = min(max(entry_pool[GI_POOL_PENDING], link_pool[GI_POOL_PENDING]), GI_POOL_PENDING_MAX);
+		arguments = GI_STATE_ARGS_RECYCLE;
 	}
+	set_groups(arguments, groups_for(threads));
 }

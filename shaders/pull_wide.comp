@@ -30,13 +30,13 @@ void main()
 	partial[local] = sum;
 	partial_area[local] = area;
 	barrier();
-	for (uint half_size = GI_GROUP_SIZE / 2u; half_size > 0u; half_size /= 2u) {
-		if (local < half_size) {
-			partial[local] += partial[local + half_size];
-			partial_area[local] += partial_area[local + half_size];
-		}
-		barrier();
+	if (local > 0u)
+		return;
+	// One thread adds them up: halving takes a barrier a step, each of which llvmpipe compiles into a function's end and
+	// beginning (Mesa 25.0: 0.1 s for six).
+	for (uint k = 1u; k < GI_GROUP_SIZE; k++) {
+		sum += partial[k];
+		area += partial_area[k];
 	}
-	if (local == 0u)
-		radiosity[n] = to_single(partial[0] / partial_area[0]);
+	radiosity[n] = to_single(sum / area);
 }

@@ -267,8 +267,9 @@ void budget_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->choices, &r->pending, &r->shine};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,
-				&r->choose_program, &r->enlist_program, &r->stale_program};
+	uint32_t *programs[] = {&r->shine_program,         &r->survey_program,       &r->assess_program,
+				&r->choose_program,        &r->enlist_program,       &r->stale_program,
+				&gi->solver.brief_program, &gi->solver.lamps_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(programs[k]);
 }

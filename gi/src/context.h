@@ -106,7 +106,7 @@ typedef struct gi_rations {
 /* ---- solver ---- */
 
 typedef struct gi_solver {
-	bool cold;         /* start from B = E */
+	bool cold;         /* start from B = E, though buffers hold another B; they begin with B = E */
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
 	bool lamps_known;  /* each row's light by lamps is remembered (gi_pending.lamps) */
@@ -141,6 +141,7 @@ struct gi_context {
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;
+	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	gi_report report;
@@ -190,7 +191,12 @@ gi_result scene_upload(gi_context *gi);
 /* sky.c: the patches at infinity as a hierarchy of directions. */
 bool sky_build(gi_hierarchy *out);
 
+/* frame.c: of the first rows after a commit, tells the host that this pass begins. */
+void frame_progress(const gi_context *gi, gi_pass pass);
+
 /* rows.c */
+enum { ROWS_PROGRAMS = 8 };
+void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
@@ -222,14 +228,14 @@ void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 
 /* solver.c */
-gi_result solver_init(gi_context *gi);
+enum { SOLVER_PROGRAMS = 8 };
+void solver_programs(gi_solver *solver, gpu_program_file list[SOLVER_PROGRAMS]);
 gi_result solver_allocate(gi_context *gi);
 /* anew: the rows or materials are not those of the solve before. budget may be NULL. */
 void solver_update(gi_context *gi, bool anew, const gi_budget *budget);
 void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);
-void solver_free(gi_context *gi);
 
 /* estimate.c */
 gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */

@@ -4,6 +4,15 @@
 
 #include <math.h>
 
+/* What is told of the first rows: the passes of an exact update come before this one. */
+static const uint32_t LIGHT_STEPS = GI_PASS_ESTIMATE;
+
+void frame_progress(const gi_context *gi, gi_pass pass)
+{
+	if (!gi->rows.fitted)
+		gi_progress(&gi->gpu.log, (uint32_t)pass, LIGHT_STEPS, "first light: %s", gi_pass_name(pass));
+}
+
 static gi_outcome outcome_of(const uint32_t *state)
 {
 	if (state[GI_STATE_NOT_FINITE])
@@ -206,6 +215,7 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	if (!result && first) {
 		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for.
 		 */
+		gi_progress(&gi->gpu.log, LIGHT_STEPS, LIGHT_STEPS, "first light: waiting for the GPU");
 		collect_reports(gi, true);
 		result = grow_until_it_fits(gi);
 		gi->rows.fitted = true;

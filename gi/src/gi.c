@@ -99,17 +99,49 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	return GI_OK;
 }
 
+/* The programs that every frame takes; others are compiled when first wanted. */
+enum { FRAME_PROGRAMS = ROWS_PROGRAMS + SOLVER_PROGRAMS };
+
+static void frame_programs(gi_context *gi, gpu_program_file list[FRAME_PROGRAMS])
+{
+	rows_programs(&gi->rows, list);
+	solver_programs(&gi->solver, list + ROWS_PROGRAMS);
+}
+
+static gi_result begin_programs(gi_context *gi)
+{
+	gpu_program_file list[FRAME_PROGRAMS];
+	frame_programs(gi, list);
+	return gpu_programs_begin(&gi->gpu, list, FRAME_PROGRAMS);
+}
+
+static gi_result end_programs(gi_context *gi)
+{
+	gpu_program_file list[FRAME_PROGRAMS];
+	frame_programs(gi, list);
+	const gi_result result = gi->compiled ? GI_OK : gpu_programs_end(&gi->gpu, list, FRAME_PROGRAMS);
+	gi->compiled = !result;
+	return result;
+}
+
+static void free_programs(gi_context *gi)
+{
+	gpu_program_file list[FRAME_PROGRAMS];
+	frame_programs(gi, list);
+	gpu_programs_free(list, FRAME_PROGRAMS);
+}
+
 static gi_result start_context(gi_context *gi)
 {
 	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address);
+	if (!result)
+		result = begin_programs(gi);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WORDS, NULL);
 	if (!result)
 		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
 	if (!result)
 		result = rows_init(gi);
-	if (!result)
-		result = solver_init(gi);
 	if (!result)
 		gpu_buffer_clear(&gi->state, 0, gi->state.size, 0);
 	return result;
@@ -118,7 +150,7 @@ static gi_result start_context(gi_context *gi)
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 {
 	const bool known = def && def->internal == CONTEXT_COOKIE;
-	const gi_log log = {known ? def->message : NULL, known ? def->user : NULL};
+	const gi_log log = known ? (gi_log){def->message, def->progress, def->user} : (gi_log){0};
 	if (out)
 		*out = NULL;
 	if (!def || !out)
@@ -134,7 +166,6 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 			.shader_directory = def->shader_directory,
 			.profile = def->profile,
 			.host_limit = (uint64_t)def->max_buffer_mib << 20};
-	gi->solver.cold = true;
 	result = start_context(gi);
 	if (result) {
 		gi_context_destroy(gi);
@@ -154,7 +185,8 @@ void gi_context_destroy(gi_context *gi)
 	scene_free(gi);
 	rows_free(gi);
 	budget_free(gi);
-	solver_free(gi);
+	solver_release(gi, &gi->solver);
+	free_programs(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
@@ -275,8 +307,12 @@ gi_result gi_commit(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
+	gi_result result = end_programs(gi);
+	if (result)
+		return result;
 	shade_invalidate(gi);
-	gi_result result = scene_upload(gi);
+	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
+	result = scene_upload(gi);
 	if (result)
 		return result;
 	estimate_invalidate(gi);

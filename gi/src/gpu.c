@@ -26,6 +26,18 @@ gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 	return result;
 }
 
+void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...)
+{
+	if (!log->progress)
+		return;
+	char what[128];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(what, sizeof what, format, arguments);
+	va_end(arguments);
+	log->progress(what, done, total, log->user);
+}
+
 /* ---- start ---- */
 
 /* What the shaders of gi take of a device. OpenGL promises less of the first three. */
@@ -81,8 +93,6 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 
 /* ---- buffers ---- */
 
-static gi_result program_compute(gpu *g, const char *file, uint32_t *out);
-
 /* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
 static void make_texture(gpu_buffer *buffer)
 {
@@ -107,7 +117,7 @@ static bool reaches_beyond(gpu *g)
 	static const uint32_t TRIAL = 0x52454c55u;
 	gpu_buffer tried = {.size = g->block_bytes + TEXEL_BYTES};
 	uint32_t found = 0, program = 0;
-	if (program_compute(g, "block_trial.comp", &program))
+	if (gpu_programs_compute(g, &(gpu_program_file){"block_trial.comp", &program}, 1))
 		return false;
 	GLint bound = 0;
 	glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
@@ -299,80 +309,127 @@ static bool flatten_shader(const gpu *g, const char *name, int depth, text *out)
 	return ok;
 }
 
-static GLuint compile_shader(const gpu *g, GLenum kind, const char *file)
+/* Does not ask what the compiler makes of it. False when there is no such file. */
+static bool attach_shader(const gpu *g, GLuint program, GLenum kind, const char *file)
 {
 	text source = {0};
 	if (!flatten_shader(g, file, 0, &source)) {
 		free(source.data);
 		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s or a file it includes was not found", file);
-		return 0;
+		return false;
 	}
 	GLuint shader = glCreateShader(kind);
 	const char *text = source.data;
 	glShaderSource(shader, 1, &text, NULL);
-	glCompileShader(shader);
 	free(source.data);
+	glCompileShader(shader);
+	glAttachShader(program, shader);
+	glDeleteShader(shader); /* goes with the program */
+	return true;
+}
+
+/* vertex_file NULL: a compute shader. */
+static gi_result begin_program(const gpu *g, const char *vertex_file, const char *file, uint32_t *out)
+{
+	GLuint program = glCreateProgram();
+	bool found = !vertex_file || attach_shader(g, program, GL_VERTEX_SHADER, vertex_file);
+	found = found && attach_shader(g, program, vertex_file ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER, file);
+	if (!found) {
+		glDeleteProgram(program);
+		return GI_ERROR_SHADER;
+	}
+	glLinkProgram(program);
+	*out = program;
+	return GI_OK;
+}
+
+/* Hosts are told one line: its length. */
+static int first_line(const char *log)
+{
+	return (int)strcspn(log, "\r\n");
+}
+
+/* Did this shader compile? */
+static bool check_shader(const gpu *g, GLuint shader, const char *file)
+{
 	GLint ok = 0;
 	glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
 	if (ok)
-		return shader;
+		return true;
 	char log[800] = "";
 	glGetShaderInfoLog(shader, sizeof log, NULL, log);
-	gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not compile: %s", file, log);
-	glDeleteShader(shader);
-	return 0;
+	gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not compile: %.*s", file, first_line(log), log);
+	return false;
 }
 
-static gi_result link_program(const gpu *g, const char *file, const GLuint *shaders, int count, uint32_t *out)
+/* Waits for the compiler. */
+static gi_result end_program(const gpu *g, const char *vertex_file, const char *file, uint32_t program)
 {
-	GLuint program = glCreateProgram();
-	bool complete = true;
-	for (int k = 0; k < count; k++) {
-		complete = complete && shaders[k];
-		if (shaders[k])
-			glAttachShader(program, shaders[k]);
-	}
 	GLint ok = 0;
-	if (complete) {
-		glLinkProgram(program);
-		glGetProgramiv(program, GL_LINK_STATUS, &ok);
-	}
-	for (int k = 0; k < count; k++)
-		if (shaders[k])
-			glDeleteShader(shaders[k]);
-	if (ok) {
-		*out = program;
+	glGetProgramiv(program, GL_LINK_STATUS, &ok);
+	if (ok)
 		return GI_OK;
+	GLuint shaders[2];
+	GLsizei count = 0;
+	bool compiled = true;
+	glGetAttachedShaders(program, 2, &count, shaders);
+	for (GLsizei k = 0; k < count; k++) {
+		GLint kind = 0;
+		glGetShaderiv(shaders[k], GL_SHADER_TYPE, &kind);
+		compiled = check_shader(g, shaders[k], kind == GL_VERTEX_SHADER ? vertex_file : file) && compiled;
 	}
-	if (complete) {
+	if (compiled) {
 		char log[800] = "";
 		glGetProgramInfoLog(program, sizeof log, NULL, log);
-		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not link: %s", file, log);
+		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not link: %.*s", file, first_line(log), log);
 	}
-	glDeleteProgram(program);
-	*out = 0;
 	return GI_ERROR_SHADER;
 }
 
-static gi_result program_compute(gpu *g, const char *file, uint32_t *out)
+gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count)
 {
-	GLuint shader = compile_shader(g, GL_COMPUTE_SHADER, file);
-	return link_program(g, file, &shader, 1, out);
+	gi_result result = GI_OK;
+	for (size_t k = 0; !result && k < count; k++) {
+		gi_progress(&g->log, (uint32_t)k, (uint32_t)count, "compiling shaders");
+		result = begin_program(g, NULL, files[k].file, files[k].program);
+	}
+	return result;
+}
+
+gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count)
+{
+	gi_result result = GI_OK;
+	for (size_t k = 0; !result && k < count; k++) {
+		gi_progress(&g->log, (uint32_t)k, (uint32_t)count, "waiting for shaders");
+		result = end_program(g, NULL, files[k].file, *files[k].program);
+	}
+	return result;
+}
+
+void gpu_programs_free(const gpu_program_file *files, size_t count)
+{
+	for (size_t k = 0; k < count; k++)
+		gpu_program_free(files[k].program);
 }
 
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count)
 {
-	gi_result result = GI_OK;
-	for (size_t k = 0; !result && k < count; k++)
-		result = program_compute(g, files[k].file, files[k].program);
+	gi_result result = gpu_programs_begin(g, files, count);
+	if (!result)
+		result = gpu_programs_end(g, files, count);
+	if (result)
+		gpu_programs_free(files, count);
 	return result;
 }
 
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out)
 {
-	GLuint shaders[2] = {compile_shader(g, GL_VERTEX_SHADER, vertex_file),
-			     compile_shader(g, GL_FRAGMENT_SHADER, fragment_file)};
-	return link_program(g, fragment_file, shaders, 2, out);
+	gi_result result = begin_program(g, vertex_file, fragment_file, out);
+	if (!result)
+		result = end_program(g, vertex_file, fragment_file, *out);
+	if (result)
+		gpu_program_free(out);
+	return result;
 }
 
 void gpu_program_free(uint32_t *program)

@@ -13,11 +13,16 @@
 /* Lines that go to the host. */
 typedef struct gi_log {
 	gi_message_fn *message;
+	gi_progress_fn *progress;
 	void *user;
 } gi_log;
 
 /* Formats one line, hands it to the host and returns `result`. */
 __attribute__((format(printf, 3, 4))) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
+
+/* Tells the host, if it wants to know, that step `done` of `total` begins. */
+__attribute__((format(printf, 4, 5))) void gi_progress(const gi_log *log, uint32_t done, uint32_t total,
+							const char *format, ...);
 
 typedef struct gpu_buffer {
 	uint32_t name;
@@ -77,8 +82,8 @@ void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, v
 void gpu_bind(uint32_t binding, const gpu_buffer *buffer);
 void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer);
 
-/* Programs from files of shaders/, #include lines resolved. *out is 0 on failure; the compiler's log went to the host.
- */
+/* Programs from files of shaders/, #include lines resolved. *program is 0 on failure; the compiler's log went to the
+ * host. */
 typedef struct gpu_program_file {
 	const char *file;
 	uint32_t *program;
@@ -87,6 +92,13 @@ typedef struct gpu_program_file {
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
 void gpu_program_free(uint32_t *program);
+
+/* The same in two steps: a driver that compiles on threads of its own goes on while the host does something else. begin
+ * hands over all sources, and fails for those that are not there; end waits, and fails, every time, for those that do
+ * not compile. */
+gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count);
+gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count);
+void gpu_programs_free(const gpu_program_file *files, size_t count);
 void gpu_set_uint(uint32_t program, int location, uint32_t value);
 void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values);
 void gpu_set_matrices(uint32_t program, int location, int count, const float *values);

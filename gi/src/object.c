@@ -395,6 +395,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 	if (!scene_normalise_pose(gi, &pose, name))
 		return GI_ERROR_INVALID_POSE;
 
+	gi_progress(&gi->gpu.log, gi->scene.object_count, 0, "building object '%s'", name);
 	scene_object made = {0};
 	own_cage own = {0};
 	gi_refine_cage cage = cage_of(def);

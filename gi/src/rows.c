@@ -25,16 +25,19 @@ static const double ENTRIES_AT_LEAST = 96;
 /* Black sky only has to close rows: its patches may be this much coarser than others. */
 static const float BLACK_SKY_COARSENESS = 14.0f;
 
-gi_result rows_init(gi_context *gi)
+void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 {
-	gi_rows *r = &gi->rows;
-	const gpu_program_file programs[] = {
+	const gpu_program_file programs[ROWS_PROGRAMS] = {
 	    {"pose.comp", &r->pose_program},       {"cut.comp", &r->cut_program},
 	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
 	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
 	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
-	const gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
-	return result ? result : gpu_buffer_allocate(&gi->gpu, &r->frame, sizeof(gi_frame), NULL);
+	memcpy(list, programs, sizeof programs);
+}
+
+gi_result rows_init(gi_context *gi)
+{
+	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, sizeof(gi_frame), NULL);
 }
 
 /* Free lists of all classes of a pool together, in words. */
@@ -442,6 +445,7 @@ static void prepare(gi_context *gi, uint32_t stage)
 
 static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
 {
+	frame_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -449,6 +453,7 @@ static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_
 
 static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads)
 {
+	frame_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch(&gi->gpu, program, threads);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -583,9 +588,5 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&r->pose_program,  &r->cut_program,   &r->factor_program,  &r->flag_program,
-				&r->trace_program, &r->close_program, &r->recycle_program, &r->prepare_program};
-	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
-		gpu_program_free(programs[k]);
 	free(r->run_data);
 }

@@ -12,20 +12,20 @@
 #include "context.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* check.comp's uniforms, and what its stage may be. */
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-gi_result solver_init(gi_context *gi)
+void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 {
-	gi_solver *s = &gi->solver;
-	const gpu_program_file programs[] = {
+	const gpu_program_file programs[SOLVER_PROGRAMS] = {
 	    {"gather.comp", &s->gather_program},     {"certify.comp", &s->certify_program},
 	    {"pull.comp", &s->pull_program},         {"pull_wide.comp", &s->wide_program},
 	    {"check.comp", &s->check_program},       {"start.comp", &s->start_program},
 	    {"indirect.comp", &s->indirect_program}, {"light.comp", &s->light_program}};
-	return gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
+	memcpy(list, programs, sizeof programs);
 }
 
 /* What start.comp writes, for nodes (to_leaves false) or for leaves, twice as their buffer has them. */
@@ -115,6 +115,7 @@ static void remember_lamps(gi_context *gi)
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps, bool brief)
 {
 	gi_solver *s = &gi->solver;
+	frame_progress(gi, GI_PASS_SOLVE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 	if (brief)
 		remember_lamps(gi);
@@ -141,6 +142,7 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	s->cold = false;
 	s->lamps_known = brief || (s->lamps_known && !anew);
 
+	frame_progress(gi, GI_PASS_LIGHT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 	if (!brief)
 		gpu_dispatch(&gi->gpu, s->indirect_program, gi->scene.leaf_count);
@@ -167,15 +169,4 @@ void solver_release(gi_context *gi, gi_solver *s)
 	gpu_buffer *buffers[] = {&s->radiosity, &s->leaf_radiosity, &s->leaf_indirect, &s->light};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-}
-
-void solver_free(gi_context *gi)
-{
-	gi_solver *s = &gi->solver;
-	solver_release(gi, s);
-	uint32_t *programs[] = {&s->gather_program, &s->certify_program, &s->pull_program,     &s->wide_program,
-				&s->check_program,  &s->start_program,   &s->indirect_program, &s->light_program,
-				&s->brief_program,  &s->lamps_program};
-	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
-		gpu_program_free(programs[k]);
 }

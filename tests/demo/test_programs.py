@@ -10,6 +10,7 @@ import csv
 import json
 import math
 import os
+import pty
 import struct
 import subprocess
 import sys
@@ -30,6 +31,22 @@ FIELD_TYPES = {"float": ("f", 4), "int": ("i", 4), "uchar": ("B", 1)}
 def run(program, *arguments, folder=None, environment=None):
     return subprocess.run([os.path.join(PROGRAMS, program), *arguments], capture_output=True, text=True, cwd=folder,
                           timeout=300, env=dict(os.environ, **environment) if environment else None)
+
+
+def on_terminal(program, *arguments):
+    """What the program writes to a terminal's standard error, and its exit code."""
+    ours, terminal = pty.openpty()
+    command = [os.path.join(PROGRAMS, program), *arguments]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal) as running:
+        os.close(terminal)
+        told = b""
+        try:
+            while chunk := os.read(ours, 4096):
+                told += chunk
+        except OSError:  # Linux's way to say that the other end is closed
+            pass
+    os.close(ours)
+    return told.decode(), running.returncode
 
 
 def read_csv(path):
@@ -159,6 +176,18 @@ class Programs(unittest.TestCase):
         self.assertLess(int(rows[1]["sweeps"]), int(rows[0]["sweeps"]))
         for words in (out, "frames.csv", "dirty entries", "certified bound", "per leaf", "sweeps"):
             self.assertIn(words, done.stdout)
+
+    def test_start_is_told(self):
+        """On a terminal what takes its time, each line over the one before; nothing anywhere else."""
+        arguments = ["--frames", "1", "--row-tolerance", "0.2", "--images", self.path("p%d.png"), *TINY]
+        told, code = on_terminal("moving_buddha", *arguments)
+        self.assertEqual(code, 0, told)
+        for words in ("compiling shaders ... 1 of", "building object 'buddha'", "first light: trace", "first picture"):
+            self.assertIn("moving_buddha: " + words, told)
+        self.assertNotIn("\n", told)
+        done = self.good("moving_buddha", *arguments)
+        self.assertEqual(done.stderr, "")
+        self.assertRegex(done.stdout, r"its picture \d+\.\d\d s after the start")
 
     def test_budget_that_keeps_a_frame_rate(self):
         """Only that budgets are given and rows wait: what rate is reached is the machine's."""

@@ -67,6 +67,13 @@ const char *gi_result_text(gi_result result);
 /* Receives one line, without a newline, for every error and warning. The text is gone when the callback returns. */
 typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
+/* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
+ * it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
+ * gi_context_create, gi_create_object, gi_commit, by the first gi_update after a commit, which builds every row, and where
+ * compute shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
+ * that the library uses (see Rules); it must not call the library. */
+typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
+
 /* ---- handles ------------------------------------------------------------------------------------------------------ */
 
 typedef struct gi_context gi_context;
@@ -92,7 +99,8 @@ typedef enum gi_sky {
 typedef struct gi_context_def {
 	gi_get_proc_address_fn *get_proc_address; /* required: finds OpenGL functions */
 	gi_message_fn *message;                   /* default NULL: messages go to stderr */
-	void *user;                               /* handed to message */
+	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
+	void *user;                               /* handed to message and progress */
 	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here */
 
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
@@ -130,7 +138,14 @@ typedef struct gi_context_def {
 
 gi_context_def gi_context_def_default(void);
 
-/* Compiles the shaders (cold: a second or more). On failure *out is NULL. */
+/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their own
+ * do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
+ * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is NULL.
+ *
+ * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw for
+ * each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its part to the
+ * first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading screen. Drivers keep
+ * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 
 /* Frees everything, its OpenGL objects too. NULL is fine. */
@@ -217,7 +232,8 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 
 /* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of
- * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black. */
+ * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black.
+ * GI_ERROR_SHADER, every time, when a shader does not compile. */
 gi_result gi_commit(gi_context *gi);
 
 /* ---- frames ------------------------------------------------------------------------------------------------------- */
