@@ -5,9 +5,9 @@
 /* Of a new measurement; a single frame is noise, and the view may change. */
 static const double LEARNING = 0.2;
 
-/* An update in multiples of what no budget shortens and, on top, in frames asked for: the smallest that does anything,
- * and the one that keeps the light moving where not even that fits and the rate is lost. */
-static const double SMALLEST[2] = {1.1, 1.0 / 32}, LOST[2] = {1.25, 1.0 / 8};
+/* Shares of the frame asked for: the smallest update that does anything, and the one that keeps the light moving where
+ * not even that fits and the rate is lost. */
+static const double SMALLEST = 1.0 / 16, LOST = 1.0 / 8;
 
 /* Of the frame asked for: more than that an update is not corrected by what those before it took too long. */
 static const double MOST_CORRECTED = 0.25;
@@ -29,15 +29,10 @@ frame_budget frame_budget_make(double frames_per_second)
 	return (frame_budget){.target_ms = target_ms, .rest_ms = 0.5 * target_ms, .moved_ms = -INFINITY};
 }
 
-static double size_ms(const frame_budget *b, const double size[2])
-{
-	return size[0] * b->fixed_ms + size[1] * b->target_ms;
-}
-
 static double left_ms(const frame_budget *b)
 {
-	const double left = b->target_ms - b->rest_ms, smallest = size_ms(b, SMALLEST);
-	return left < smallest ? size_ms(b, LOST) : fmax(left - b->over_ms, smallest);
+	const double left = b->target_ms - b->rest_ms, smallest = SMALLEST * b->target_ms;
+	return left < smallest ? LOST * b->target_ms : fmax(left - b->over_ms, smallest);
 }
 
 gi_budget frame_budget_next(frame_budget *b, bool moved, double now_ms)
@@ -51,15 +46,12 @@ gi_budget frame_budget_next(frame_budget *b, bool moved, double now_ms)
 	return (gi_budget){.ms = (float)b->asked_ms};
 }
 
-/* The passes of an update by the GPU's timers, all or those that take as long whatever the budget. */
-static double measured_ms(const gi_report *report, bool fixed_alone)
+/* The passes of an update by the GPU's timers. */
+static double measured_ms(const gi_report *report)
 {
 	double sum = 0;
-	for (int k = 0; k < GI_PASS_COUNT && report->outcome != GI_OUTCOME_AT_REST; k++) {
-		const bool fixed = k == GI_PASS_POSE || k == GI_PASS_CHOOSE || k == GI_PASS_SOLVE || k == GI_PASS_LIGHT;
-		if (k != GI_PASS_SHADOW && k != GI_PASS_DRAW && (fixed || !fixed_alone))
-			sum += (double)report->pass_ms[k];
-	}
+	for (int k = 0; k < GI_PASS_COUNT && report->outcome != GI_OUTCOME_AT_REST; k++)
+		sum += k == GI_PASS_SHADOW || k == GI_PASS_DRAW ? 0 : (double)report->pass_ms[k];
 	return sum;
 }
 
@@ -68,24 +60,15 @@ static void learn(double *value, double measured)
 	*value += LEARNING * (measured - *value);
 }
 
-static void learn_costs(frame_budget *b, double update_ms, double fixed_ms)
-{
-	const double most = MOST_CORRECTED * b->target_ms;
-	/* The less of two frames: the first compiles shaders. */
-	learn(&b->fixed_ms, fmin(fixed_ms, b->newest_fixed_ms));
-	b->newest_fixed_ms = fixed_ms;
-	learn(&b->over_ms, fmax(-most, fmin(update_ms - b->asked_ms, most)));
-}
-
 void frame_budget_note(frame_budget *b, double frame_ms, const gi_report *report)
 {
-	const double update_ms = measured_ms(report, false);
+	const double update_ms = measured_ms(report), most = MOST_CORRECTED * b->target_ms;
 	if (report->frame <= 1) /* builds every row, and shaders compile */
 		return;
 	/* Beyond the target it makes no difference, and a single slow frame would take long to be forgotten. */
 	learn(&b->rest_ms, fmin(fmax(frame_ms - update_ms, 0), b->target_ms));
 	if (report->waiting_rows && b->asked_ms > 0)
-		learn_costs(b, update_ms, measured_ms(report, true));
+		learn(&b->over_ms, fmax(-most, fmin(update_ms - b->asked_ms, most)));
 	if (b->moving) /* at rest an update may be the small remainder of one */
 		b->exact_fits = !report->waiting_rows && update_ms <= FITS_SHARE * left_ms(b);
 }

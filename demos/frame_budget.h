@@ -13,14 +13,12 @@
 
 typedef struct frame_budget {
 	double target_ms; /* of a whole frame; 0: every update is exact */
-	double rest_ms;   /* of a frame without its update, smoothed, as the next two */
+	double rest_ms;   /* of a frame without its update, smoothed, as the next */
 	double over_ms;   /* what updates take beyond what they were given */
-	double fixed_ms;  /* of an update: what no budget shortens */
-	double newest_fixed_ms;
-	double asked_ms; /* what the newest update was given; 0: it is exact */
-	double moved_ms; /* when something last moved, by the caller's clock */
-	bool moving;     /* in the newest update */
-	bool exact_fits; /* an exact update takes so much less than there is that nothing has to be chosen */
+	double asked_ms;  /* what the newest update was given; 0: it is exact */
+	double moved_ms;  /* when something last moved, by the caller's clock */
+	bool moving;      /* in the newest update */
+	bool exact_fits;  /* an exact update takes so much less than there is that nothing has to be chosen */
 } frame_budget;
 
 /* frames_per_second 0: exact. The first updates are exact as well, until something moves. */

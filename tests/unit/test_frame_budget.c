@@ -100,9 +100,6 @@ static void test_moves_on_when_drawing_is_slow(void **state)
 	renderer r = make(30, 80, 300, 0);
 	run(&r, 40, true);
 	assert_near(r.update_ms, 1e3 / 30 / 8, 0.01);
-	r.fixed_ms = 120; /* most of an update is choosing and solving: rays get their share on top */
-	run(&r, 80, true);
-	assert_near(r.update_ms, 1.25 * 120 + 1e3 / 30 / 8, 0.1);
 }
 
 static void test_keeps_the_rate_to_the_last(void **state)
