@@ -67,7 +67,8 @@ static gi_result check_limits(gpu *g)
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
 	glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
 	g->texture_bytes = (uint64_t)(TEXEL_BYTES * texels);
-	g->block_bytes = (uint64_t)bytes < g->texture_bytes ? (uint64_t)bytes : g->texture_bytes;
+	const uint64_t whole = (uint64_t)bytes / TEXEL_BYTES * TEXEL_BYTES; /* NVIDIA promises a byte less than 2 GiB */
+	g->block_bytes = whole < g->texture_bytes ? whole : g->texture_bytes;
 	return GI_OK;
 }
 
@@ -137,7 +138,7 @@ static bool reaches_beyond(gpu *g)
 
 static uint64_t block_limit(gpu *g, uint64_t wanted)
 {
-	if (wanted <= g->block_bytes || g->block_bytes == g->texture_bytes || g->tried)
+	if (wanted <= g->block_bytes || g->block_bytes + TEXEL_BYTES >= g->texture_bytes || g->tried)
 		return g->block_bytes;
 	g->tried = true;
 	if (reaches_beyond(g))
