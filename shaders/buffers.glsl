@@ -1,11 +1,13 @@
-// How a shader gets at the library's buffers. It defines READ_name for those it reads and WRITE_name for those it writes before it
-// includes this file, and calls load_...() or assigns to ...[n]; which kind of access is behind that is decided here:
+// How a shader gets at the library's buffers. It defines READ_name for those it reads and WRITE_name for those it writes
+// before it includes this file, and calls load_...() or assigns to ...[n]; which kind of access is behind that is decided
+// here:
 //
-//   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa 25.0 loads from a storage
-//               block lane by lane and component by component, some 10 ns each; a texel is one vector load a lane, some 1 ns. A texture
-//               holds 2^27 texels (2 GiB) where a storage block holds 128 MiB there. On GPUs both go through the same caches.
-//   WRITE_name  a storage block, for stores and atomics. A shader that reads what it wrote in the same dispatch reads it there: a texture does not
-//               promise to show it.
+//   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa
+//               25.0 loads from a storage block lane by lane and component by component, some 10 ns each; a texel is one
+//               vector load a lane, some 1 ns. A texture holds 2^27 texels (2 GiB) where a storage block is promised
+//               128 MiB there. On GPUs both go through the same caches.
+//   WRITE_name  a storage block, for stores and atomics. A shader that reads what it wrote in the same dispatch reads it
+//               there: a texture does not promise to show it.
 //   READ_FRAME  a uniform block: the same for all threads.
 //
 // OpenGL 4.5 promises 16 textures and 8 storage blocks a compute stage; gpu_init() asks for more where it needs more.
@@ -133,7 +135,13 @@ gi_node_topology load_topology(uint n)
 TEXELS(GI_BIND_REST) rest_texels;
 gi_node_geometry load_rest(uint n)
 {
-	return gi_node_geometry(float_texel(rest_texels, 3u * n), float_texel(rest_texels, 3u * n + 1u), float_texel(rest_texels, 3u * n + 2u));
+	return gi_node_geometry(float_texel(rest_texels, 3u * n), float_texel(rest_texels, 3u * n + 1u),
+				float_texel(rest_texels, 3u * n + 2u));
+}
+
+vec4 load_rest_sphere(uint n)
+{
+	return float_texel(rest_texels, 3u * n);
 }
 #endif
 

@@ -5,6 +5,7 @@
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
+#define READ_REST
 #define READ_WORLD
 #define READ_VERTICES_REST
 #define READ_LEAVES
@@ -38,13 +39,21 @@ const uint CANDIDATES = 4u;
 // From a flat source of less than this share of its distance, radius over distance, all points bring about the same.
 const float FAR = 0.2;
 
+// Where both ends are on one object its pose must not matter, not even by rounding.
+vec4 sphere_of(pair p, uint node)
+{
+	if (p.same)
+		return load_rest_sphere(node);
+	return load_sphere(node);
+}
+
 // Emitters are cut fine as it is.
 uint candidates_of(pair p, bool emitter)
 {
 	if (emitter || p.sky)
 		return 1u;
-	vec4 ball = load_sphere(p.node);
-	bool far = (p.t.range.w & GI_NODE_FLAT) != 0u && ball.w < FAR * distance(ball.xyz, load_sphere(load_leaf(p.leaf).x).xyz);
+	vec4 mine = sphere_of(p, load_leaf(p.leaf).x), theirs = sphere_of(p, p.node);
+	bool far = (p.t.range.w & GI_NODE_FLAT) != 0u && theirs.w < FAR * distance(theirs.xyz, mine.xyz);
 	return far ? 1u : CANDIDATES;
 }
 
