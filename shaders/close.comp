@@ -248,7 +248,8 @@ void main()
 	bool room = block.y >> 24u != GI_BLOCK_NO_CLASS && lit > 0u;
 	float row_sum = room ? write_links(leaf, block.x, c, scale) : 0.0;
 	uint count = room ? lit : 0u;
-	rows[leaf] = uvec4(block.x, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
+	// Where the pool is full the block is nowhere, GI_NONE, which sweeps must not take for a place.
+	rows[leaf] = uvec4(room ? block.x : 0u, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_LINKS], count - old_count);
 }
