@@ -168,6 +168,7 @@ static gi_report at_rest(const gi_context *gi)
 	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.rays = 0;
 	r.sweeps = r.dispatches = 0;
 	r.sampling_rays = 0;
+	r.assessed_rows = 0;
 	r.uploaded_bytes = 0;
 	return r;
 }

@@ -96,7 +96,8 @@ static uint64_t most_elements(gi_context *gi, uint64_t wanted)
 	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
 }
 
-/* A row of fewer entries than this does not exist in a scene worth the name. */
+/* Entries of a row that there must at least be room for, on average: any closed scene of some detail has more. A commit
+ * that fails for lack of them fails before anything is built. */
 static const uint64_t LEAST_ENTRIES = 16;
 
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
@@ -415,6 +416,7 @@ void rows_clear_counts(gi_context *gi)
 	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
 }
 
 static void begin(gi_context *gi)
@@ -423,7 +425,6 @@ static void begin(gi_context *gi)
 	rows_clear_counts(gi);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {

@@ -270,6 +270,7 @@ static void small_changes_wait(void **state)
 	while (r.outcome != GI_OUTCOME_AT_REST);
 	assert_int_equal(r.waiting_rows, waiting);
 	assert_int_equal(r.dispatches, 0);
+	assert_int_equal(r.assessed_rows, 0);
 	r = update_under(p.bounded.gi, &tight);
 	assert_true(r.dirty_rows > 0 && r.waiting_rows < waiting);
 	r = update_under(p.bounded.gi, NULL);
