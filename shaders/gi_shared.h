@@ -1,6 +1,7 @@
 /* Structures and constants shared by the C side and the shaders; read by both compilers.
  *
- * Only vec4, uvec4 and uint members: their std430 layout is the C layout. gi/src/gpu_layout.c asserts every size.
+ * Only vec4 and uvec4 members: their layout is the C layout, in storage blocks, in uniform blocks and as texels of
+ * buffer textures, which buffers.glsl counts. gi/src/gpu.c asserts how many there are.
  */
 #ifndef GI_SHARED_H
 #define GI_SHARED_H
@@ -8,7 +9,6 @@
 #ifdef GL_core_profile
 #define GI_VEC4 vec4
 #define GI_UVEC4 uvec4
-#define GI_UINT uint
 #define GI_STRUCT(name) struct name
 #define GI_END(name) ;
 #else
@@ -21,7 +21,6 @@ typedef struct gi_uvec4 {
 } gi_uvec4;
 #define GI_VEC4 gi_vec4
 #define GI_UVEC4 gi_uvec4
-#define GI_UINT uint32_t
 #define GI_STRUCT(name) typedef struct name
 #define GI_END(name) name;
 #endif
@@ -149,7 +148,7 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
-/* A leaf: x node, y object slot, z material, w area of its object up to and with it, as float bits.
+/* A leaf: x node, y object slot, z material, w 0.
  * A material: rho, then exitance. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
@@ -283,7 +282,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_DONE_B_MAX_BITS 23u
 /* Group counts for indirect dispatches, 3 words each. */
 #define GI_STATE_ARGS_FACTOR 24u
-#define GI_STATE_ARGS_TRACE 27u   
+#define GI_STATE_ARGS_TRACE 27u
 #define GI_STATE_ARGS_GATHER 30u
 #define GI_STATE_ARGS_PULL 33u
 #define GI_STATE_ARGS_WIDE 36u

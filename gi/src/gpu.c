@@ -12,6 +12,19 @@
 
 enum { TEXEL_BYTES = 16 };
 
+/* As buffers.glsl counts them. */
+#define ASSERT_TEXELS(structure, count)                                                                                \
+	_Static_assert(sizeof(structure) == (count)*TEXEL_BYTES, "buffers.glsl reads other texels")
+ASSERT_TEXELS(gi_object_data, 13);
+ASSERT_TEXELS(gi_node_topology, 2);
+ASSERT_TEXELS(gi_node_geometry, 3);
+ASSERT_TEXELS(gi_node_spread, 2);
+ASSERT_TEXELS(gi_material_data, 2);
+ASSERT_TEXELS(gi_primitive, 4);
+ASSERT_TEXELS(gi_pending, 4);
+ASSERT_TEXELS(gi_estimate_leaf, 3);
+#undef ASSERT_TEXELS
+
 gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 {
 	char line[1024];
@@ -40,7 +53,7 @@ void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *f
 
 /* ---- start ---- */
 
-/* What the shaders of gi take of a device. OpenGL promises less of the first three. */
+/* What the shaders of gi take of a device. OpenGL promises less of the first two, and as much of the others. */
 static gi_result check_limits(gpu *g)
 {
 	static const struct {
@@ -49,7 +62,6 @@ static gi_result check_limits(gpu *g)
 		const char *what;
 	} needs[] = {
 	    {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, GPU_BINDINGS, "storage buffer bindings"},
-	    {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, GPU_FIRST_TEXEL_UNIT + GPU_BINDINGS, "texture units"},
 	    {GL_MAX_TEXTURE_BUFFER_SIZE, 1 << 22, "texels in a buffer texture"},
 	    {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, 8, "storage blocks in a compute shader"},
 	    {GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS, 16, "textures in a compute shader"},
@@ -479,7 +491,7 @@ void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)
 {
 	if (!groups)
 		return;
-	/* thread_number() of buffers.glsl undoes the fold. */
+	/* thread_number() of dispatch.glsl undoes the fold. */
 	uint64_t x = groups < 32768 ? groups : 32768;
 	glUseProgram(program);
 	glDispatchCompute((GLuint)x, (GLuint)((groups + x - 1) / x), 1);

@@ -103,7 +103,8 @@ void gpu_set_uint(uint32_t program, int location, uint32_t value);
 void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values);
 void gpu_set_matrices(uint32_t program, int location, int count, const float *values);
 
-/* One thread per item; nothing for no items. Ends with a barrier for storage buffers and indirect arguments. */
+/* One thread per item; nothing for no items. Ends with a barrier for what it wrote, whichever way it is read next: as a
+ * storage block, a buffer texture, group counts or by a copy. */
 void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads);
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups);
 void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset);

@@ -198,8 +198,7 @@ static void gather_leaves(gathered *g, const scene_object *o)
 		area += (double)h->geometry[h->leaf_node[l]].moment.w;
 		quad[0].w = (float)area;
 		g->leaves[o->leaf_base + l] =
-		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l],
-			       gi_bits_from_float((float)area)};
+		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l], 0};
 	}
 }
 
