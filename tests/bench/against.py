@@ -57,6 +57,7 @@ def unpack(commit, source):
     partial.mkdir(parents=True)
     archive = subprocess.Popen(["git", "-C", str(ROOT), "archive", commit], stdout=subprocess.PIPE)
     unpacked = subprocess.run(["tar", "-x", "-C", partial], stdin=archive.stdout, check=False)
+    archive.stdout.close()  # git ends where tar did not read to the end
     if archive.wait() or unpacked.returncode:
         fail("could not unpack %s" % commit)
     partial.rename(source)
