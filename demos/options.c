@@ -55,9 +55,8 @@ static const struct argp_option table[] = {
     {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at to estimate the error of the rows, 0..65536 (0)", 1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
     {"budget-fps", KEY_BUDGET_FPS, "R", 0,
-     "keep so many frames a second: an update gets the time that drawing leaves, what does not fit waits until all is "
-     "at "
-     "rest; 0: exact (30 in a window, 0 where frames are recorded)",
+     "keep so many frames a second: an update gets the time that drawing leaves, what does not fit waits until all "
+     "is at rest; 0: exact (30 in a window, 0 where frames are recorded)",
      1},
     {"budget-ms", KEY_BUDGET_MS, "MS", 0,
      "aim for so many milliseconds an update instead; what does not fit waits; 0: exact", 1},

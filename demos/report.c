@@ -241,8 +241,8 @@ static void print_sizes(const report *r, FILE *to)
 	fprintf(to, "  %-22s %u leaves of %u objects, %llu entries, %.0f per leaf, %.1f MiB on the GPU\n", "scene",
 		g->leaves, g->objects, (unsigned long long)g->entries, g->leaves ? (double)g->entries / g->leaves : 0,
 		(double)g->gpu_bytes / (1 << 20));
-	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps; its picture %.2f s after the start\n", "first frame",
-		r->first_ms, r->first.sweeps, 1e-3 * r->start_ms);
+	fprintf(to, "  %-22s every row built in %.1f ms, %u sweeps; its picture %.2f s after the start\n",
+		"first frame", r->first_ms, r->first.sweeps, 1e-3 * r->start_ms);
 }
 
 static bool is_anywhere(const report *r, report_column column)

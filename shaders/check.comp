@@ -151,7 +151,7 @@ void begin()
 		words[GI_STATE_REACH_BITS] = 0u;
 		store(GI_STATE_OMEGA_BITS, 1.0);
 		store(GI_STATE_AMPLIFICATION_BITS, 3e38);
-		// The sign says: of rows that were.
+		// Below 0: seen over the rows before, to compare with and not to count on (judge).
 		store(GI_STATE_ESTIMATE_BITS, -abs(load(GI_STATE_ESTIMATE_BITS)));
 	}
 	clear_findings();

@@ -64,8 +64,8 @@ bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float ar
 	return inside_triangle(m.barycentric) && m.height > slack.x * area2 && m.determinant * end - m.height > slack.y * area2;
 }
 
-// The next quad at or after node n of an object's tree whose box the ray meets; GI_NONE: no more. n goes on behind it. First every ray of a vector
-// goes on to a quad, then all test theirs together (Aila and Laine, 2009).
+// The next quad at or after node n of an object's tree whose box the ray meets; GI_NONE: no more. n goes on behind it.
+// First every ray of a vector goes on to a quad, then all test theirs together (Aila and Laine, 2009).
 uint next_primitive(grid_ray r, float end, uint last_node, inout uint n)
 {
 	uint primitive = GI_NONE;

@@ -74,7 +74,8 @@ struct tree_ray {
 	uint first, last;  // leaves of the object that it begins and ends on; GI_NONE
 };
 
-// An end that lies on the object is used as it is, without a turn through the world, and world coordinates play no part where both do.
+// An end that lies on the object is used as it is, without a turn through the world, and world coordinates play no part
+// where both do.
 tree_ray ray_for(body by, body body_a, segment_end a, body body_b, segment_end b)
 {
 	bool own_a = by.object == body_a.object, own_b = by.object == body_b.object, sky = body_b.object == GI_NONE;
@@ -107,9 +108,9 @@ uvec2 scene_tree(bool sky)
 	return sky ? uvec2(0u, frame.misc.x) : frame.inner.xy;
 }
 
-// The next object at or after node n of the scene's tree, which ends at `last`, that may cut the segment, other than the two at its ends; GI_NONE: no more. n goes
-// on behind it. The bodies at the ends are asked without the test of world boxes, whose rounding depends on the pose: an object at rest
-// relative to both ends must always answer the same.
+// The next object at or after node n of the scene's tree, which ends at `last`, that may cut the segment, other than the
+// two at its ends; GI_NONE: no more. n goes on behind it. The bodies at the ends are asked without the test of world
+// boxes, whose rounding depends on the pose: an object at rest relative to both ends must always answer the same.
 uint next_third(grid_ray r, body body_a, segment_end a, body body_b, segment_end b, uint last, inout uint n)
 {
 	bool sky = body_b.object == GI_NONE;

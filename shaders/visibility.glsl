@@ -27,7 +27,8 @@ struct pair {
 	quad mine, theirs;  // theirs: of the source where `whole`
 	gi_node_topology t; // of the source
 	bool sky, whole;    // whole: a leaf, or a patch of sky; else each sample is on a leaf of its own
-	float area_before, area_all; // where not whole: areas of the source's object up to the node's first leaf, and with its last
+	// Where not whole: areas of the source's object before the node's first leaf, and up to and with its last.
+	float area_before, area_all;
 };
 
 pair load_pair(uvec4 entry)
@@ -77,7 +78,8 @@ uint leaf_at(pair p, inout float u)
 		u = clamp(number - float(k), 0.0, 0.99999994);
 		return low + k;
 	}
-	// The first try is where it would be were all leaves alike, the second beside it, then halves: the same leaf whatever is tried.
+	// The first try is where it would be were all leaves alike, the second beside it, then halves: the same leaf whatever
+	// is tried.
 	uint middle = low + uint(u * float(p.t.range.z));
 	float end = all;
 	for (uint step = 0u; low < high; step++) {

@@ -1,11 +1,13 @@
 /* Updates that may not refresh every row: which rows go first, and what those that wait may be off by.
  *
- *   shine    the range of B of each object
- *   survey   of every row: whether anything changed, a bound on what refreshing it changes for all that is known
- * without its entries, the bucket of its priority choose, enlist    the rows to assess; all but under a budget of time,
- * which assesses as many as fit assess   of those: the rays that they take, a bound that asks their entries, the bucket
- * of their priority choose, enlist    the rows to refresh, in a list that cut, flag and close work through (rows,
- * solve) stale    the largest bound of a row that waits
+ *   shine            the range of B of each object
+ *   survey           of every row: whether anything changed, a bound on what refreshing it changes for all that is
+ *                    known without its entries, the bucket of its priority
+ *   choose, enlist   the rows to assess: as many as fit into a budget of time, all without one
+ *   assess           of those: the rays that they take, a bound that asks their entries, the bucket of their priority
+ *   choose, enlist   the rows to refresh, in a list that cut, flag and close work through
+ *   (rows, solve)
+ *   stale            the largest bound of a row that waits
  *
  * Let B solve the rows that are there and B* those that an exact update would have. |B - B*| <= d + rho F* |B - B*|
  * leaf by leaf, d bounding what refreshing the row changes at B; since no row sums to more than 1, the leaf that is off

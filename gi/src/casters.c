@@ -9,13 +9,14 @@
 /* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
 enum { WALL_POLYGONS = 64 };
 
-/* All objects share this many bounding spheres. Each costs a lamp some 0.5 us when something moves. */
+/* All objects share this many bounding spheres. Each costs a lamp some 0.5 us when something moves, and a look at its
+ * mask in every picture. */
 enum { SPHERES = 2048 };
 
 /* And no object gets more. */
 enum { MOST_SPHERES = 512 };
 
-/* Vertices this share of the scene's size behind a wall still lie on it. */
+/* Vertices this share of the wall's own size behind it still lie on it. */
 static const double WALL_SLACK = 1e-4;
 
 typedef struct caster_vertex {

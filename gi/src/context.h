@@ -1,7 +1,7 @@
 /* What a gi_context is made of. Each part belongs to one module; gi.c holds the public functions that join them.
  *
  *   gi.c, frame.c
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads        (hierarchy.c, refine.cpp, bvh.c, skin.c: one object at a time)
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
@@ -61,8 +61,9 @@ typedef struct gi_scene {
 	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t tlas_count, tlas_inner; /* nodes: of all objects, of those that may lie between two others */
 
-	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu, materials_gpu,
-		bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu, light_first_gpu, spread_gpu, leaf_quads_gpu;
+	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
+		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,
+		light_first_gpu, spread_gpu, leaf_quads_gpu;
 } gi_scene;
 
 /* ---- rows ---- */
@@ -87,7 +88,7 @@ typedef struct gi_costs {
 	float ray;   /* of cut, factor, flag, trace and close together */
 	float row;   /* that is assessed */
 	float sweep;
-	float fixed; /* what no number of rays changes: the other passes, and on a software renderer what lies between them */
+	float fixed; /* what no number of rays changes: the other passes, on a software renderer what lies between too */
 	uint64_t frame; /* that they were learned from last */
 } gi_costs;
 
@@ -111,7 +112,8 @@ typedef struct gi_solver {
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
 	bool lamps_known;  /* each row's light by lamps is remembered (gi_pending.lamps) */
 	uint32_t brief_program, lamps_program; /* made by the first update that has a budget */
-	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program, indirect_program, light_program;
+	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program,
+		indirect_program, light_program;
 } gi_solver;
 
 /* ---- estimate ---- */

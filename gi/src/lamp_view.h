@@ -11,7 +11,6 @@
 enum { LAMP_MAP_SIZE = 512 };
 
 /* A lamp's frame and corners in the world, and what its frustum has to hold. */
-/* A lamp's frame and corners in the world, and what its frustum has to hold. */
 typedef struct lamp_view {
 	gi_vec3d x, y, z, origin, corner[4];
 	uint32_t sample_count;

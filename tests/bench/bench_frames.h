@@ -23,8 +23,8 @@ void bench_frames(const bench_run *run);
 void bench_rate_head(void);
 void bench_rate(const bench_run *run);
 
-/* A line of a table for each call: the scene at the library's defaults, moving, every update given so many milliseconds;
- * after it is known what things take, and without a picture. */
+/* A line of a table for each call: the scene at the library's defaults, moving, every update given so many
+ * milliseconds; after it is known what things take, and without a picture. */
 void bench_budget_head(void);
 void bench_budget(engine_context *context, const scene_kind *kind, float ms, uint32_t frames);
 

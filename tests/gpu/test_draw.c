@@ -224,8 +224,8 @@ static void test_shadow_is_black(void **state)
 static void check_soft_shadow(float exitance, const target *t, double *rms, double *most)
 {
 	const float bottom = 1;
-	const double brightest = 0.8 * (double)exitance *
-				 rectangle_factor(0.2, 0.1, LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
+	const double brightest =
+	    0.8 * (double)exitance * rectangle_factor(0.2, 0.1, LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT) / PI;
 	double squares = 0;
 	*most = 0;
 	for (int y = 0; y < SIZE; y++)

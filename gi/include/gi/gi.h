@@ -18,9 +18,9 @@
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..35, uniform buffer bindings 0 and 1,
- * texture units 0..45, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on), culling and
- * viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36, uniform buffer
+ * bindings 0 and 1, texture units 0..43, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on),
+ * culling and viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
  * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
@@ -128,8 +128,9 @@ typedef struct gi_context_def {
 	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
 	uint32_t estimate_leaves;
 
-	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an entry, are what comes
-	 * near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY. All buffers together take about three times the largest. */
+	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an
+	 * entry, are what comes near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY. All buffers together take
+	 * about three times the largest. */
 	uint32_t max_buffer_mib;
 
 	bool profile; /* measure ms per pass with GPU timers; default true */
@@ -322,9 +323,9 @@ typedef struct gi_report {
 	uint64_t rays;
 
 	uint64_t waiting_rows;    /* under a budget: not refreshed although something of them may have changed */
-	uint64_t waiting_entries; /* their entries that may have; of rows not assessed, how many they have that bring light */
-	uint32_t assessed_rows;   /* under a budget: rows whose entries were looked at to choose; all that may have changed, or as
-				   * many as fit into budget.ms */
+	uint64_t waiting_entries; /* their entries that may have; of rows not assessed, how many of theirs bring light */
+	uint32_t assessed_rows;   /* under a budget: rows whose entries this update looked at to choose; all that may
+				   * have changed, or as many as fit into budget.ms */
 	float stale_bound;    /* certified: the solution of the rows as they are and that of the rows of an exact update differ
 			       * nowhere by more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
 	float stale_relative; /* stale_bound over the largest B */
@@ -390,9 +391,9 @@ gi_view gi_view_default(void);
  * one looks into a room through its walls from behind.
  *
  * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it); objects
- * beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are drawn again only after
- * something moved. Surfaces go through textures of the viewport's size before they reach the framebuffer: one that is
- * multisampled gets the same value in all samples of a pixel. */
+ * beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are drawn again
+ * only after something moved. Surfaces go through textures of the viewport's size before they reach the framebuffer: one
+ * that is multisampled gets the same value in all samples of a pixel. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
