@@ -276,13 +276,6 @@ static void show_progress(const player *p, const gi_report *r)
 	fflush(stderr);
 }
 
-/* The first picture is there. */
-static void end_start(player *p)
-{
-	progress_end();
-	p->report.start_ms = player_clock_ms() - p->o->began_ms;
-}
-
 static bool play_frame(player *p)
 {
 	player_input(p);
@@ -302,8 +295,9 @@ static bool play_frame(player *p)
 	gi_report report;
 	if (!draw(p, drawing - p->update_ms, &report))
 		return false;
+	progress_end(&p->progress); /* shaders for what is wanted later are compiled later */
 	if (p->frame == 0)
-		end_start(p);
+		p->report.start_ms = player_clock_ms() - p->o->began_ms;
 	if (!player_write_frame(p))
 		return false;
 	if (p->hud)
@@ -338,8 +332,7 @@ int player_run(const options *o, const player_scene *scene)
 	p->rebuild = o->rebuild;
 	p->progress.program = o->program;
 	const bool played = begin(p) && play(p);
-	if (!p->frame)
-		progress_end();
+	progress_end(&p->progress);
 	if (played)
 		player_print_end(p);
 	else

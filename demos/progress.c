@@ -42,7 +42,7 @@ static void draw(progress *p, const char *what, uint32_t done, uint32_t total)
 /* The cursor waits at the beginning of the line, so that messages and the next step write over it. */
 static void tell_terminal(const char *program, const char *what, uint32_t done, uint32_t total)
 {
-	fprintf(stderr, "%s: %s ...", program, what);
+	fprintf(stderr, "\r%s: %s ...", program, what);
 	if (total)
 		fprintf(stderr, " %u of %u", done < total ? done + 1 : total, total);
 	fputs("\033[K\r", stderr);
@@ -51,7 +51,8 @@ static void tell_terminal(const char *program, const char *what, uint32_t done, 
 
 void progress_show(progress *p, const char *what, uint32_t done, uint32_t total)
 {
-	if (isatty(STDERR_FILENO))
+	p->told = isatty(STDERR_FILENO);
+	if (p->told)
 		tell_terminal(p->program, what, done, total);
 	const double now = player_clock_ms();
 	if (!p->hud || (p->shown_ms > 0 && now - p->shown_ms < WINDOW_EVERY_MS))
@@ -60,9 +61,11 @@ void progress_show(progress *p, const char *what, uint32_t done, uint32_t total)
 	p->shown_ms = player_clock_ms();
 }
 
-void progress_end(void)
+void progress_end(progress *p)
 {
-	if (isatty(STDERR_FILENO))
-		fputs("\033[K", stderr);
+	if (!p->told)
+		return;
+	fputs("\033[K", stderr);
 	fflush(stderr);
+	p->told = false;
 }

@@ -8,6 +8,7 @@
 #include "context.h"
 #include "hud.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct progress {
@@ -15,12 +16,13 @@ typedef struct progress {
 	engine_context *context; /* the next two: NULL until there is a window */
 	engine_hud *hud;
 	double shown_ms; /* when the window last showed something; 0: never */
+	bool told;       /* a line is on the terminal */
 } progress;
 
 /* Step `done` of `total` of `what` begins; total 0: nobody knows how many. */
 void progress_show(progress *p, const char *what, uint32_t done, uint32_t total);
 
-/* Erases the terminal's line: a picture or a message comes. */
-void progress_end(void);
+/* Erases the terminal's line, where there is one: a picture or a message comes. */
+void progress_end(progress *p);
 
 #endif
