@@ -46,8 +46,7 @@ gi_budget frame_budget_next(frame_budget *b, bool moved, double now_ms)
 	return (gi_budget){.ms = (float)b->asked_ms};
 }
 
-/* The passes of an update by the GPU's timers. */
-static double measured_ms(const gi_report *report)
+double frame_budget_update_ms(const gi_report *report)
 {
 	double sum = 0;
 	for (int k = 0; k < GI_PASS_COUNT && report->outcome != GI_OUTCOME_AT_REST; k++)
@@ -62,7 +61,7 @@ static void learn(double *value, double measured)
 
 void frame_budget_note(frame_budget *b, double frame_ms, const gi_report *report)
 {
-	const double update_ms = measured_ms(report), most = MOST_CORRECTED * b->target_ms;
+	const double update_ms = frame_budget_update_ms(report), most = MOST_CORRECTED * b->target_ms;
 	if (report->frame <= 1) /* builds every row, and shaders compile */
 		return;
 	/* Beyond the target it makes no difference, and a single slow frame would take long to be forgotten. */

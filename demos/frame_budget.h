@@ -29,6 +29,9 @@ frame_budget frame_budget_make(double frames_per_second);
  * grow: all is exact within a second where an exact update takes no more than half of one. */
 gi_budget frame_budget_next(frame_budget *b, bool moved, double now_ms);
 
+/* What the passes of the report's update took by the GPU's timers, ms; 0 at rest. */
+double frame_budget_update_ms(const gi_report *report);
+
 /* What the frame took from its beginning until it was shown, and the newest report. */
 void frame_budget_note(frame_budget *b, double frame_ms, const gi_report *report);
 

@@ -36,6 +36,12 @@ uint word(usamplerBuffer from, uint n)
 	return texelFetch(from, int(n >> 2u))[n & 3u];
 }
 
+// Of a buffer of gi_node_geometry.
+gi_node_geometry geometry_texels(usamplerBuffer from, uint n)
+{
+	return gi_node_geometry(float_texel(from, 3u * n), float_texel(from, 3u * n + 1u), float_texel(from, 3u * n + 2u));
+}
+
 #define TEXELS(binding_number) layout(binding = GI_TEXEL_UNIT + binding_number) uniform usamplerBuffer
 #define STORAGE(binding_number) layout(std430, binding = binding_number) restrict buffer
 
@@ -135,8 +141,7 @@ gi_node_topology load_topology(uint n)
 TEXELS(GI_BIND_REST) rest_texels;
 gi_node_geometry load_rest(uint n)
 {
-	return gi_node_geometry(float_texel(rest_texels, 3u * n), float_texel(rest_texels, 3u * n + 1u),
-				float_texel(rest_texels, 3u * n + 2u));
+	return geometry_texels(rest_texels, n);
 }
 
 vec4 load_rest_sphere(uint n)
@@ -149,7 +154,7 @@ vec4 load_rest_sphere(uint n)
 TEXELS(GI_BIND_WORLD) world_texels;
 gi_node_geometry load_world(uint n)
 {
-	return gi_node_geometry(float_texel(world_texels, 3u * n), float_texel(world_texels, 3u * n + 1u), float_texel(world_texels, 3u * n + 2u));
+	return geometry_texels(world_texels, n);
 }
 
 vec4 load_sphere(uint n)
@@ -213,10 +218,6 @@ gi_material_data load_material(uint n)
 
 #ifdef READ_BVH
 TEXELS(GI_BIND_BVH) bvh_texels;
-uvec4 load_bvh(uint n)
-{
-	return texel(bvh_texels, n);
-}
 #endif
 
 #ifdef READ_PRIMITIVES
@@ -230,10 +231,6 @@ gi_primitive load_primitive(uint n)
 
 #ifdef READ_TLAS
 TEXELS(GI_BIND_TLAS) tlas_texels;
-uvec4 load_tlas(uint n)
-{
-	return texel(tlas_texels, n);
-}
 #endif
 
 #ifdef READ_SEGMENTS

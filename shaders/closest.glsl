@@ -35,7 +35,7 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	while (n < range.y) {
-		uint primitive = next_primitive(r, best.end, range.y, n);
+		uint primitive = next_leaf(bvh_texels, r, best.end, range.y, n);
 		if (primitive == GI_NONE)
 			break;
 		gi_primitive q = load_primitive(primitive);
@@ -44,28 +44,14 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 	}
 }
 
-// The next object at or after node n of the scene's tree whose box the ray meets; GI_NONE: no more. n goes on behind it.
-uint next_object(grid_ray r, float end, inout uint n)
-{
-	uint object = GI_NONE;
-	while (n < frame.misc.x && object == GI_NONE) {
-		uvec4 node = load_tlas(n);
-		bool hit = hits_box(r, node, end);
-		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-		object = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
-		n = hit || leaf ? n + 1u : node.w;
-	}
-	return object;
-}
-
-// Plain loops on purpose: with next_object() in the head of a for, Mesa 22.3 left after the first object.
+// Plain loops on purpose: with next_leaf() in the head of a for, Mesa 22.3 left after the first object.
 nearest find_nearest(vec3 origin, vec3 direction, float lift)
 {
 	nearest best = nearest(3e38, 3e38, false, GI_NONE, GI_NONE, false, vec2(0.0));
 	grid_ray r = ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz);
 	uint n = 0u;
 	while (n < frame.misc.x) {
-		uint object = next_object(r, best.end, n);
+		uint object = next_leaf(tlas_texels, r, best.end, frame.misc.x, n);
 		if (object == GI_NONE)
 			break;
 		meet_object(best, object, origin, direction, lift);
@@ -81,7 +67,7 @@ bool segment_is_free(vec3 from, vec3 to)
 	uint n = 0u;
 	bool free = true;
 	while (n < frame.misc.x && free) {
-		uint object = next_object(r, 1.0, n);
+		uint object = next_leaf(tlas_texels, r, 1.0, frame.misc.x, n);
 		if (object == GI_NONE)
 			break;
 		free = !object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, vec2(0.0), GI_NONE,

@@ -64,19 +64,20 @@ bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float ar
 	return inside_triangle(m.barycentric) && m.height > slack.x * area2 && m.determinant * end - m.height > slack.y * area2;
 }
 
-// The next quad at or after node n of an object's tree whose box the ray meets; GI_NONE: no more. n goes on behind it.
-// First every ray of a vector goes on to a quad, then all test theirs together (Aila and Laine, 2009).
-uint next_primitive(grid_ray r, float end, uint last_node, inout uint n)
+// What the next leaf at or after node n of a packed tree names, whose box the ray meets: a quad, or an object of the
+// scene's tree; GI_NONE: no more before node `last`. n goes on behind it. First every ray of a vector goes on to a leaf,
+// then all test theirs together (Aila and Laine, 2009).
+uint next_leaf(usamplerBuffer tree, grid_ray r, float end, uint last, inout uint n)
 {
-	uint primitive = GI_NONE;
-	while (n < last_node && primitive == GI_NONE) {
-		uvec4 node = load_bvh(n);
+	uint found = GI_NONE;
+	while (n < last && found == GI_NONE) {
+		uvec4 node = texel(tree, n);
 		bool hit = hits_box(r, node, end);
 		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-		primitive = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
+		found = hit && leaf ? node.w & ~GI_PACKED_LEAF : GI_NONE;
 		n = hit || leaf ? n + 1u : node.w;
 	}
-	return primitive;
+	return found;
 }
 
 // skip_a and skip_b are leaves whose primitives do not count.
@@ -97,7 +98,7 @@ bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slac
 	uint n = range.x;
 	bool hidden = false;
 	while (n < range.y && !hidden) {
-		uint primitive = next_primitive(r, end, range.y, n);
+		uint primitive = next_leaf(bvh_texels, r, end, range.y, n);
 		if (primitive == GI_NONE)
 			break;
 		hidden = primitive_hides(primitive, origin, direction, end, slack, skip_a, skip_b);

@@ -113,16 +113,12 @@ uvec2 scene_tree(bool sky)
 // boxes, whose rounding depends on the pose: an object at rest relative to both ends must always answer the same.
 uint next_third(grid_ray r, body body_a, segment_end a, body body_b, segment_end b, uint last, inout uint n)
 {
-	bool sky = body_b.object == GI_NONE;
+	bool sky = body_b.object == GI_NONE, passed_over = true;
 	uint object = GI_NONE;
-	while (n < last && object == GI_NONE) {
-		uvec4 node = load_tlas(n);
-		bool hit = hits_box(r, node, sky ? 3e38 : 1.0);
-		bool leaf = (node.w & GI_PACKED_LEAF) != 0u;
-		uint candidate = node.w & ~GI_PACKED_LEAF;
-		if (hit && leaf && candidate != body_a.object && candidate != body_b.object && !same_side(candidate, a, b, sky))
-			object = candidate;
-		n = hit || leaf ? n + 1u : node.w;
+	while (passed_over) {
+		object = next_leaf(tlas_texels, r, sky ? 3e38 : 1.0, last, n);
+		bool third = object != body_a.object && object != body_b.object;
+		passed_over = object != GI_NONE && !(third && !same_side(object, a, b, sky));
 	}
 	return object;
 }

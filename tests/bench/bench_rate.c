@@ -17,14 +17,6 @@ typedef struct rate_run {
 	samples asked, update, frame, waiting, stale, most, percent;
 } rate_run;
 
-static double update_ms(const gi_report *report)
-{
-	double sum = 0;
-	for (int k = 0; k < GI_PASS_COUNT; k++)
-		sum += k == GI_PASS_SHADOW || k == GI_PASS_DRAW ? 0 : (double)report->pass_ms[k];
-	return sum;
-}
-
 /* Returns what it took, ms. */
 static double frame(rate_run *r, gi_pose pose)
 {
@@ -43,7 +35,7 @@ static double frame(rate_run *r, gi_pose pose)
 static void collect(rate_run *r, double ms)
 {
 	samples_add(&r->asked, r->budget.asked_ms);
-	samples_add(&r->update, update_ms(&r->report));
+	samples_add(&r->update, frame_budget_update_ms(&r->report));
 	samples_add(&r->frame, ms);
 	samples_add(&r->waiting, 100.0 * (double)r->report.waiting_rows / r->report.leaves);
 	samples_add(&r->stale, (double)r->report.stale_bound);

@@ -5,7 +5,8 @@
  * exactly. All errors are of the irradiance of the same leaves at the same pose, the last one of the moving frames.
  * Prints figures, never passes or fails on one.
  */
-#include "context.h"
+#include "bench_options.h"
+#include "bench_scene.h"
 #include "error_table.h"
 #include "gi/gi.h"
 #include "samples.h"
@@ -51,18 +52,6 @@ enum { ESTIMATE_LEAVES = 1024 };
 
 /* Shares of a scene's time: the reference; the most that a series goes on to: each next setting costs more. */
 static const double REFERENCE_SHARE = 0.25, SETTING_SHARE = 0.1;
-
-static void fail(const char *what)
-{
-	fprintf(stderr, "gi_error_time: %s\n", what);
-	exit(1);
-}
-
-static void check(gi_result result)
-{
-	if (result)
-		fail(gi_result_text(result));
-}
 
 static void *allocate(size_t count, size_t size)
 {
@@ -491,7 +480,8 @@ static void print_document(FILE *out, const session *s)
 	    "`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
 	    "what any does.\n`engine budget` updates under so many rays and `engine error` lets rows wait for such a "
 	    "share of the "
-	    "largest B, at a row tolerance\nof 0.1 (0.4 in the furnace) and after up to 24 frames of it. Picture and post-processing cost the "
+	    "largest B, at a row tolerance\nof 0.1 (0.4 in the furnace) and after up to 24 frames of it. Picture and "
+	    "post-processing cost the "
 	    "same for all and are in none. Tables are read off the "
 	    "log-log lines between\nmeasurements; - is not reached.\n\n",
 	    s->options->quick ? " with --quick, too short to quote" : "", (double)s->options->emitter_refinement);
@@ -538,8 +528,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case 'c':
-		if (!engine_context_kind_from_name(argument, &o->kind))
-			argp_error(state, "--context is auto, glfw, egl or osmesa, not '%s'", argument);
+		o->kind = bench_parse_context(argument, state);
 		return 0;
 	case 'n':
 		if (!scene_kind_find(argument))
@@ -571,7 +560,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-	    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+	    BENCH_OPTION_CONTEXT,
 	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},
 	    {"out", 'o', "FOLDER", 0, "where error-time.csv and error-time.md go, default out", 0},
 	    {"seconds", 't', "S", 0, "how long all of it may take, about; default 480", 0},
@@ -583,17 +572,9 @@ int main(int argc, char **argv)
 	options o = {.out = "out", .seconds = 480, .emitter_refinement = 20};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 
-	engine_context_def def = engine_context_def_default();
-	def.kind = o.kind;
-	def.width = def.height = 64;
-	def.hidden = true;
-	def.vsync = false;
-	char message[512];
 	static session s;
 	s.options = &o;
-	s.context = engine_context_create(&def, message, sizeof message);
-	if (!s.context)
-		fail(message);
+	s.context = bench_open_window(o.kind, 64);
 	s.budget_ms = 1e3 * o.seconds / (o.scene ? 1 : SCENE_KINDS);
 	for (int k = 0; k < SCENE_KINDS; k++)
 		if (!o.scene || strcmp(o.scene, scene_kinds[k].name) == 0)

@@ -7,9 +7,9 @@
  *
  * fine: the library's defaults. coarse: row tolerance 0.1. Before them a line "# " and the renderer.
  */
+#include "bench_options.h"
 #include "bench_scene.h"
 
-#include <argp.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -137,8 +137,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case 'c':
-		if (!engine_context_kind_from_name(argument, &o->kind))
-			argp_error(state, "--context is auto, glfw, egl or osmesa, not '%s'", argument);
+		o->kind = bench_parse_context(argument, state);
 		return 0;
 	case 'n':
 		o->frames = (uint32_t)atoi(argument);
@@ -147,9 +146,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 		o->rebuilds = (uint32_t)atoi(argument);
 		return 0;
 	case 's':
-		o->size = atoi(argument);
-		if (o->size < 16 || o->size > 8192)
-			argp_error(state, "--size is 16..8192 pixels");
+		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 't':
 		o->row_tolerance = (float)atof(argument);
@@ -162,7 +159,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-	    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "moving frames of a series, default 6", 0},
 	    {"rebuilds", 'r', "N", 0, "rebuilds and starts from nothing of a series, default 2", 0},
 	    {"size", 's', "PIXELS", 0, "width and height, default 512", 0},

@@ -4,9 +4,9 @@
  * Prints figures, never passes or fails on one. Both sides of a comparison run in turn in the same loop, ratios are of
  * medians.
  */
+#include "bench_options.h"
 #include "bench_frames.h"
 
-#include <argp.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -148,8 +148,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case 'c':
-		if (!engine_context_kind_from_name(argument, &o->kind))
-			argp_error(state, "--context is auto, glfw, egl or osmesa, not '%s'", argument);
+		o->kind = bench_parse_context(argument, state);
 		return 0;
 	case 'n':
 		o->frames = (uint32_t)atoi(argument);
@@ -157,9 +156,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 			argp_error(state, "--frames is 4..%d", MAX_FRAMES);
 		return 0;
 	case 's':
-		o->size = atoi(argument);
-		if (o->size < 16 || o->size > 8192)
-			argp_error(state, "--size is 16..8192 pixels");
+		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 't':
 		o->settings.row_tolerance = (float)atof(argument);
@@ -204,7 +201,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-	    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "frames measured, default 40", 0},
 	    {"size", 's', "PIXELS", 0, "width and height, default 512", 0},
 	    {"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},

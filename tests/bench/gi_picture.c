@@ -3,7 +3,8 @@
  * `--out FOLDER` writes the pictures; `--against FOLDER` compares with what another build wrote there, 8-bit sRGB
  * values as a display shows them. Prints figures, never passes or fails on one.
  */
-#include "context.h"
+#include "bench_options.h"
+#include "bench_scene.h"
 #include "gi/gi.h"
 #include "image.h"
 #include "samples.h"
@@ -29,18 +30,6 @@ typedef struct options {
 } options;
 
 static const float SECONDS_A_FRAME = 0.25f;
-
-static void fail(const char *what)
-{
-	fprintf(stderr, "gi_picture: %s\n", what);
-	exit(1);
-}
-
-static void check(gi_result result)
-{
-	if (result)
-		fail(gi_result_text(result));
-}
 
 /* ---- comparing ---- */
 
@@ -197,8 +186,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case 'c':
-		if (!engine_context_kind_from_name(argument, &o->kind))
-			argp_error(state, "--context is auto, glfw, egl or osmesa, not '%s'", argument);
+		o->kind = bench_parse_context(argument, state);
 		return 0;
 	case 'n':
 		o->frames = (uint32_t)atoi(argument);
@@ -206,9 +194,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 			argp_error(state, "--frames is 1..99");
 		return 0;
 	case 'p':
-		o->size = atoi(argument);
-		if (o->size < 16 || o->size > 8192)
-			argp_error(state, "--size is 16..8192 pixels");
+		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 'z':
 		o->zoom = (float)atof(argument);
@@ -238,7 +224,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 }
 
 static const struct argp_option option_list[] = {
-    {"context", 'c', "KIND", 0, "auto (default), glfw, egl or osmesa", 0},
+    BENCH_OPTION_CONTEXT,
     {"frames", 'n', "N", 0, "frames of each scene, a quarter of a second apart, default 16", 0},
     {"size", 'p', "PIXELS", 0, "width and height, default 512", 0},
     {"zoom", 'z', "F", 0, "the middle of the picture this many times larger, default 1", 0},
@@ -263,14 +249,7 @@ int main(int argc, char **argv)
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 	if (o.out && mkdir(o.out, 0777) && errno != EEXIST)
 		fail("the folder --out cannot be made");
-	engine_context_def def = engine_context_def_default();
-	def.kind = o.kind;
-	def.hidden = true;
-	def.vsync = false;
-	char message[512];
-	engine_context *context = engine_context_create(&def, message, sizeof message);
-	if (!context)
-		fail(message);
+	engine_context *context = bench_open_window(o.kind, o.size);
 	printf("# gi_picture on %s\n\nbuilt from %s, %d x %d, median / least of %u frames\n\n| scene | shadow ms | "
 	       "draw ms | "
 	       "processor ms of both | tone map ms |",

@@ -139,14 +139,21 @@ static double pixel_z(int y)
 	return 2 - 4.0 * (y + 0.5) / SIZE;
 }
 
-/* The view hangs above the lamp, whose back is culled. */
-static void check_open_floor(uint32_t faces)
+/* A floor and a lamp above it; the caller commits. */
+static gi_context *lit_floor(float rho, float exitance, uint32_t faces)
 {
-	const float exitance = 10, rho = 0.8f;
 	gi_context_def def = harness_def();
 	gi_context *gi = harness_context(&def);
 	add_floor(gi, rho, 4);
 	add_lamp(gi, exitance, faces);
+	return gi;
+}
+
+/* The view hangs above the lamp, whose back is culled. */
+static void check_open_floor(uint32_t faces)
+{
+	const float exitance = 10, rho = 0.8f;
+	gi_context *gi = lit_floor(rho, exitance, faces);
 	commit(gi);
 	target t = make_target();
 	gi_view view = look_down(2, 5);
@@ -189,10 +196,7 @@ static void test_shadow_is_black(void **state)
 {
 	(void)state;
 	harness_require_context();
-	gi_context_def def = harness_def();
-	gi_context *gi = harness_context(&def);
-	add_floor(gi, 0.8f, 4);
-	add_lamp(gi, 10, 2);
+	gi_context *gi = lit_floor(0.8f, 10, 2);
 	gi_object box = add_box(gi, 0.2f, 1.0f, 0.1f, 0.8f);
 	commit(gi);
 	target t = make_target();
@@ -252,10 +256,7 @@ static void test_soft_shadow(void **state)
 {
 	(void)state;
 	harness_require_context();
-	gi_context_def def = harness_def();
-	gi_context *gi = harness_context(&def);
-	add_floor(gi, 0.8f, 4);
-	add_lamp(gi, 10, 2);
+	gi_context *gi = lit_floor(0.8f, 10, 2);
 	engine_mesh mesh;
 	assert_true(shape_box((const float[]){-0.5f, 1, -0.5f}, (const float[]){0.5f, 1.001f, 0.5f}, 2, false, &mesh));
 	harness_add(gi, &(harness_object){.name = "plate"}, &mesh);
@@ -520,16 +521,16 @@ static void test_closed_door_keeps_light_out(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_open_floor),
-		cmocka_unit_test(test_lamp_of_many_faces),
-		cmocka_unit_test(test_shadow_is_black),
-		cmocka_unit_test(test_soft_shadow),
-		cmocka_unit_test(test_modes_add_up),
-		cmocka_unit_test(test_empty_scene),
-		cmocka_unit_test(test_rest_draws_no_shadows),
-		cmocka_unit_test(test_lamps_beyond_the_cap),
-		cmocka_unit_test(test_overlays),
-		cmocka_unit_test(test_closed_door_keeps_light_out),
+	    cmocka_unit_test(test_open_floor),
+	    cmocka_unit_test(test_lamp_of_many_faces),
+	    cmocka_unit_test(test_shadow_is_black),
+	    cmocka_unit_test(test_soft_shadow),
+	    cmocka_unit_test(test_modes_add_up),
+	    cmocka_unit_test(test_empty_scene),
+	    cmocka_unit_test(test_rest_draws_no_shadows),
+	    cmocka_unit_test(test_lamps_beyond_the_cap),
+	    cmocka_unit_test(test_overlays),
+	    cmocka_unit_test(test_closed_door_keeps_light_out),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
