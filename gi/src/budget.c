@@ -21,23 +21,6 @@
 
 #include <math.h>
 
-/* Of a new measurement, when it is more than what was thought and when it is less; a single timing is noise. */
-static const float LEARNING_MORE = 0.3f, LEARNING_LESS = 0.5f;
-
-/* A measurement counts no more than so many times what was thought: some frames compile shaders. */
-static const float BELIEVED = 2;
-
-/* Few rays that nothing waits behind tell the price of dispatches, not of rays. */
-static const uint64_t RAYS_TO_LEARN = 2000;
-
-/* However little time is left, some rows are refreshed. */
-static const float LEAST_SHARE = 0.1f;
-
-/* Of the time: what sweeps and the look at rows may take. */
-static const float SWEEP_SHARE = 0.3f, ASSESS_SHARE = 0.1f;
-
-static const uint32_t LEAST_ROWS = 32;
-
 bool budget_is_exact(const gi_budget *budget)
 {
 	return !budget || (budget->ms <= 0 && !budget->rays && budget->error <= 0);
@@ -99,28 +82,9 @@ gi_result budget_allocate(gi_context *gi)
 
 /* ---- limits ---- */
 
-static float pass_sum(const gi_context *gi, const gi_pass *passes, size_t count)
-{
-	float sum = 0;
-	for (size_t k = 0; k < count; k++)
-		sum += gi->timers[passes[k]].ms;
-	return sum;
-}
-
 static bool is_timed(const gi_budget *budget)
 {
 	return budget && budget->ms > 0;
-}
-
-/* How often a cost goes into a share of the time; a cost that is not known yet, not at all. */
-static double fits(float share, float ms, float cost)
-{
-	return cost > 0 ? (double)(share * ms / cost) : 0;
-}
-
-static double rays_in(const gi_costs *c, float ms)
-{
-	return fits(1, fmaxf(LEAST_SHARE * ms, ms - c->fixed), c->ray);
 }
 
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
@@ -129,8 +93,8 @@ void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 	double rays = budget->rays ? (double)budget->rays : INFINITY, rows = INFINITY;
 	if (is_timed(budget)) {
 		frame->update.w |= GI_UPDATE_TIMED;
-		rays = fmin(rays, rays_in(c, budget->ms));
-		rows = fmax(LEAST_ROWS, fits(ASSESS_SHARE, budget->ms, c->row));
+		rays = fmin(rays, gi_costs_rays(c, budget->ms));
+		rows = gi_costs_rows(c, budget->ms);
 	}
 	gi->rations.last = *budget;
 	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
@@ -145,55 +109,50 @@ bool budget_times_solve(const gi_context *gi, const gi_budget *budget)
 
 uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget)
 {
-	const double sweeps = fits(SWEEP_SHARE, budget->ms, gi->rations.costs.sweep);
-	return (uint32_t)fmax(1, fmin(sweeps, gi->def.max_sweeps));
+	return (uint32_t)fmin(gi_costs_sweeps(&gi->rations.costs, budget->ms), gi->def.max_sweeps);
 }
 
 /* ---- what updates take ---- */
 
+static float assess_ms(const gi_context *gi)
+{
+	return gpu_timer_ms(&gi->rations.assess_timer, gi->report.frame);
+}
+
 float budget_choose_ms(const gi_context *gi)
 {
-	return gi->timers[GI_PASS_CHOOSE].ms + gi->rations.assess_timer.ms;
+	return gpu_timer_ms(&gi->timers[GI_PASS_CHOOSE], gi->report.frame) + assess_ms(gi);
 }
 
-static void learn(float *cost, float measured)
+static float pass_sum(const gi_report *report, const gi_pass *passes, size_t count)
 {
-	if (*cost <= 0)
-		*cost = measured;
-	else if (measured > *cost)
-		*cost += LEARNING_MORE * (fminf(measured, BELIEVED * *cost) - *cost);
-	else
-		*cost += LEARNING_LESS * (measured - *cost);
-}
-
-/* What rays do not change of the update, ms: the passes, and on a software renderer, where the CPU waits for each of
- * them, all else that gi_update does. */
-static float fixed_ms(const gi_context *gi)
-{
-	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
-	static const gi_pass rest[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
-	const float passes = pass_sum(gi, fixed, sizeof fixed / sizeof *fixed) + budget_choose_ms(gi);
-	const float between = gi->report.update_ms - passes - pass_sum(gi, rest, sizeof rest / sizeof *rest);
-	return passes + (gi->gpu.software ? fmaxf(between, 0) : 0);
+	float sum = 0;
+	for (size_t k = 0; k < count; k++)
+		sum += report->pass_ms[passes[k]];
+	return sum;
 }
 
 void budget_learn(gi_context *gi)
 {
+	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
-	gi_costs *c = &gi->rations.costs;
-	if (!gi->def.profile || report->frame == c->frame)
+	gi_rations *r = &gi->rations;
+	if (!gi->def.profile || report->frame == r->learned)
 		return;
-	c->frame = report->frame;
-	if (report->rays >= RAYS_TO_LEARN || (report->rays && gi->rations.late))
-		learn(&c->ray, pass_sum(gi, by_ray, sizeof by_ray / sizeof *by_ray) / (float)report->rays);
-	if (report->sweeps)
-		learn(&c->sweep, gi->timers[GI_PASS_SOLVE].ms / (float)report->sweeps);
-	if (report->assessed_rows) {
-		learn(&c->row, gi->rations.assess_timer.ms / (float)report->assessed_rows);
-		/* Above the budget it makes no difference, and one slow frame would take long to be forgotten. */
-		learn(&c->fixed, fminf(fixed_ms(gi), gi->rations.last.ms > 0 ? gi->rations.last.ms : INFINITY));
-	}
+	r->learned = report->frame;
+	gi_spent spent = {.rays = report->rays,
+			  .rows = report->assessed_rows,
+			  .sweeps = report->sweeps,
+			  .late = r->late,
+			  .by_ray = pass_sum(report, by_ray, sizeof by_ray / sizeof *by_ray),
+			  .by_row = assess_ms(gi),
+			  .by_sweep = report->pass_ms[GI_PASS_SOLVE],
+			  .fixed = pass_sum(report, fixed, sizeof fixed / sizeof *fixed)};
+	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. */
+	if (gi->gpu.software)
+		spent.fixed = fmaxf(spent.fixed, report->update_ms - spent.by_ray);
+	gi_costs_learn(&r->costs, &spent);
 }
 
 void budget_report(const uint32_t *state, gi_report *out)
@@ -273,5 +232,5 @@ void budget_free(gi_context *gi)
 				&r->choose_program,        &r->enlist_program,       &r->stale_program,
 				&gi->solver.brief_program, &gi->solver.lamps_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
-		gpu_program_free(programs[k]);
+		gpu_program_free(&gi->gpu, programs[k]);
 }

@@ -14,6 +14,7 @@
 #define GI_CONTEXT_H
 
 #include "bvh.h"
+#include "costs.h"
 #include "gpu.h"
 #include "hierarchy.h"
 #include "lamp.h"
@@ -83,21 +84,13 @@ typedef struct gi_rows {
 
 /* ---- budget ---- */
 
-/* What updates under a budget were seen to take, ms; 0: not known yet. */
-typedef struct gi_costs {
-	float ray;   /* of cut, factor, flag, trace and close together */
-	float row;   /* that is assessed */
-	float sweep;
-	float fixed; /* what no number of rays changes: the other passes, on a software renderer what lies between too */
-	uint64_t frame; /* that they were learned from last */
-} gi_costs;
-
 /* Made by the first update that has a budget. */
 typedef struct gi_rations {
 	bool made;         /* programs */
 	bool in_force;     /* some rows may wait: bounds on them are kept up with B */
 	bool late;         /* some wait for lack of budget alone, as of the newest report: the next update goes on */
 	gi_costs costs;
+	uint64_t learned;  /* frame of the report that costs were learned from last */
 	gi_budget last;    /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	gpu_buffer choices, pending, shine;
@@ -146,6 +139,8 @@ struct gi_context {
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
+	uint64_t commit_frame;               /* last gi_update before the last commit: reports up to it are of other rows */
+	uint64_t picture_number;             /* of gi_draw calls */
 	gi_report report;
 	struct {
 		uint64_t frame;
@@ -158,6 +153,8 @@ struct gi_context {
 
 /* gi.c: "... must not be NULL", or "the context must not be NULL". */
 gi_result gi_fail_null(const gi_context *gi, const char *what);
+/* GI_ERROR_WRONG_CONTEXT, and a line, unless the OpenGL context is current that gi was created in. */
+gi_result gi_check_current(const gi_context *gi, const char *function);
 
 /* object.c */
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
@@ -225,7 +222,7 @@ void budget_choose(gi_context *gi);  /* the rows to refresh; the movers' poses m
 void budget_bound(gi_context *gi);   /* after the solve: what waiting rows may be off by */
 void budget_report(const uint32_t *state, gi_report *out);
 void budget_learn(gi_context *gi);   /* what updates cost, from the newest report */
-float budget_choose_ms(const gi_context *gi); /* of the choose pass */
+float budget_choose_ms(const gi_context *gi); /* of the choose pass, of the newest report */
 void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 

@@ -18,13 +18,15 @@ enum { CHUNK = 256 };
 static gi_result make_programs(gi_context *gi)
 {
 	gi_estimate *e = &gi->estimate;
-	if (e->mean_program)
+	if (e->mean_program && e->results.name) /* the last that is made */
 		return GI_OK;
 	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
 					     {"estimate_trace.comp", &e->trace_program},
 					     {"estimate_sum.comp", &e->sum_program},
 					     {"estimate_mean.comp", &e->mean_program}};
-	gi_result result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
+	gi_result result = GI_OK;
+	if (!e->mean_program)
+		result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
 	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
 	const uint64_t items = (uint64_t)GI_ESTIMATE_ITEMS * most;
 	const struct {
@@ -154,5 +156,5 @@ void estimate_free(gi_context *gi)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	uint32_t *programs[] = {&e->choose_program, &e->trace_program, &e->sum_program, &e->mean_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
-		gpu_program_free(programs[k]);
+		gpu_program_free(&gi->gpu, programs[k]);
 }

@@ -1,8 +1,10 @@
 /* A frame: what changed, rows and solve issued, reports taken in when the GPU is done with them. */
 #include "bits.h"
+#include "clock.h"
 #include "context.h"
 
 #include <math.h>
+#include <string.h>
 
 /* What is told of the first rows: the passes of an exact update come before this one. */
 static const uint32_t LIGHT_STEPS = GI_PASS_ESTIMATE;
@@ -75,13 +77,27 @@ static void take_waiting(gi_context *gi, const uint32_t *state, uint64_t frame)
 		gi->rows.current = update;
 }
 
+/* What each pass of the reported update took; 0 for those that did not run in it. */
+static void fill_passes(gi_context *gi)
+{
+	gi_report *r = &gi->report;
+	for (int k = 0; k < GI_PASS_SHADOW; k++)
+		r->pass_ms[k] = gpu_timer_ms(&gi->timers[k], r->frame);
+	if (r->pass_ms[GI_PASS_CHOOSE] > 0)
+		r->pass_ms[GI_PASS_CHOOSE] = budget_choose_ms(gi);
+}
+
 /* Takes in every finished read-back, or waits for all of them. */
 static void collect_reports(gi_context *gi, bool wait)
 {
 	uint32_t state[GI_STATE_WORDS];
 	uint64_t frame;
+	bool fresh = false;
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		fill_report(gi, state, frame);
+		fresh = true;
+		if (frame <= gi->commit_frame)
+			continue;
 		take_waiting(gi, state, frame);
 		const gi_outcome outcome = gi->report.outcome;
 		gi->solver.unconverged = outcome != GI_OUTCOME_CONVERGED && outcome != GI_OUTCOME_ROUNDING;
@@ -91,7 +107,10 @@ static void collect_reports(gi_context *gi, bool wait)
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_poll(&gi->timers[k], wait);
 	gpu_timer_poll(&gi->rations.assess_timer, wait);
-	budget_learn(gi);
+	if (fresh) {
+		fill_passes(gi);
+		budget_learn(gi);
+	}
 }
 
 /* Do rows wait that this budget would not let wait? */
@@ -124,6 +143,7 @@ static void changes_done(gi_context *gi)
 static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
+	gi->gpu.tag = gi->frame_number;
 	if (rows)
 		result = rows_update(gi, budget);
 	else
@@ -168,6 +188,7 @@ static gi_report at_rest(const gi_context *gi)
 	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.rays = 0;
 	r.sweeps = r.dispatches = 0;
 	r.sampling_rays = 0;
+	memset(r.pass_ms, 0, sizeof r.pass_ms);
 	r.assessed_rows = 0;
 	r.uploaded_bytes = 0;
 	return r;
@@ -178,7 +199,7 @@ static void note_issued(gi_context *gi, double began)
 	const uint32_t ring = (uint32_t)(gi->frame_number % GPU_READBACK_RING);
 	gi->issued[ring].dispatches = gi->gpu.dispatches;
 	gi->issued[ring].uploaded_bytes = gi->gpu.uploaded_bytes;
-	gi->issued[ring].update_ms = (float)(gpu_clock_ms() - began);
+	gi->issued[ring].update_ms = (float)(gi_clock_ms() - began);
 	/* Already reported: the first frame after a commit waits for its rows. */
 	gi_report *r = &gi->report;
 	if (r->frame == gi->frame_number && r->outcome != GI_OUTCOME_AT_REST) {
@@ -194,10 +215,12 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 		return gi_fail_null(gi, "");
 	if (budget_check(gi, budget))
 		return GI_ERROR_INVALID_ARGUMENT;
+	if (gi_check_current(gi, "gi_update"))
+		return GI_ERROR_WRONG_CONTEXT;
 	if (gi->scene.uncommitted || !gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 			       "call gi_commit() after creating or destroying objects");
-	const double began = gpu_clock_ms();
+	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
 	gi->gpu.dispatches = 0;
@@ -223,7 +246,7 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	}
 	note_issued(gi, began);
 	if (gi->report.outcome == GI_OUTCOME_AT_REST)
-		gi->report.update_ms = (float)(gpu_clock_ms() - began);
+		gi->report.update_ms = (float)(gi_clock_ms() - began);
 	return result;
 }
 
@@ -243,6 +266,8 @@ gi_result gi_finish(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
+	if (gi_check_current(gi, "gi_finish"))
+		return GI_ERROR_WRONG_CONTEXT;
 	gpu_finish();
 	collect_reports(gi, true);
 	return grow_until_it_fits(gi);
@@ -252,15 +277,18 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_report: out");
+	if (gi_check_current(gi, "gi_get_report"))
+		return GI_ERROR_WRONG_CONTEXT;
 	collect_reports(gi, false);
 	*out = gi->report;
 	out->objects = gi->scene.slot_count - (gi->scene.sky_slot != GI_NONE && gi->scene.slot_count ? 1 : 0);
 	out->leaves = gi->scene.leaf_count;
 	out->nodes = gi->scene.node_count;
 	out->gpu_bytes = gi->gpu.buffer_bytes;
-	for (int k = 0; k < GI_PASS_COUNT; k++)
-		out->pass_ms[k] = k < GI_PASS_SHADOW && out->outcome == GI_OUTCOME_AT_REST ? 0 : gi->timers[k].ms;
-	if (out->pass_ms[GI_PASS_CHOOSE] > 0)
-		out->pass_ms[GI_PASS_CHOOSE] = budget_choose_ms(gi);
+	/* Of the last picture, or the last that the GPU is done with. */
+	const gpu_timer *draw = &gi->timers[GI_PASS_DRAW];
+	const uint64_t picture = draw->pending ? gpu_timer_newest(draw) : gi->picture_number;
+	for (int k = GI_PASS_SHADOW; k < GI_PASS_COUNT; k++)
+		out->pass_ms[k] = gpu_timer_ms(&gi->timers[k], picture);
 	return GI_OK;
 }

@@ -61,6 +61,14 @@ gi_result gi_fail_null(const gi_context *gi, const char *what)
 		       gi ? what : "the context");
 }
 
+gi_result gi_check_current(const gi_context *gi, const char *function)
+{
+	if (gpu_is_current(&gi->gpu))
+		return GI_OK;
+	return gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
+		       "%s: make the OpenGL context current on this thread that was current in gi_context_create", function);
+}
+
 /* ---- context ---- */
 
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
@@ -128,7 +136,7 @@ static void free_programs(gi_context *gi)
 {
 	gpu_program_file list[FRAME_PROGRAMS];
 	frame_programs(gi, list);
-	gpu_programs_free(list, FRAME_PROGRAMS);
+	gpu_programs_free(&gi->gpu, list, FRAME_PROGRAMS);
 }
 
 static gi_result start_context(gi_context *gi)
@@ -147,6 +155,20 @@ static gi_result start_context(gi_context *gi)
 	return result;
 }
 
+/* The host's definition is gone when shaders are read later. */
+static gi_result copy_texts(gi_context *gi, const gi_context_def *def)
+{
+	if (!def->shader_directory)
+		return GI_OK;
+	const size_t size = strlen(def->shader_directory) + 1;
+	gi->gpu.shader_directory = malloc(size);
+	if (!gi->gpu.shader_directory)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	memcpy(gi->gpu.shader_directory, def->shader_directory, size);
+	gi->def.shader_directory = gi->gpu.shader_directory;
+	return GI_OK;
+}
+
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 {
 	const bool known = def && def->internal == CONTEXT_COOKIE;
@@ -162,11 +184,10 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	if (!gi)
 		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi->def = *def;
-	gi->gpu = (gpu){.log = log,
-			.shader_directory = def->shader_directory,
-			.profile = def->profile,
-			.host_limit = (uint64_t)def->max_buffer_mib << 20};
-	result = start_context(gi);
+	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
+	result = copy_texts(gi, def);
+	if (!result)
+		result = start_context(gi);
 	if (result) {
 		gi_context_destroy(gi);
 		return result;
@@ -179,6 +200,12 @@ void gi_context_destroy(gi_context *gi)
 {
 	if (!gi)
 		return;
+	/* Names of another context's objects must not be deleted in the one that is current. */
+	gi->gpu.lost = gi->gpu.mark && !gpu_is_current(&gi->gpu);
+	if (gi->gpu.lost)
+		gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
+			"gi_context_destroy: its OpenGL context is not current: what it holds on the GPU goes with that "
+			"context");
 	shade_free(gi);
 	paths_free(gi);
 	estimate_free(gi);
@@ -190,8 +217,9 @@ void gi_context_destroy(gi_context *gi)
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
-		gpu_timer_free(&gi->timers[k]);
-	gpu_timer_free(&gi->rations.assess_timer);
+		gpu_timer_free(&gi->gpu, &gi->timers[k]);
+	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
+	gpu_close(&gi->gpu);
 	free(gi);
 }
 
@@ -307,15 +335,19 @@ gi_result gi_commit(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
+	if (gi_check_current(gi, "gi_commit"))
+		return GI_ERROR_WRONG_CONTEXT;
 	gi_result result = end_programs(gi);
 	if (result)
 		return result;
-	shade_invalidate(gi);
 	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
 	result = scene_upload(gi);
 	if (result)
 		return result;
+	shade_invalidate(gi);
 	estimate_invalidate(gi);
+	gi->truncated = false;
+	gi->commit_frame = gi->frame_number;
 	forget_dead_objects(gi);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
@@ -331,6 +363,8 @@ gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_buffers: out");
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_get_buffers()");
 	*out = (gi_buffers){gi->solver.leaf_radiosity.name, gi->solver.leaf_indirect.name, gi->solver.light.name};
 	return GI_OK;
 }

@@ -1,5 +1,6 @@
 #include "gpu.h"
 
+#include "clock.h"
 #include "shader_source.h"
 
 #include <glad/gl.h>
@@ -8,9 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-enum { TEXEL_BYTES = 16 };
+enum { TEXEL_BYTES = 16, MARK_LABEL = 48 };
 
 /* As buffers.glsl counts them. */
 #define ASSERT_TEXELS(structure, count)                                                                                \
@@ -84,17 +84,63 @@ static gi_result check_limits(gpu *g)
 	return GI_OK;
 }
 
-gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
+/* Names of vertex arrays are a context's own, even where contexts share objects, and nobody else writes this label. */
+static int mark_label(const gpu *g, char label[MARK_LABEL])
 {
-	int version = gladLoadGL((GLADloadfunc)get_proc_address);
-	if (version < GLAD_MAKE_VERSION(4, 5))
+	return snprintf(label, MARK_LABEL, "gi context %p", (const void *)g);
+}
+
+static void mark_context(gpu *g)
+{
+	char label[MARK_LABEL];
+	glCreateVertexArrays(1, &g->mark);
+	glObjectLabel(GL_VERTEX_ARRAY, g->mark, mark_label(g, label), label);
+}
+
+bool gpu_is_current(const gpu *g)
+{
+	char label[MARK_LABEL], found[MARK_LABEL] = "";
+	/* Without a current context OpenGL's functions do nothing and return 0. */
+	if (!glGetString(GL_VERSION) || !glIsVertexArray(g->mark))
+		return false;
+	glGetObjectLabel(GL_VERTEX_ARRAY, g->mark, sizeof found, NULL, found);
+	mark_label(g, label);
+	return strcmp(label, found) == 0;
+}
+
+void gpu_close(gpu *g)
+{
+	if (g->mark && !g->lost)
+		glDeleteVertexArrays(1, &g->mark);
+	free(g->shader_directory);
+	*g = (gpu){0};
+}
+
+/* All contexts of a program share the functions: they are loaded only where they are all there. */
+static gi_result load_functions(const gpu *g, gi_get_proc_address_fn *get_proc_address)
+{
+	const PFNGLGETSTRINGPROC get_string = (PFNGLGETSTRINGPROC)get_proc_address("glGetString");
+	const char *text = get_string ? (const char *)get_string(GL_VERSION) : NULL;
+	int major = 0, minor = 0;
+	if (!text || sscanf(text, "%d.%d", &major, &minor) != 2)
+		return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
+			       "no OpenGL context is current: make a 4.5 core context current first");
+	if (10 * major + minor < 45 || gladLoadGL((GLADloadfunc)get_proc_address) < GLAD_MAKE_VERSION(4, 5))
 		return gi_fail(
 		    &g->log, GI_ERROR_NO_OPENGL_45,
 		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
-		    GLAD_VERSION_MAJOR(version), GLAD_VERSION_MINOR(version));
-	gi_result result = check_limits(g);
+		    major, minor);
+	return GI_OK;
+}
+
+gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
+{
+	gi_result result = load_functions(g, get_proc_address);
+	if (!result)
+		result = check_limits(g);
 	if (result)
 		return result;
+	mark_context(g);
 	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)glGetString(GL_RENDERER));
 	static const char *const software[] = {"llvmpipe", "softpipe", "SWR"};
 	for (size_t k = 0; k < sizeof software / sizeof *software; k++)
@@ -117,11 +163,29 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 {
 	if (!buffer->name)
 		return;
-	if (buffer->texture)
+	if (buffer->texture && !g->lost)
 		glDeleteTextures(1, &buffer->texture);
-	glDeleteBuffers(1, &buffer->name);
+	if (!g->lost)
+		glDeleteBuffers(1, &buffer->name);
 	g->buffer_bytes -= buffer->size;
 	*buffer = (gpu_buffer){0};
+}
+
+/* OpenGL has no other way to say that memory is short. */
+static void forget_errors(void)
+{
+	/* A context that was lost reports errors for ever. */
+	for (int k = 0; k < 64 && glGetError() != GL_NO_ERROR; k++)
+		;
+}
+
+/* The memory behind a new name. False when there is none; the name is the caller's to delete. */
+static bool make_storage(gpu_buffer *buffer, const void *data)
+{
+	forget_errors();
+	glCreateBuffers(1, &buffer->name);
+	glNamedBufferStorage(buffer->name, (GLsizeiptr)buffer->size, data, GL_DYNAMIC_STORAGE_BIT);
+	return glGetError() == GL_NO_ERROR;
 }
 
 /* Does a storage block reach farther than the device promises? A shader writes the first word beyond. */
@@ -134,23 +198,25 @@ static bool reaches_beyond(gpu *g)
 		return false;
 	GLint bound = 0;
 	glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
-	glCreateBuffers(1, &tried.name);
-	glNamedBufferStorage(tried.name, (GLsizeiptr)tried.size, NULL, GL_DYNAMIC_STORAGE_BIT);
-	gpu_buffer_clear(&tried, g->block_bytes, TEXEL_BYTES, 0);
-	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tried.name);
-	gpu_set_uint(program, 0, (uint32_t)(g->block_bytes / sizeof found));
-	gpu_set_uint(program, 1, TRIAL);
-	gpu_dispatch_groups(g, program, 1);
-	gpu_buffer_read(&tried, g->block_bytes, sizeof found, &found);
-	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, (GLuint)bound);
+	if (make_storage(&tried, NULL)) {
+		gpu_buffer_clear(&tried, g->block_bytes, TEXEL_BYTES, 0);
+		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tried.name);
+		gpu_set_uint(program, 0, (uint32_t)(g->block_bytes / sizeof found));
+		gpu_set_uint(program, 1, TRIAL);
+		gpu_dispatch_groups(g, program, 1);
+		gpu_buffer_read(&tried, g->block_bytes, sizeof found, &found);
+		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, (GLuint)bound);
+	}
 	glDeleteBuffers(1, &tried.name);
-	gpu_program_free(&program);
+	forget_errors();
+	gpu_program_free(g, &program);
 	return found == TRIAL;
 }
 
 static uint64_t block_limit(gpu *g, uint64_t wanted)
 {
-	if (wanted <= g->block_bytes || g->block_bytes + TEXEL_BYTES >= g->texture_bytes || g->tried)
+	if (wanted <= g->block_bytes || g->block_bytes + TEXEL_BYTES >= g->texture_bytes || g->tried ||
+	    !gpu_is_current(g)) /* objects may be made while it is not */
 		return g->block_bytes;
 	g->tried = true;
 	if (reaches_beyond(g))
@@ -175,12 +241,9 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const v
 			       " MiB this renderer binds at once: raise row_tolerance or leaf_size",
 			       padded >> 20, limit >> 20);
 	gpu_buffer fresh = {.size = padded};
-	glCreateBuffers(1, &fresh.name);
-	while (glGetError() != GL_NO_ERROR)
-		;
-	glNamedBufferStorage(fresh.name, (GLsizeiptr)padded, padded == size ? data : NULL, GL_DYNAMIC_STORAGE_BIT);
-	if (glGetError() != GL_NO_ERROR) {
+	if (!make_storage(&fresh, padded == size ? data : NULL)) {
 		glDeleteBuffers(1, &fresh.name);
+		forget_errors();
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", padded);
 	}
 	if (padded != size && size && data)
@@ -419,10 +482,10 @@ gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count)
 	return result;
 }
 
-void gpu_programs_free(const gpu_program_file *files, size_t count)
+void gpu_programs_free(const gpu *g, const gpu_program_file *files, size_t count)
 {
 	for (size_t k = 0; k < count; k++)
-		gpu_program_free(files[k].program);
+		gpu_program_free(g, files[k].program);
 }
 
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count)
@@ -431,7 +494,7 @@ gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t cou
 	if (!result)
 		result = gpu_programs_end(g, files, count);
 	if (result)
-		gpu_programs_free(files, count);
+		gpu_programs_free(g, files, count);
 	return result;
 }
 
@@ -441,13 +504,13 @@ gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment
 	if (!result)
 		result = end_program(g, vertex_file, fragment_file, *out);
 	if (result)
-		gpu_program_free(out);
+		gpu_program_free(g, out);
 	return result;
 }
 
-void gpu_program_free(uint32_t *program)
+void gpu_program_free(const gpu *g, uint32_t *program)
 {
-	if (*program)
+	if (*program && !g->lost)
 		glDeleteProgram(*program);
 	*program = 0;
 }
@@ -515,19 +578,26 @@ void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments
 
 /* ---- timers ---- */
 
+static void note_time(const gpu *g, gpu_timer *timer, float ms)
+{
+	timer->tag[timer->next] = g->tag;
+	timer->ms[timer->next] = ms;
+}
+
 void gpu_timer_begin(gpu *g, gpu_timer *timer)
 {
 	if (!g->profile)
 		return;
 	if (g->software) {
 		glFinish();
-		timer->began_ms = gpu_clock_ms();
+		timer->began_ms = gi_clock_ms();
 		return;
 	}
 	if (!timer->query[0])
 		glCreateQueries(GL_TIME_ELAPSED, GPU_TIMER_RING, timer->query);
 	if (timer->pending == GPU_TIMER_RING)
 		timer->pending--; /* nobody asked: the oldest is lost */
+	note_time(g, timer, -1);
 	glBeginQuery(GL_TIME_ELAPSED, timer->query[timer->next]);
 }
 
@@ -537,7 +607,8 @@ void gpu_timer_end(gpu *g, gpu_timer *timer)
 		return;
 	if (g->software) {
 		glFinish();
-		timer->ms = (float)(gpu_clock_ms() - timer->began_ms);
+		note_time(g, timer, (float)(gi_clock_ms() - timer->began_ms));
+		timer->next = (timer->next + 1) % GPU_TIMER_RING;
 		return;
 	}
 	glEndQuery(GL_TIME_ELAPSED);
@@ -548,21 +619,48 @@ void gpu_timer_end(gpu *g, gpu_timer *timer)
 void gpu_timer_poll(gpu_timer *timer, bool wait)
 {
 	while (timer->pending) {
-		GLuint query = timer->query[(timer->next + GPU_TIMER_RING - timer->pending) % GPU_TIMER_RING];
+		const uint32_t oldest = (timer->next + GPU_TIMER_RING - timer->pending) % GPU_TIMER_RING;
+		const GLuint query = timer->query[oldest];
 		GLuint ready = 0;
 		glGetQueryObjectuiv(query, GL_QUERY_RESULT_AVAILABLE, &ready);
 		if (!ready && !wait)
 			return;
 		GLuint64 ns = 0;
 		glGetQueryObjectui64v(query, GL_QUERY_RESULT, &ns);
-		timer->ms = (float)((double)ns * 1e-6);
+		timer->ms[oldest] = (float)((double)ns * 1e-6);
 		timer->pending--;
 	}
 }
 
-void gpu_timer_free(gpu_timer *timer)
+/* Of the last measurements, the one `back` before the next. */
+static uint32_t timer_slot(const gpu_timer *timer, uint32_t back)
 {
-	if (timer->query[0])
+	return (timer->next + GPU_TIMER_RING - back) % GPU_TIMER_RING;
+}
+
+float gpu_timer_ms(const gpu_timer *timer, uint64_t tag)
+{
+	for (uint32_t back = 1; back <= GPU_TIMER_RING; back++) {
+		const uint32_t slot = timer_slot(timer, back);
+		if (tag && timer->tag[slot] == tag && timer->ms[slot] >= 0)
+			return timer->ms[slot];
+	}
+	return 0;
+}
+
+uint64_t gpu_timer_newest(const gpu_timer *timer)
+{
+	for (uint32_t back = 1; back <= GPU_TIMER_RING; back++) {
+		const uint32_t slot = timer_slot(timer, back);
+		if (timer->tag[slot] && timer->ms[slot] >= 0)
+			return timer->tag[slot];
+	}
+	return 0;
+}
+
+void gpu_timer_free(const gpu *g, gpu_timer *timer)
+{
+	if (timer->query[0] && !g->lost)
 		glDeleteQueries(GPU_TIMER_RING, timer->query);
 	*timer = (gpu_timer){0};
 }
@@ -577,6 +675,8 @@ gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
 	glNamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);
 	r->mapped = glMapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
 	g->buffer_bytes += r->buffer.size;
+	if (!r->mapped)
+		forget_errors();
 	return r->mapped ? GI_OK : gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "a read-back buffer could not be mapped");
 }
 
@@ -589,9 +689,9 @@ static void drop_fence(gpu_readback *r, uint32_t slot)
 
 void gpu_readback_free(gpu *g, gpu_readback *r)
 {
-	for (uint32_t k = 0; k < GPU_READBACK_RING; k++)
+	for (uint32_t k = 0; k < GPU_READBACK_RING && !g->lost; k++)
 		drop_fence(r, k);
-	if (r->mapped)
+	if (r->mapped && !g->lost)
 		glUnmapNamedBuffer(r->buffer.name);
 	gpu_buffer_free(g, &r->buffer);
 	*r = (gpu_readback){0};
@@ -627,13 +727,6 @@ bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag)
 	r->oldest = (slot + 1) % GPU_READBACK_RING;
 	r->pending--;
 	return true;
-}
-
-double gpu_clock_ms(void)
-{
-	struct timespec t;
-	timespec_get(&t, TIME_UTC);
-	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
 void gpu_finish(void)

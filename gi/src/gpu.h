@@ -37,14 +37,17 @@ enum { GPU_TIMER_RING = 4 };
 
 typedef struct gpu_timer {
 	uint32_t query[GPU_TIMER_RING];
-	uint32_t next, pending; /* ring position, queries not yet read */
-	float ms;               /* newest finished time */
-	double began_ms;        /* software renderers: by the clock */
+	uint64_t tag[GPU_TIMER_RING]; /* gpu.tag of each measurement; 0: none */
+	float ms[GPU_TIMER_RING];     /* below 0: not finished */
+	uint32_t next, pending;       /* ring position, queries not yet read */
+	double began_ms;              /* software renderers: by the clock */
 } gpu_timer;
 
 typedef struct gpu {
 	gi_log log;
-	const char *shader_directory; /* NULL: built in */
+	char *shader_directory;       /* NULL: built in */
+	uint32_t mark;                /* an object that only the OpenGL context has that all the others are in */
+	bool lost;                    /* that context is not current when all is freed: its objects are left to it */
 	uint32_t group_size;          /* threads of a compute group, a power of two */
 	uint64_t host_limit;          /* of a buffer, bytes; 0: none */
 	uint64_t block_bytes;         /* of a storage block, as promised or found by trial */
@@ -53,6 +56,7 @@ typedef struct gpu {
 	bool profile;
 	bool software; /* no GPU: its timer queries measure the wrong work, the clock the right one */
 
+	uint64_t tag;            /* what timers measure now: number of the update or picture, from 1 */
 	uint32_t dispatches;     /* since the counters were last zeroed */
 	uint64_t uploaded_bytes; /* likewise */
 	uint64_t buffer_bytes;   /* of all live buffers */
@@ -61,6 +65,10 @@ typedef struct gpu {
 
 /* Loads OpenGL's functions and asks for its limits. */
 gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address);
+void gpu_close(gpu *g);
+
+/* Is the OpenGL context current that gpu_init was called in? One that shares objects with it is another. */
+bool gpu_is_current(const gpu *g);
 
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
@@ -91,14 +99,14 @@ typedef struct gpu_program_file {
 
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
-void gpu_program_free(uint32_t *program);
+void gpu_program_free(const gpu *g, uint32_t *program);
 
 /* The same in two steps: a driver that compiles on threads of its own goes on while the host does something else. begin
  * hands over all sources, and fails for those that are not there; end waits, and fails, every time, for those that do
  * not compile. */
 gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count);
-void gpu_programs_free(const gpu_program_file *files, size_t count);
+void gpu_programs_free(const gpu *g, const gpu_program_file *files, size_t count);
 void gpu_set_uint(uint32_t program, int location, uint32_t value);
 void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values);
 void gpu_set_matrices(uint32_t program, int location, int count, const float *values);
@@ -115,7 +123,11 @@ void gpu_timer_begin(gpu *g, gpu_timer *timer);
 void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */
 void gpu_timer_poll(gpu_timer *timer, bool wait);
-void gpu_timer_free(gpu_timer *timer);
+void gpu_timer_free(const gpu *g, gpu_timer *timer);
+/* The last time that was measured under this tag; 0 when none was, or it is not finished. */
+float gpu_timer_ms(const gpu_timer *timer, uint64_t tag);
+/* The newest tag that has a time; 0: none. */
+uint64_t gpu_timer_newest(const gpu_timer *timer);
 
 /* A small read-back that does not stall: copies into mapped memory behind a fence. */
 enum { GPU_READBACK_RING = 4 };
@@ -136,8 +148,5 @@ void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag);
 bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag);
 
 void gpu_finish(void);
-
-/* Milliseconds of the wall clock. */
-double gpu_clock_ms(void);
 
 #endif

@@ -58,7 +58,7 @@ gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attribute
 
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh)
 {
-	if (mesh->array)
+	if (mesh->array && !g->lost)
 		glDeleteVertexArrays(1, &mesh->array);
 	gpu_buffer_free(g, &mesh->vertices);
 	gpu_buffer_free(g, &mesh->indices);
@@ -131,11 +131,11 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 
 void gpu_depth_maps_free(gpu *g, gpu_depth_maps *maps)
 {
-	if (maps->texture)
+	if (maps->texture && !g->lost)
 		glDeleteTextures(1, &maps->texture);
-	if (maps->plain_sampler)
+	if (maps->plain_sampler && !g->lost)
 		glDeleteSamplers(1, &maps->plain_sampler);
-	if (maps->framebuffer)
+	if (maps->framebuffer && !g->lost)
 		glDeleteFramebuffers(1, &maps->framebuffer);
 	g->buffer_bytes -= maps->bytes;
 	*maps = (gpu_depth_maps){0};
@@ -215,8 +215,10 @@ gi_result gpu_target_create(gpu *g, gpu_target *t, const gpu_format formats[2], 
 void gpu_target_free(gpu *g, gpu_target *t)
 {
 	const GLuint textures[3] = {t->color[0], t->color[1], t->depth};
-	glDeleteTextures(3, textures); /* 0 is ignored */
-	glDeleteFramebuffers(1, &t->framebuffer);
+	if (!g->lost) {
+		glDeleteTextures(3, textures); /* 0 is ignored */
+		glDeleteFramebuffers(1, &t->framebuffer);
+	}
 	g->buffer_bytes -= t->bytes;
 	*t = (gpu_target){0};
 }

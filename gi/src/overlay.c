@@ -87,7 +87,7 @@ static void eye_of(const gi_view *view, float eye[4])
 gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view,
 		       const float clip_from_world[16])
 {
-	if (!overlays->edges.array) {
+	if (!overlays->edges.array || !overlays->program) {
 		gi_result result = build(gi, overlays);
 		if (result)
 			return result;
@@ -118,5 +118,5 @@ void overlay_invalidate(gi_context *gi, gi_overlays *overlays)
 void overlay_free(gi_context *gi, gi_overlays *overlays)
 {
 	overlay_invalidate(gi, overlays);
-	gpu_program_free(&overlays->program);
+	gpu_program_free(&gi->gpu, &overlays->program);
 }

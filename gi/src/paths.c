@@ -104,7 +104,7 @@ void paths_free(gi_context *gi)
 	gi_paths *p = gi->paths;
 	if (!p)
 		return;
-	gpu_program_free(&p->program);
+	gpu_program_free(&gi->gpu, &p->program);
 	gpu_buffer_free(&gi->gpu, &p->sobol);
 	gpu_buffer_free(&gi->gpu, &p->lights);
 	gpu_buffer_free(&gi->gpu, &p->slots);
@@ -331,6 +331,8 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 		    "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
+	if (gi_check_current(gi, "gi_trace_paths"))
+		return GI_ERROR_WRONG_CONTEXT;
 	const uint32_t leaves = gi->scene.leaf_count;
 	*count = leaves;
 	if (!leaves || !capacity)

@@ -13,11 +13,15 @@ static void *read_buffer(const gpu_buffer *buffer, uint64_t bytes)
 	return data;
 }
 
-static gi_result begin_read(gi_context *gi, const void *count)
+/* place: where the result goes. */
+static gi_result begin_read(gi_context *gi, const char *function, const void *place)
 {
-	if (gi && !count)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "the place for the result must not be NULL");
-	return gi_finish(gi);
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (!place)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "%s: the place for the result must not be NULL", function);
+	return gi_check_current(gi, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
 }
 
 static gi_result no_memory(const gi_context *gi)
@@ -76,7 +80,9 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count)
 {
-	gi_result result = begin_read(gi, count);
+	if (count)
+		*count = 0;
+	gi_result result = begin_read(gi, "gi_read_leaves", count);
 	if (result)
 		return result;
 	const gi_scene *s = &gi->scene;
@@ -132,12 +138,13 @@ static gi_entry entry_of(const gi_scene *s, gi_uvec4 e)
 
 gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count)
 {
-	gi_result result = begin_read(gi, count);
+	if (count)
+		*count = 0;
+	gi_result result = begin_read(gi, "gi_read_entries", count);
 	if (result)
 		return result;
 	const gi_scene *s = &gi->scene;
 	const uint64_t segments = (uint64_t)s->leaf_count * s->slot_count;
-	*count = 0;
 	if (!segments)
 		return GI_OK;
 	gi_uvec4 *segment = read_buffer(&gi->rows.segments, sizeof *segment * segments);
@@ -157,11 +164,12 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 
 gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count)
 {
-	gi_result result = begin_read(gi, count);
+	if (count)
+		*count = 0;
+	gi_result result = begin_read(gi, "gi_read_links", count);
 	if (result)
 		return result;
 	const gi_scene *s = &gi->scene;
-	*count = 0;
 	if (!s->leaf_count)
 		return GI_OK;
 	gi_uvec4 *headers = read_buffer(&gi->rows.headers, sizeof *headers * s->leaf_count);
@@ -231,7 +239,7 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 {
 	if (gi && (!to || !out))
 		return gi_fail_null(gi, "gi_form_factors: to and out");
-	gi_result result = begin_read(gi, out);
+	gi_result result = begin_read(gi, "gi_form_factors", out);
 	if (result)
 		return result;
 	bool known = is_known(gi, from);

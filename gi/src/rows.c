@@ -157,9 +157,13 @@ gi_result rows_grow(gi_context *gi)
 		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
 		    (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
-	r->entry_limit = 2 * r->entry_limit < most ? 2 * r->entry_limit : most;
+	const uint64_t before = r->entry_limit;
+	r->entry_limit = 2 * before < most ? 2 * before : most;
 	r->link_limit = r->entry_limit;
-	return allocate_pools(gi);
+	const gi_result result = allocate_pools(gi);
+	if (result)
+		r->entry_limit = r->link_limit = before; /* some buffers are no larger */
+	return result;
 }
 
 /* ---- what has to be done ---- */

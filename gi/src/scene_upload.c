@@ -372,6 +372,7 @@ typedef struct committed {
 	gi_scene scene;
 	gi_solver solver;
 	gi_rows rows;
+	gi_lamps lamps;
 	scene_object *objects; /* with their places */
 } committed;
 
@@ -383,6 +384,7 @@ static void put_back(gi_context *gi, const committed *before)
 	gi->scene = before->scene;
 	gi->solver = before->solver;
 	gi->rows = before->rows;
+	gi->lamps = before->lamps;
 	memcpy(gi->scene.objects, before->objects, sizeof *before->objects * gi->scene.object_count);
 }
 
@@ -397,7 +399,7 @@ gi_result scene_upload(gi_context *gi)
 {
 	gathered g = {0};
 	uint32_t old_count = 0;
-	committed before = {gi->scene, gi->solver, gi->rows, NULL};
+	committed before = {gi->scene, gi->solver, gi->rows, gi->lamps, NULL};
 	carried *old = allocate(gi->scene.object_count, sizeof *old);
 	before.objects = allocate(gi->scene.object_count, sizeof *before.objects);
 	if (!old || !before.objects) {

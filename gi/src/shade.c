@@ -188,7 +188,7 @@ void shade_free(gi_context *gi)
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
 	for (int k = 0; k < PROGRAM_COUNT; k++)
-		gpu_program_free(&gi->shade->programs[k]);
+		gpu_program_free(&gi->gpu, &gi->shade->programs[k]);
 	free(gi->shade);
 	gi->shade = NULL;
 }
@@ -363,6 +363,9 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: the viewport is empty");
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
+	if (gi_check_current(gi, "gi_draw"))
+		return GI_ERROR_WRONG_CONTEXT;
+	gi->gpu.tag = ++gi->picture_number;
 	if (!gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = prepare(gi);

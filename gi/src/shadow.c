@@ -49,7 +49,7 @@ void shadow_free(gi_context *gi, gi_shadow *shadow)
 {
 	shadow_invalidate(gi, shadow);
 	gpu_depth_maps_free(&gi->gpu, &shadow->maps);
-	gpu_program_free(&shadow->program);
+	gpu_program_free(&gi->gpu, &shadow->program);
 }
 
 /* ---- lamps ---- */
@@ -272,12 +272,8 @@ static gi_result redraw(gi_context *gi, gi_shadow *shadow)
 gi_result shadow_update(gi_context *gi, gi_shadow *shadow)
 {
 	const bool moved = poses_changed(gi, shadow);
-	if (shadow->drawn && !moved && shadow->drawn_lamps == gi->lamps.generation) {
-		/* The report tells what the last gi_draw did. */
-		if (!gi->timers[GI_PASS_SHADOW].pending)
-			gi->timers[GI_PASS_SHADOW].ms = 0;
+	if (shadow->drawn && !moved && shadow->drawn_lamps == gi->lamps.generation)
 		return GI_OK;
-	}
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);
 	const gi_result result = redraw(gi, shadow);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SHADOW]);

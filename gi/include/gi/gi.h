@@ -56,7 +56,8 @@ extern "C" {
 	X(GI_ERROR_NOT_COMMITTED, "objects changed since the last gi_commit")                                          \
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
 	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
-	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")
+	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")                                                                     \
+	X(GI_ERROR_WRONG_CONTEXT, "the OpenGL context of the gi_context is not current")
 
 #define GI_RESULT_ENUM(name, text) name,
 typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
