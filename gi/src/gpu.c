@@ -25,6 +25,14 @@ ASSERT_TEXELS(gi_pending, 4);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 #undef ASSERT_TEXELS
 
+/* Names of objects and folders may hold anything, ends of lines and commands to a terminal too. */
+static void keep_to_one_line(char *line)
+{
+	for (; *line; line++)
+		if ((unsigned char)*line < ' ' || *line == 127)
+			*line = ' ';
+}
+
 gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 {
 	char line[1024];
@@ -32,6 +40,7 @@ gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
 	va_start(arguments, format);
 	vsnprintf(line, sizeof line, format, arguments);
 	va_end(arguments);
+	keep_to_one_line(line);
 	if (log->message)
 		log->message(result, line, log->user);
 	else
@@ -48,7 +57,13 @@ void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *f
 	va_start(arguments, format);
 	vsnprintf(what, sizeof what, format, arguments);
 	va_end(arguments);
+	keep_to_one_line(what);
 	log->progress(what, done, total, log->user);
+}
+
+static gi_result no_memory(const gpu *g)
+{
+	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
 /* ---- start ---- */
@@ -125,12 +140,13 @@ static gi_result load_functions(const gpu *g, gi_get_proc_address_fn *get_proc_a
 	if (!text || sscanf(text, "%d.%d", &major, &minor) != 2)
 		return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
 			       "no OpenGL context is current: make a 4.5 core context current first");
-	if (10 * major + minor < 45 || gladLoadGL((GLADloadfunc)get_proc_address) < GLAD_MAKE_VERSION(4, 5))
+	if (10 * major + minor < 45)
 		return gi_fail(
 		    &g->log, GI_ERROR_NO_OPENGL_45,
 		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
 		    major, minor);
-	return GI_OK;
+	/* What can go wrong now is the list of extensions. */
+	return gladLoadGL((GLADloadfunc)get_proc_address) ? GI_OK : no_memory(g);
 }
 
 gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
@@ -322,21 +338,25 @@ static bool text_append(text *t, const char *data, size_t length)
 	return true;
 }
 
-static char *read_shader_file(const char *directory, const char *name)
+static gi_result read_shader_file(const gpu *g, const char *name, char **out)
 {
-	char path[1024];
-	snprintf(path, sizeof path, "%s/%s", directory, name);
-	FILE *file = fopen(path, "rb");
+	char path[4096];
+	const int length = snprintf(path, sizeof path, "%s/%s", g->shader_directory, name);
+	FILE *file = length < (int)sizeof path ? fopen(path, "rb") : NULL;
 	if (!file)
-		return NULL;
+		return gi_fail(&g->log, GI_ERROR_SHADER, "the shader %s was not found in shader_directory", name);
 	text t = {0};
 	char chunk[4096];
 	size_t got;
-	while ((got = fread(chunk, 1, sizeof chunk, file)) > 0)
-		if (!text_append(&t, chunk, got))
-			break;
+	bool enough = true;
+	while (enough && (got = fread(chunk, 1, sizeof chunk, file)) > 0)
+		enough = text_append(&t, chunk, got);
+	const bool read = !ferror(file);
 	fclose(file);
-	return t.data;
+	*out = t.data;
+	if (!enough)
+		return no_memory(g);
+	return read && t.data ? GI_OK : gi_fail(&g->log, GI_ERROR_SHADER, "the shader %s cannot be read", name);
 }
 
 static char *copy_of(const char *source)
@@ -348,51 +368,60 @@ static char *copy_of(const char *source)
 	return copy;
 }
 
-static char *load_shader(const gpu *g, const char *name)
+/* The caller frees *out. */
+static gi_result load_shader(const gpu *g, const char *name, char **out)
 {
+	*out = NULL;
 	if (g->shader_directory)
-		return read_shader_file(g->shader_directory, name);
+		return read_shader_file(g, name, out);
 	for (const gi_shader_source *s = gi_shader_sources; s->name; s++)
-		if (strcmp(s->name, name) == 0)
-			return copy_of(s->text);
-	return NULL;
+		if (strcmp(s->name, name) == 0) {
+			*out = copy_of(s->text);
+			return *out ? GI_OK : no_memory(g);
+		}
+	return gi_fail(&g->log, GI_ERROR_SHADER, "there is no shader %s", name);
+}
+
+static bool append_line(const gpu *g, const char *line, size_t length, text *out)
+{
+	if (!text_append(out, line, length))
+		return false;
+	if (strncmp(line, "#version", 8) != 0)
+		return true;
+	char define[64];
+	const int n = snprintf(define, sizeof define, "#define GI_GROUP_SIZE %uu\n", g->group_size);
+	return text_append(out, define, (size_t)n);
 }
 
 /* Appends a file with its #include "..." lines replaced by the files they name; after #version goes the group size. */
-static bool flatten_shader(const gpu *g, const char *name, int depth, text *out)
+static gi_result flatten_shader(const gpu *g, const char *name, int depth, text *out)
 {
-	char *source = depth < 8 ? load_shader(g, name) : NULL;
-	if (!source)
-		return false;
-	bool ok = true;
-	for (const char *line = source; ok && *line;) {
+	char *source = NULL;
+	if (depth == 8)
+		return gi_fail(&g->log, GI_ERROR_SHADER, "the shader %s is included by what it includes", name);
+	gi_result result = load_shader(g, name, &source);
+	for (const char *line = source; !result && *line;) {
 		size_t length = strcspn(line, "\n");
 		length += line[length] == '\n';
 		char included[128];
-		if (sscanf(line, "#include \"%127[^\"\n]\"", included) == 1) {
-			ok = flatten_shader(g, included, depth + 1, out);
-		} else {
-			ok = text_append(out, line, length);
-			if (ok && strncmp(line, "#version", 8) == 0) {
-				char define[64];
-				int n = snprintf(define, sizeof define, "#define GI_GROUP_SIZE %uu\n", g->group_size);
-				ok = text_append(out, define, (size_t)n);
-			}
-		}
+		if (sscanf(line, "#include \"%127[^\"\n]\"", included) == 1)
+			result = flatten_shader(g, included, depth + 1, out);
+		else if (!append_line(g, line, length, out))
+			result = no_memory(g);
 		line += length;
 	}
 	free(source);
-	return ok;
+	return result;
 }
 
-/* Does not ask what the compiler makes of it. False when there is no such file. */
-static bool attach_shader(const gpu *g, GLuint program, GLenum kind, const char *file)
+/* Does not ask what the compiler makes of it. */
+static gi_result attach_shader(const gpu *g, GLuint program, GLenum kind, const char *file)
 {
 	text source = {0};
-	if (!flatten_shader(g, file, 0, &source)) {
+	const gi_result result = flatten_shader(g, file, 0, &source);
+	if (result) {
 		free(source.data);
-		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s or a file it includes was not found", file);
-		return false;
+		return result;
 	}
 	GLuint shader = glCreateShader(kind);
 	const char *text = source.data;
@@ -401,18 +430,19 @@ static bool attach_shader(const gpu *g, GLuint program, GLenum kind, const char 
 	glCompileShader(shader);
 	glAttachShader(program, shader);
 	glDeleteShader(shader); /* goes with the program */
-	return true;
+	return GI_OK;
 }
 
 /* vertex_file NULL: a compute shader. */
 static gi_result begin_program(const gpu *g, const char *vertex_file, const char *file, uint32_t *out)
 {
 	GLuint program = glCreateProgram();
-	bool found = !vertex_file || attach_shader(g, program, GL_VERTEX_SHADER, vertex_file);
-	found = found && attach_shader(g, program, vertex_file ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER, file);
-	if (!found) {
+	gi_result result = vertex_file ? attach_shader(g, program, GL_VERTEX_SHADER, vertex_file) : GI_OK;
+	if (!result)
+		result = attach_shader(g, program, vertex_file ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER, file);
+	if (result) {
 		glDeleteProgram(program);
-		return GI_ERROR_SHADER;
+		return result;
 	}
 	glLinkProgram(program);
 	*out = program;

@@ -659,12 +659,14 @@ static bool allocate_nodes(builder *b)
 	return enough;
 }
 
+static const char *const OUT_OF_MEMORY = "out of memory while building the hierarchy";
+
 /* NULL when all went well, else why not. */
 static const char *build(builder *b)
 {
 	gi_hierarchy *h = b->out;
 	if (!copy_vertices(b->refined, h) || !allocate_builder(b))
-		return "out of memory while building the hierarchy";
+		return OUT_OF_MEMORY;
 	set_bounds(h);
 	const gi_vec3d diagonal = gi_vec3d_sub(gi_vec3d_from(h->upper), gi_vec3d_from(h->lower));
 	b->diagonal2 = gi_vec3d_dot(diagonal, diagonal);
@@ -678,7 +680,7 @@ static const char *build(builder *b)
 	if (b->item_count == 0)
 		return "no face has an area";
 	if (!allocate_nodes(b))
-		return "out of memory while building the hierarchy";
+		return OUT_OF_MEMORY;
 	emit_cluster(b, b->items, b->item_count);
 	set_totals(h);
 	h->closed = b->refined->closed;
@@ -698,6 +700,7 @@ bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *mess
 	if (!problem)
 		return true;
 	gi_hierarchy_free(out);
+	out->out_of_memory = problem == OUT_OF_MEMORY;
 	if (message && message_size > 0)
 		snprintf(message, message_size, "%s", problem);
 	return false;

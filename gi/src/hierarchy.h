@@ -32,6 +32,7 @@ typedef struct gi_hierarchy {
 	double area;                  /* sum of the leaves' */
 	double volume;                /* signed; meaningful when closed */
 	bool closed;                  /* no boundary edges */
+	bool out_of_memory;           /* why gi_hierarchy_build failed; all else is zero then */
 } gi_hierarchy;
 
 /* Area of the triangles a b c and a c d. */

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4 };
+enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4, NAME_BYTES = 128 };
 
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
@@ -289,6 +289,29 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 	return true;
 }
 
+/* Bilinear surfaces gain nothing from finer drawing. */
+static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uint32_t levels)
+{
+	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
+	while (extra && (levels + extra > MAX_LEVELS ||
+			 ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
+		extra--;
+	return extra;
+}
+
+static bool build_finer_skin(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
+			     scene_object *o)
+{
+	gi_refined fine;
+	char message[256];
+	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
+		return false;
+	const bool ok = gi_skin_from_surface(&o->hierarchy, coarse, &fine, extra, &o->skin);
+	gi_refined_free(&fine);
+	return ok;
+}
+
+/* What is drawn finer than it is lit yields to what memory there is. */
 static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
 		       scene_object *o)
 {
@@ -303,19 +326,10 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 		free(scaled);
 		return ok;
 	}
-	/* Bilinear surfaces gain nothing from finer drawing. */
-	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
-	while (extra && ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES)
-		extra--;
-	if (extra == 0)
-		return gi_skin_from_surface(&o->hierarchy, coarse, coarse, 0, &o->skin);
-	gi_refined fine;
-	char message[256];
-	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
-		return false;
-	const bool ok = gi_skin_from_surface(&o->hierarchy, coarse, &fine, extra, &o->skin);
-	gi_refined_free(&fine);
-	return ok;
+	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
+		if (build_finer_skin(cage, coarse, levels, extra, o))
+			return true;
+	return gi_skin_from_surface(&o->hierarchy, coarse, coarse, 0, &o->skin);
 }
 
 static bool is_too_small(const gi_hierarchy *h)
@@ -351,10 +365,12 @@ static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine
 			       name, cage->face_count, levels);
 	gi_refined refined;
 	if (!gi_refine(cage, levels, &refined, message, sizeof message))
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
+		return gi_fail(log, refined.out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': %s", name, message);
 	gi_result result = GI_OK;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
-		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, message);
+		result = gi_fail(log, o->hierarchy.out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
+				 "object '%s': %s", name, message);
 	} else if (is_too_small(&o->hierarchy)) {
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
 				 "object '%s' is too small: its leaves have areas below 1e-24 m2", name);
@@ -385,9 +401,22 @@ static uint32_t free_place(gi_scene *scene)
 	return scene->object_count++;
 }
 
+/* What messages, which are one line, have room for; whole characters of UTF-8. */
+static void clip_name(const char *name, char out[NAME_BYTES])
+{
+	size_t length = 0;
+	while (length < NAME_BYTES - 1 && name[length])
+		length++;
+	while (length && ((unsigned char)name[length] & 0xC0) == 0x80)
+		length--;
+	memcpy(out, name, length);
+	out[length] = '\0';
+}
+
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
-	const char *name = def->name ? def->name : "unnamed";
+	char name[NAME_BYTES];
+	clip_name(def->name ? def->name : "unnamed", name);
 	gi_result result = check_def(gi, def, name);
 	if (result)
 		return result;

@@ -518,7 +518,9 @@ bool gi_refine(const gi_refine_cage *cage, uint32_t levels, gi_refined *out, cha
 		refine(*cage, levels, *out);
 		return true;
 	} catch (const std::bad_alloc &) {
-		return fail(out, message, message_size, "out of memory while refining the cage");
+		fail(out, message, message_size, "out of memory while refining the cage");
+		out->out_of_memory = true;
+		return false;
 	} catch (const std::exception &error) {
 		return fail(out, message, message_size, error.what());
 	} catch (...) {

@@ -54,6 +54,7 @@ typedef struct gi_refined {
 	float (*positions)[3]; /* on the limit surface (bilinear: the refined positions) */
 	float (*normals)[3];   /* unit limit normals; zero where the surface has none (bilinear, on a sharp crease) */
 	bool closed;           /* no boundary: faces walk every edge of the cage as often one way as the other */
+	bool out_of_memory;    /* why gi_refine failed; all else is zero then */
 } gi_refined;
 
 /* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for

@@ -7,6 +7,7 @@
 #include "bits.h"
 #include "context.h"
 #include "pack.h"
+#include "vec3d.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -43,7 +44,7 @@ typedef struct gathered {
 	gi_hierarchy sky;
 	gi_node_geometry *rest;
 	gi_node_spread *spread;
-	gi_vec4 *vertices;
+	gi_vec4 *vertices, *vertices_world;
 	gi_uvec4 *leaves;
 	gi_vec4 *leaf_quads; /* four corners each */
 	gi_material_data *materials;
@@ -61,6 +62,7 @@ static void gathered_free(gathered *g)
 	free(g->rest);
 	free(g->spread);
 	free(g->vertices);
+	free(g->vertices_world);
 	free(g->leaves);
 	free(g->leaf_quads);
 	free(g->materials);
@@ -115,6 +117,7 @@ static bool allocate_all(gathered *g)
 	g->rest = allocate(n->node_count, sizeof *g->rest);
 	g->spread = allocate(n->node_count, sizeof *g->spread);
 	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
+	g->vertices_world = allocate(n->vertex_count, sizeof *g->vertices_world);
 	g->leaves = allocate(n->leaf_count, sizeof *g->leaves);
 	g->materials = allocate(g->material_count, sizeof *g->materials);
 	g->bvh = allocate(g->bvh_count, sizeof *g->bvh);
@@ -124,7 +127,7 @@ static bool allocate_all(gathered *g)
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
 	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && g->rest &&
-	       g->spread && g->vertices && g->leaves && g->materials && g->bvh && g->primitives && g->leaf_quads &&
+	       g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh && g->primitives && g->leaf_quads &&
 	       g->wide && g->light_links && g->light_first;
 }
 
@@ -278,6 +281,20 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 	}
 }
 
+/* As pose.comp does in the first update: what is read before it is where it belongs. */
+static void place_vertices(gathered *g)
+{
+	for (uint32_t slot = 0; slot < g->next.slot_count; slot++) {
+		const gi_object_data *d = &g->next.object_data[slot];
+		for (uint32_t k = d->extra.y; k < d->extra.z; k++) {
+			const gi_vec3d p = gi_vec3d_from(g->vertices[k]);
+			g->vertices_world[k] = (gi_vec4){(float)(gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w),
+							 (float)(gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w),
+							 (float)(gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w), 0};
+		}
+	}
+}
+
 static gi_result upload_gathered(gi_context *gi, gathered *g)
 {
 	gpu *gpu = &gi->gpu;
@@ -293,7 +310,7 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
 	    {&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
 	    {&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
-	    {&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, NULL},
+	    {&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
 	    {&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
 	    {&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
 	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
@@ -359,6 +376,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, g, old, old_count);
+	place_vertices(g);
 	s->wide_count = g->next.wide_count;
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k]))

@@ -108,7 +108,7 @@ static void missing_shaders_fail_at_once(void **state)
 		def.shader_directory = f.path;
 		assert_int_equal(gi_context_create(&def, &gi), GI_ERROR_SHADER);
 		assert_null(gi);
-		expect_line_about(".comp");
+		expect_line_about(names[k]);
 		close_folder(&f);
 	}
 }

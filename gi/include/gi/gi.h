@@ -26,7 +26,8 @@
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
  * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to
- * do about it went to the message callback.
+ * do about it went to the message callback. All but those that only set and get values need the OpenGL context current
+ * and say GI_ERROR_WRONG_CONTEXT where it is not; a context that shares objects with it is another one.
  */
 #ifndef GI_GI_H
 #define GI_GI_H
@@ -102,7 +103,7 @@ typedef struct gi_context_def {
 	gi_message_fn *message;                   /* default NULL: messages go to stderr */
 	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
 	void *user;                               /* handed to message and progress */
-	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here */
+	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here; copied */
 
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
 	 * default 0.01. Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
@@ -150,7 +151,8 @@ gi_context_def gi_context_def_default(void);
  * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 
-/* Frees everything, its OpenGL objects too. NULL is fine. */
+/* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
+ * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
 void gi_context_destroy(gi_context *gi);
 
 /* ---- objects ------------------------------------------------------------------------------------------------------ */
@@ -182,7 +184,7 @@ typedef enum gi_boundary {
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
 typedef struct gi_object_def {
-	const char *name; /* default NULL; copied; for messages and exports */
+	const char *name; /* default NULL; for messages: the first 127 bytes */
 
 	const float *positions;          /* 3 * vertex_count */
 	uint32_t vertex_count;
@@ -199,7 +201,8 @@ typedef struct gi_object_def {
 	gi_boundary boundary;
 	uint32_t levels;      /* refinement steps, 0..8, default 0 */
 	float leaf_size;      /* > 0: instead of levels, refine until the mean leaf edge is at most this, metres; default 0 */
-	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2 */
+	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where
+			       * that would be more than 200,000 faces, 8 steps in all, or than there is memory for */
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
@@ -353,11 +356,12 @@ typedef struct gi_report {
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
 	uint64_t uploaded_bytes; /* by gi_update */
 	uint64_t gpu_bytes;      /* all buffers of the context */
-	float pass_ms[GI_PASS_COUNT]; /* GPU time; 0 without def.profile */
+	float pass_ms[GI_PASS_COUNT]; /* GPU time of this update's passes, SHADOW and DRAW of the last gi_draw; 0 of those that
+				       * did not run, and without def.profile */
 	float update_ms;         /* CPU time inside gi_update, ms */
 } gi_report;
 
-/* The newest finished report. */
+/* The newest finished report; all zero but for sizes before the first. */
 gi_result gi_get_report(gi_context *gi, gi_report *out);
 
 /* ---- picture ------------------------------------------------------------------------------------------------------- */
@@ -397,7 +401,8 @@ gi_view gi_view_default(void);
  * that is multisampled gets the same value in all samples of a pixel. */
 gi_result gi_draw(gi_context *gi, const gi_view *view);
 
-/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit. All std430. */
+/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit; GI_ERROR_NOT_COMMITTED before
+ * the first. All std430. */
 typedef struct gi_buffers {
 	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2; what follows, and w, are the solver's */
 	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
@@ -418,7 +423,9 @@ typedef struct gi_leaf {
 	gi_object object;
 } gi_leaf;
 
-/* Copies up to `capacity` leaves; *count is how many there are. leaves may be NULL to ask for the count. */
+/* Copies up to `capacity` leaves; *count is how many there are, 0 on error. leaves may be NULL to ask for the count.
+ * Between a gi_commit and the first gi_update after it there are no rows: corners are those of the committed poses, B is
+ * what the first solve starts from, irradiance and row_sum are 0. */
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
 /* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +

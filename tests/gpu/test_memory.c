@@ -1,0 +1,407 @@
+/* Memory runs out at every allocation in turn, the CPU's and the GPU's: each call says GI_ERROR_OUT_OF_MEMORY in one
+ * line or does without, leaves rows, light and picture as they were, and works once there is memory again.
+ */
+#include "faults.h"
+#include "snapshot.h"
+
+#include "scenes/shapes.h"
+
+#include <glad/gl.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIZE = 32 };
+
+static struct {
+	uint32_t count;
+	char text[1024];
+} heard;
+
+static void hear(gi_result result, const char *message, void *user)
+{
+	(void)user;
+	assert_int_equal(result, GI_ERROR_OUT_OF_MEMORY);
+	heard.count++;
+	snprintf(heard.text, sizeof heard.text, "%s", message);
+}
+
+/* ---- the scene ---- */
+
+typedef struct loaded {
+	gi_context *gi;
+	gi_object ball;
+	GLuint framebuffer, colour, depth;
+	float shift; /* of the ball */
+} loaded;
+
+static gi_object add_quad(gi_context *gi, const char *name, float height, float exitance, uint32_t n)
+{
+	engine_mesh mesh;
+	const bool up = exitance == 0;
+	assert_true(shape_quad((float[]){-1, height, -1}, up ? (float[]){0, 0, 2} : (float[]){2, 0, 0},
+			       up ? (float[]){2, 0, 0} : (float[]){0, 0, 2}, n, n, &mesh));
+	return harness_add(
+	    gi, &(harness_object){.name = name, .rho = {.5f, .6f, .7f}, .exitance = {exitance, exitance, 1}}, &mesh);
+}
+
+static gi_object add_ball(gi_context *gi, float x)
+{
+	engine_mesh mesh;
+	assert_true(shape_sphere(.3f, 2, &mesh));
+	return harness_add(
+	    gi, &(harness_object){.name = "ball", .rho = {.5f, .5f, .5f}, .exitance = {2, 2, 2}, .position = {x, .5f, 0}},
+	    &mesh);
+}
+
+static gi_context_def faulty_def(void)
+{
+	gi_context_def def = harness_def();
+	def.message = hear;
+	def.row_tolerance = .05f;
+	def.solve_tolerance = 1e-6f;
+	def.estimate_leaves = 16;
+	faults_in_gl(&def);
+	return def;
+}
+
+static loaded load(void)
+{
+	const gi_context_def def = faulty_def();
+	loaded l = {.gi = harness_context(&def)};
+	add_quad(l.gi, "floor", 0, 0, 3);
+	add_quad(l.gi, "light", 2, 10, 1);
+	l.ball = add_ball(l.gi, 0);
+	assert_gi(gi_commit(l.gi));
+	glCreateTextures(GL_TEXTURE_2D, 1, &l.colour);
+	glTextureStorage2D(l.colour, 1, GL_RGBA32F, SIZE, SIZE);
+	glCreateRenderbuffers(1, &l.depth);
+	glNamedRenderbufferStorage(l.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
+	glCreateFramebuffers(1, &l.framebuffer);
+	glNamedFramebufferTexture(l.framebuffer, GL_COLOR_ATTACHMENT0, l.colour, 0);
+	glNamedFramebufferRenderbuffer(l.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, l.depth);
+	return l;
+}
+
+static void unload(loaded *l)
+{
+	glDeleteFramebuffers(1, &l->framebuffer);
+	glDeleteTextures(1, &l->colour);
+	glDeleteRenderbuffers(1, &l->depth);
+	gi_context_destroy(l->gi);
+}
+
+/* ---- what must not change ---- */
+
+typedef struct look {
+	snapshot rows;
+	float pixels[SIZE * SIZE * 4];
+} look;
+
+/* From above, parallel. */
+static gi_result draw(loaded *l, gi_overlay overlay)
+{
+	gi_view view = gi_view_default();
+	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1},
+		    clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.2f, 0, 0, 0, 0, 1}, black[4] = {0}, far = 1;
+	memcpy(view.view_from_world, world, sizeof world);
+	memcpy(view.clip_from_view, clip, sizeof clip);
+	view.width = view.height = SIZE;
+	view.overlay = overlay;
+	glBindFramebuffer(GL_FRAMEBUFFER, l->framebuffer);
+	glViewport(0, 0, SIZE, SIZE);
+	glDepthMask(GL_TRUE);
+	glClearBufferfv(GL_COLOR, 0, black);
+	glClearBufferfv(GL_DEPTH, 0, &far);
+	return gi_draw(l->gi, &view);
+}
+
+static look *look_at(loaded *l)
+{
+	look *seen = calloc(1, sizeof *seen);
+	assert_non_null(seen);
+	assert_gi(draw(l, GI_OVERLAY_NONE));
+	glGetTextureImage(l->colour, 0, GL_RGBA, GL_FLOAT, sizeof seen->pixels, seen->pixels);
+	seen->rows = snapshot_take(l->gi);
+	return seen;
+}
+
+static void free_look(look *seen)
+{
+	snapshot_free(&seen->rows);
+	free(seen);
+}
+
+static void expect_as_before(loaded *l, const look *before, const char *what)
+{
+	look *now = look_at(l);
+	snapshot_expect_same_rows(&before->rows, &now->rows, what);
+	assert_int_equal(snapshot_hash_radiosity(&before->rows), snapshot_hash_radiosity(&now->rows));
+	if (memcmp(before->pixels, now->pixels, sizeof now->pixels) != 0)
+		fail_msg("after %s the picture is another", what);
+	free_look(now);
+}
+
+/* ---- what is tried ---- */
+
+typedef gi_result attempt(loaded *l);
+
+static gi_result try_commit(loaded *l)
+{
+	return gi_commit(l->gi);
+}
+
+static const float square[12] = {0, 1, 0, 1, 1, 0, 1, 1, 1, 0, 1, 1};
+static const uint32_t corners[4] = {0, 1, 2, 3};
+
+static gi_result create(loaded *l, const gi_object_def *def)
+{
+	gi_object object;
+	const gi_result result = gi_create_object(l->gi, def, &object);
+	assert_true((result == GI_OK) == (object.index1 != 0));
+	if (!result)
+		assert_gi(gi_destroy_object(l->gi, object));
+	return result;
+}
+
+static gi_object_def square_def(void)
+{
+	gi_object_def def = gi_object_def_default();
+	def.name = "square";
+	def.positions = square;
+	def.vertex_count = 4;
+	def.indices = corners;
+	def.index_count = 4;
+	def.face_count = 1;
+	return def;
+}
+
+/* Creases, both sides, finer drawing. */
+static gi_result try_create(loaded *l)
+{
+	static const uint32_t crease[2] = {0, 1};
+	static const float sharp[1] = {2};
+	gi_object_def def = square_def();
+	def.scheme = GI_SCHEME_CATMULL_CLARK;
+	def.levels = 1;
+	def.double_sided = true;
+	def.crease_vertices = crease;
+	def.crease_sharpness = sharp;
+	def.crease_count = 1;
+	return create(l, &def);
+}
+
+static gi_result try_create_drawn(loaded *l)
+{
+	gi_object_def def = square_def();
+	def.draw_positions = square;
+	def.draw_vertex_count = 4;
+	def.draw_indices = corners;
+	def.draw_index_count = 3;
+	return create(l, &def);
+}
+
+static gi_result try_draw(loaded *l)
+{
+	return draw(l, GI_OVERLAY_NONE);
+}
+
+static gi_result try_overlay(loaded *l)
+{
+	return draw(l, GI_OVERLAY_WIREFRAME);
+}
+
+static gi_result try_heat_map(loaded *l)
+{
+	return draw(l, GI_OVERLAY_DIRTY);
+}
+
+static gi_result try_update(loaded *l)
+{
+	gi_invalidate(l->gi);
+	return gi_update(l->gi, NULL);
+}
+
+/* A mover back and forth, so that the rows are the same again every other time. */
+static gi_result try_budget(loaded *l)
+{
+	static const gi_budget budget = {.rays = 1 << 30};
+	l->shift = l->shift > 0 ? 0 : .125f;
+	assert_gi(gi_set_pose(l->gi, l->ball, (gi_pose){{l->shift, .5f, 0}, {0, 0, 0, 1}}));
+	return gi_update(l->gi, &budget);
+}
+
+static gi_result try_read(loaded *l)
+{
+	static gi_leaf leaves[256];
+	static gi_entry entries[65536];
+	static gi_link links[65536];
+	uint32_t leaf_count = 1;
+	uint64_t entry_count = 1, link_count = 1;
+	double f;
+	gi_result result = gi_read_leaves(l->gi, leaves, 256, &leaf_count);
+	if (!result)
+		result = gi_read_entries(l->gi, entries, 65536, &entry_count);
+	if (!result)
+		result = gi_read_links(l->gi, links, 65536, &link_count);
+	if (!result)
+		result = gi_form_factor(l->gi, l->ball, l->ball, &f);
+	return result;
+}
+
+static gi_result try_paths(loaded *l)
+{
+	static float irradiance[3 * 256];
+	uint32_t count;
+	return gi_trace_paths(l->gi, &(gi_path_options){.paths = 4, .seed = 1}, irradiance, 256, &count);
+}
+
+static gi_result try_context(loaded *l)
+{
+	(void)l;
+	const gi_context_def def = faulty_def();
+	gi_context *gi = NULL;
+	const gi_result result = gi_context_create(&def, &gi);
+	assert_true((result == GI_OK) == (gi != NULL));
+	gi_context_destroy(gi);
+	return result;
+}
+
+/* All after the first one too: each number at first, then ever larger steps. */
+static uint32_t next_number(uint32_t number)
+{
+	return number < 64 ? number + 1 : number + number / 8;
+}
+
+static void expect_told(gi_result result, uint32_t failed, const char *what, uint32_t number)
+{
+	if (result && (result != GI_ERROR_OUT_OF_MEMORY || heard.count != 1))
+		fail_msg("%s, allocation %u: %s, %u messages, the last one: %s", what, number, gi_result_text(result),
+			 heard.count, heard.text);
+	if (!result && heard.count)
+		fail_msg("%s, allocation %u: all is well, and: %s", what, number, heard.text);
+	if (result && !failed)
+		fail_msg("%s: fails with all the memory there is: %s", what, heard.text);
+}
+
+/* What a call is tried on: a scene of its own for each way to run out of memory, since what one attempt made is there
+ * for the next. */
+typedef struct trial {
+	const char *what;
+	attempt *try;
+	void (*prepare)(loaded *l); /* NULL: nothing more than the scene */
+	bool fresh;                 /* without a first update */
+	bool changes;               /* rows, or what a picture makes: they are not looked at between */
+} trial;
+
+static void exhaust(const trial *t, fault_kind kind, bool all)
+{
+	loaded l = load();
+	if (!t->fresh)
+		harness_update(l.gi);
+	look *before = t->changes ? NULL : look_at(&l);
+	if (t->prepare)
+		t->prepare(&l);
+	uint32_t number = 0, tried = 0, failed;
+	do {
+		heard.count = 0;
+		faults_begin(kind, number, all);
+		const gi_result result = t->try(&l);
+		failed = faults_end();
+		expect_told(result, failed, t->what, number);
+		assert_int_equal(glGetError(), GL_NO_ERROR);
+		if (result && before)
+			expect_as_before(&l, before, t->what);
+		number = next_number(number);
+		tried += failed > 0;
+	} while (failed);
+	printf("  %s: %u allocations of the %s failed, %s\n", t->what, tried, kind == FAULT_CPU ? "CPU" : "GPU",
+	       all ? "with all after them" : "one at a time");
+	if (before)
+		free_look(before);
+	/* All is as it would have been. */
+	assert_gi(gi_commit(l.gi));
+	const gi_report report = harness_update(l.gi);
+	assert_true(report.sampling_squared == report.sampling_squared);
+	look *kept = look_at(&l);
+	gi_invalidate(l.gi);
+	harness_update(l.gi);
+	snapshot rebuilt = snapshot_take(l.gi);
+	snapshot_expect_same_rows(&kept->rows, &rebuilt, t->what);
+	snapshot_free(&rebuilt);
+	free_look(kept);
+	unload(&l);
+}
+
+static void in_every_way(const trial *t)
+{
+	for (int kind = 0; kind < FAULT_KINDS; kind++)
+		for (int all = 0; all < 2; all++)
+			exhaust(t, (fault_kind)kind, all);
+}
+
+/* ---- tests ---- */
+
+static void objects(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"gi_create_object", .try = try_create});
+	in_every_way(&(trial){"gi_create_object with a drawn mesh", .try = try_create_drawn});
+}
+
+static void put_up_a_lamp(loaded *l)
+{
+	add_quad(l->gi, "another light", 1.5f, 30, 2);
+}
+
+static void take_away_the_ball(loaded *l)
+{
+	assert_gi(gi_destroy_object(l->gi, l->ball));
+}
+
+/* The picture knows the lamps of the scene that is there. */
+static void commits(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"gi_commit of one lamp more", .try = try_commit, .prepare = put_up_a_lamp});
+	in_every_way(&(trial){"gi_commit of one object less", .try = try_commit, .prepare = take_away_the_ball});
+	in_every_way(&(trial){"gi_commit of the same", .try = try_commit});
+}
+
+static void updates(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"the first gi_update", .try = try_update, .fresh = true, .changes = true});
+	in_every_way(&(trial){"gi_update under a budget", .try = try_budget, .changes = true});
+}
+
+static void pictures(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"gi_draw", .try = try_draw, .changes = true});
+	in_every_way(&(trial){"gi_draw with a wireframe", .try = try_overlay});
+	in_every_way(&(trial){"gi_draw of a heat map", .try = try_heat_map, .changes = true});
+}
+
+static void reading(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"reading back", .try = try_read});
+	in_every_way(&(trial){"gi_trace_paths", .try = try_paths});
+}
+
+static void contexts(void **state)
+{
+	(void)state;
+	in_every_way(&(trial){"gi_context_create", .try = try_context});
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(objects),  cmocka_unit_test(commits), cmocka_unit_test(updates),
+	    cmocka_unit_test(pictures), cmocka_unit_test(reading), cmocka_unit_test(contexts),
+	};
+	return cmocka_run_group_tests_name("memory", tests, harness_open, harness_close);
+}
