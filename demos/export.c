@@ -1,36 +1,10 @@
-#define _POSIX_C_SOURCE 200809L
 #include "export.h"
 
-#include <errno.h>
+#include "output.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-static bool cannot_write(const char *path, char *message, size_t message_size)
-{
-	snprintf(message, message_size, "cannot write %s: %s", path, strerror(errno ? errno : EIO));
-	return false;
-}
-
-/* Only a plain file is removed: the path may be a device or a pipe. */
-static bool drop(const char *path, char *message, size_t message_size)
-{
-	cannot_write(path, message, message_size);
-	struct stat status;
-	if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
-		unlink(path);
-	return false;
-}
-
-static bool close_whole(FILE *file, bool written, const char *path, char *message, size_t message_size)
-{
-	written = written && !ferror(file);
-	if (fclose(file) != 0)
-		written = false;
-	return written || drop(path, message, message_size);
-}
 
 /* ---- field ---------------------------------------------------------------------------------------------------------
  */
@@ -101,7 +75,7 @@ static void put_face(FILE *file, const export_objects *objects, const gi_leaf *l
 	put_word(file, (uint32_t)object_number(objects, leaf->object));
 }
 
-static bool write_field(FILE *file, const export_objects *objects, const gi_leaf *leaves, uint32_t count)
+static void write_field(FILE *file, const export_objects *objects, const gi_leaf *leaves, uint32_t count)
 {
 	uint32_t vertices = 0;
 	for (uint32_t k = 0; k < count; k++)
@@ -114,7 +88,6 @@ static bool write_field(FILE *file, const export_objects *objects, const gi_leaf
 		put_face(file, objects, leaves + k, first);
 		first += corner_count(leaves + k);
 	}
-	return true;
 }
 
 /* The caller frees *leaves. */
@@ -139,11 +112,12 @@ bool export_field(gi_context *gi, const export_objects *objects, const char *pat
 		free(leaves);
 		return false;
 	}
-	errno = 0;
-	FILE *file = fopen(path, "wb");
-	const bool written =
-	    file ? close_whole(file, write_field(file, objects, leaves, count), path, message, message_size)
-		 : cannot_write(path, message, message_size);
+	engine_output output;
+	bool written = engine_output_open(&output, path, message, message_size);
+	if (written) {
+		write_field(output.file, objects, leaves, count);
+		written = engine_output_close(&output, true, message, message_size);
+	}
 	free(leaves);
 	return written;
 }
@@ -151,20 +125,19 @@ bool export_field(gi_context *gi, const export_objects *objects, const char *pat
 /* ---- form factors --------------------------------------------------------------------------------------------------
  */
 
-/* Quoted where CSV needs it. */
+/* Quoted where CSV needs it; a row stays one line. */
 static void put_name(FILE *file, const char *name)
 {
-	if (!strpbrk(name, ",\"\r\n") && strcmp(name, "*") != 0) {
-		fputs(name, file);
-		return;
-	}
-	fputc('"', file);
+	const bool quoted = strpbrk(name, ",\"") || strcmp(name, "*") == 0;
+	if (quoted)
+		fputc('"', file);
 	for (; *name; name++) {
 		if (*name == '"')
 			fputc('"', file);
-		fputc(*name, file);
+		fputc((unsigned char)*name < ' ' ? ' ' : *name, file);
 	}
-	fputc('"', file);
+	if (quoted)
+		fputc('"', file);
 }
 
 static void put_factor(FILE *file, const char *from, const char *to, double factor)
@@ -193,19 +166,18 @@ static gi_result write_row(FILE *file, gi_context *gi, const export_objects *obj
 bool export_form_factors(gi_context *gi, const export_objects *objects, const char *path, char *message,
 			 size_t message_size)
 {
-	errno = 0;
-	FILE *file = fopen(path, "w");
-	if (!file)
-		return cannot_write(path, message, message_size);
-	fputs("from,to,F\n", file);
+	engine_output output;
+	if (!engine_output_open(&output, path, message, message_size))
+		return false;
+	fputs("from,to,F\n", output.file);
 	gi_object *to = malloc(sizeof *to * (objects->count + 1));
 	double *factors = malloc(sizeof *factors * (objects->count + 1));
 	gi_result result = to && factors ? GI_OK : GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t k = 0; !result && k < objects->count; k++)
-		result = write_row(file, gi, objects, k, to, factors);
+		result = write_row(output.file, gi, objects, k, to, factors);
 	free(to);
 	free(factors);
-	const bool written = close_whole(file, result == GI_OK, path, message, message_size);
+	const bool written = engine_output_close(&output, result == GI_OK, message, message_size);
 	if (result)
 		snprintf(message, message_size, "form factors cannot be read: %s", gi_result_text(result));
 	return written;

@@ -94,7 +94,7 @@ int main(int argc, char **argv)
 	char message[1024];
 	progress_show(&(progress){.program = o->program}, "reading the file", 0, 0);
 	if (!file_scene_load(&play.file, play.path, message, sizeof message)) {
-		fprintf(stderr, "%s: %s\n", o->program, message);
+		options_say(o->program, "%s", message);
 		return EXIT_FAILURE;
 	}
 	const char *slash = strrchr(play.path, '/');

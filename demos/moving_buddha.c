@@ -181,7 +181,7 @@ int main(int argc, char **argv)
 	if (b.mesh_path)
 		progress_show(&(progress){.program = b.options.program}, "simplifying the mesh", 0, 0);
 	if (b.mesh_path && !load_figure(&b, message, sizeof message)) {
-		fprintf(stderr, "moving_buddha: %s\n", message);
+		options_say(b.options.program, "%s", message);
 		free_figure(&b);
 		return EXIT_FAILURE;
 	}

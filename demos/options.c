@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "image.h"
+#include "output.h"
 #include "player.h"
 
 #include <errno.h>
@@ -75,15 +76,29 @@ static const struct argp_option table[] = {
     {0},
 };
 
+__attribute__((format(printf, 2, 0))) static void say(const char *program, const char *format, va_list arguments)
+{
+	char line[4096];
+	vsnprintf(line, sizeof line, format, arguments);
+	engine_output_one_line(line);
+	fprintf(stderr, "%s: %s\n", program, line);
+}
+
 void options_fail(const char *program, const char *format, ...)
 {
 	va_list arguments;
 	va_start(arguments, format);
-	fprintf(stderr, "%s: ", program);
-	vfprintf(stderr, format, arguments);
-	fputc('\n', stderr);
+	say(program, format, arguments);
 	va_end(arguments);
 	exit(EXIT_USAGE);
+}
+
+void options_say(const char *program, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	say(program, format, arguments);
+	va_end(arguments);
 }
 
 /* A number, with nothing before or after it. */
@@ -286,6 +301,7 @@ const struct argp options_argp = {.options = table, .parser = parse};
 
 options options_default(const char *program)
 {
+	engine_output_watch(program);
 	return (options){.program = program,
 			 .began_ms = player_clock_ms(),
 			 .fps = 24,

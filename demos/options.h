@@ -40,6 +40,7 @@ typedef struct options {
 /* To be a child of a program's own parser; its input is an options made by options_default. */
 extern const struct argp options_argp;
 
+/* Also sees to it that a standard output that cannot be written fails the program (engine_output_watch). */
 options options_default(const char *program);
 
 /* Runs argp so that every complaint is one line and ends the program with code 2. */
@@ -50,6 +51,12 @@ void options_parse(const struct argp *parser, int argc, char **argv, void *input
 __attribute__((noreturn, format(printf, 2, 3)))
 #endif
 void options_fail(const char *program, const char *format, ...);
+
+/* Prints "program: message", one line whatever names are in it. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void options_say(const char *program, const char *format, ...);
 
 /* A whole number of low..high, or the end of the program with a line that names the option. */
 uint32_t options_count(const char *program, const char *option, const char *text, uint32_t low, uint32_t high);

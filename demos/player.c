@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "player_internal.h"
 
+#include "interrupt.h"
 #include "overlay.h"
 
 #include <math.h>
@@ -25,7 +26,7 @@ static void on_message(gi_result result, const char *message, void *user)
 {
 	player *p = user;
 	if (result == GI_OK)
-		fprintf(stderr, "%s: %s\n", p->o->program, message);
+		options_say(p->o->program, "%s", message);
 	else if (!p->message[0])
 		snprintf(p->message, sizeof p->message, "%s", message);
 }
@@ -97,6 +98,8 @@ static void choose_frames(player *p)
 
 static bool begin(player *p)
 {
+	if (!player_check_files(p))
+		return false;
 	progress_show(&p->progress, "opening a context", 0, 0);
 	if (!open_context(p))
 		return false;
@@ -313,9 +316,15 @@ static bool play_frame(player *p)
 
 static bool play(player *p)
 {
-	while ((!p->frames || p->frame < p->frames) && !engine_context_should_close(p->context))
+	interrupt_begin();
+	while ((!p->frames || p->frame < p->frames) && !engine_context_should_close(p->context)) {
+		if (interrupt_came()) {
+			snprintf(p->message, sizeof p->message, "stopped after %u frames", p->frame);
+			return false;
+		}
 		if (!play_frame(p))
 			return false;
+	}
 	return player_close_files(p);
 }
 
@@ -323,7 +332,7 @@ int player_run(const options *o, const player_scene *scene)
 {
 	player *p = calloc(1, sizeof *p);
 	if (!p) {
-		fprintf(stderr, "%s: out of memory\n", o->program);
+		options_say(o->program, "out of memory");
 		return EXIT_FAILURE;
 	}
 	p->o = o;
@@ -335,13 +344,17 @@ int player_run(const options *o, const player_scene *scene)
 	progress_end(&p->progress);
 	if (played)
 		player_print_end(p);
-	else
-		fprintf(stderr, "%s%s: %s\n", p->frame && isatty(STDERR_FILENO) ? "\n" : "", o->program, p->message);
+	else {
+		if (p->frame && isatty(STDERR_FILENO))
+			fputc('\n', stderr);
+		options_say(o->program, "%s", p->message);
+	}
 	const bool sound = p->failed_frames == 0;
 	if (played && !sound)
-		fprintf(stderr, "%s: the light of %u of %u frames is wrong: %s\n", o->program, p->failed_frames,
-			p->frame, report_outcome_name(p->failure));
+		options_say(o->program, "the light of %u of %u frames is wrong: %s", p->failed_frames, p->frame,
+			    report_outcome_name(p->failure));
 	end(p);
 	free(p);
+	interrupt_end();
 	return played && sound ? EXIT_SUCCESS : EXIT_FAILURE;
 }

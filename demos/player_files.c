@@ -2,13 +2,13 @@
 #include "player_internal.h"
 
 #include "image.h"
+#include "output.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* ---- places --------------------------------------------------------------------------------------------------------
  */
@@ -36,22 +36,38 @@ static bool make_folders(player *p, const char *path)
 	}
 }
 
-/* The folder that a file will go to must be there before an hour of frames is. */
-static bool can_write_beside(player *p, const char *name)
+static bool name_frame(player *p, const char *pattern, uint32_t frame, char name[PLAYER_PATH])
 {
-	char folder[PLAYER_PATH] = ".";
-	const char *slash = name ? strrchr(name, '/') : NULL;
-	if (!name || (slash && (size_t)(slash - name) + 2 > sizeof folder))
+	if (engine_frame_pattern_name(pattern, (int)frame, name, PLAYER_PATH))
 		return true;
-	if (slash)
-		snprintf(folder, sizeof folder, "%.*s", (int)(slash - name) + 1, name);
-	struct stat status;
-	if (stat(folder, &status) == 0 && !S_ISDIR(status.st_mode))
-		errno = ENOTDIR;
-	else if (access(folder, W_OK | X_OK) == 0)
-		return true;
-	snprintf(p->message, sizeof p->message, "cannot write %s: %s", name, strerror(errno));
+	snprintf(p->message, sizeof p->message, "the name of a frame is too long: %.200s", pattern);
 	return false;
+}
+
+/* A name that one of the frames will have. */
+static bool can_write_frame(player *p, const char *pattern, uint32_t frame)
+{
+	char name[PLAYER_PATH];
+	return name_frame(p, pattern, frame, name) && engine_output_check(name, p->message, sizeof p->message);
+}
+
+/* The first and the last of so many frames, whose name may be longer. */
+static bool can_write_frames(player *p, const char *pattern)
+{
+	return !pattern ||
+	       (can_write_frame(p, pattern, 0) && (p->o->frames < 2 || can_write_frame(p, pattern, p->o->frames - 1)));
+}
+
+static bool can_write(player *p, const char *name)
+{
+	return !name || engine_output_check(name, p->message, sizeof p->message);
+}
+
+bool player_check_files(player *p)
+{
+	const options *o = p->o;
+	return can_write_frames(p, o->images) && can_write_frames(p, o->field) && can_write(p, o->form_factors) &&
+	       can_write(p, o->report);
 }
 
 static bool uses_out(const player *p)
@@ -71,11 +87,7 @@ static const char *report_name(player *p)
 
 bool player_open_files(player *p)
 {
-	const options *o = p->o;
-	if (!can_write_beside(p, o->images) || !can_write_beside(p, o->field) ||
-	    !can_write_beside(p, o->form_factors) || !can_write_beside(p, o->report))
-		return false;
-	if (uses_out(p) && !make_folders(p, o->out))
+	if (uses_out(p) && !make_folders(p, p->o->out))
 		return false;
 	return report_open(&p->report, report_name(p), p->message, sizeof p->message);
 }
@@ -91,14 +103,6 @@ static bool is_gallery_frame(const player *p)
 bool player_wants_picture(const player *p)
 {
 	return p->o->images || is_gallery_frame(p);
-}
-
-static bool name_frame(player *p, const char *pattern, char name[PLAYER_PATH])
-{
-	if (engine_frame_pattern_name(pattern, (int)p->frame, name, PLAYER_PATH))
-		return true;
-	snprintf(p->message, sizeof p->message, "the name of a frame is too long: %.200s", pattern);
-	return false;
 }
 
 static bool write_picture(player *p, const char *name)
@@ -133,7 +137,8 @@ static bool write_field(player *p)
 {
 	char name[PLAYER_PATH];
 	const export_objects objects = p->scene->objects(p->scene->user);
-	return name_frame(p, p->o->field, name) && export_field(p->gi, &objects, name, p->message, sizeof p->message);
+	return name_frame(p, p->o->field, p->frame, name) &&
+	       export_field(p->gi, &objects, name, p->message, sizeof p->message);
 }
 
 bool player_write_frame(player *p)
@@ -141,7 +146,7 @@ bool player_write_frame(player *p)
 	char name[PLAYER_PATH];
 	bool written = true;
 	if (p->o->images)
-		written = name_frame(p, p->o->images, name) && write_picture(p, name);
+		written = name_frame(p, p->o->images, p->frame, name) && write_picture(p, name);
 	else if (is_gallery_frame(p))
 		written = write_gallery(p);
 	if (written && p->o->field)
@@ -164,13 +169,19 @@ bool player_close_files(player *p)
 
 static void print_place(const char *what, const char *where, const char *more)
 {
-	fprintf(stdout, "  %-22s %s%s\n", what, where, more);
+	char line[PLAYER_PATH + 128];
+	snprintf(line, sizeof line, "  %-22s %s%s", what, where, more);
+	engine_output_one_line(line);
+	puts(line);
 }
 
 void player_print_end(const player *p)
 {
 	char more[64];
-	printf("%s: %u frames of %d x %d, %s\n", p->scene->title, p->frame, p->o->width, p->o->height,
+	char title[256];
+	snprintf(title, sizeof title, "%s", p->scene->title);
+	engine_output_one_line(title);
+	printf("%s: %u frames of %d x %d, %s\n", title, p->frame, p->o->width, p->o->height,
 	       engine_context_describe(p->context));
 	report_print(&p->report, stdout);
 	snprintf(more, sizeof more, " (%u)", p->pictures);

@@ -19,7 +19,7 @@ typedef struct player {
 	engine_target *target;
 	engine_hud *hud; /* NULL without a window */
 	gi_context *gi;
-	uint8_t *pixels; /* of a picture on its way to a file */
+	uint8_t *pixels;   /* of a picture on its way to a file */
 	progress progress; /* until the first picture */
 
 	bool recording;
@@ -64,7 +64,10 @@ void player_budget_note(player *p, const gi_report *report);
 /* Keys and mouse since the last frame. */
 void player_input(player *p);
 
-/* Checks and makes the places that files go to, before anything is drawn. */
+/* Can the files be written that were asked for? First of all, before scenes are built. */
+bool player_check_files(player *p);
+
+/* Makes the folders that files go to, and begins the report. */
 bool player_open_files(player *p);
 
 /* Whether this frame's picture goes to a file. */

@@ -92,6 +92,12 @@ static bool cannot_write(const report *r, char *message, size_t message_size)
 	return false;
 }
 
+static bool is_plain(FILE *file)
+{
+	struct stat status;
+	return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
+}
+
 bool report_open(report *r, const char *path, char *message, size_t message_size)
 {
 	*r = (report){.path = path};
@@ -102,8 +108,10 @@ bool report_open(report *r, const char *path, char *message, size_t message_size
 	if (!r->file)
 		return cannot_write(r, message, message_size);
 	write_header(r->file);
-	if (fflush(r->file) == 0)
+	if (fflush(r->file) == 0) {
+		r->whole = ftell(r->file);
 		return true;
+	}
 	cannot_write(r, message, message_size);
 	fclose(r->file);
 	r->file = NULL;
@@ -120,13 +128,12 @@ bool report_close(report *r, char *message, size_t message_size)
 
 void report_abandon(report *r)
 {
-	struct stat status;
 	if (!r->file)
 		return;
-	const bool plain = fstat(fileno(r->file), &status) == 0 && S_ISREG(status.st_mode);
+	const bool plain = is_plain(r->file);
 	fclose(r->file);
 	r->file = NULL;
-	if (plain && !r->count)
+	if (plain && !r->lines)
 		unlink(r->path);
 }
 
@@ -169,6 +176,21 @@ static bool make_room(report *r)
 	return true;
 }
 
+/* The end of a file that cannot be written on: what is left in the stream is tried once more, then cut off. */
+static void drop_half_line(report *r)
+{
+	const int fd = is_plain(r->file) ? dup(fileno(r->file)) : -1;
+	fclose(r->file);
+	r->file = NULL;
+	if (fd < 0)
+		return;
+	if (!r->lines)
+		unlink(r->path);
+	else
+		(void)!ftruncate(fd, r->whole); /* the error is told already */
+	close(fd);
+}
+
 bool report_add(report *r, const report_frame *frame, char *message, size_t message_size)
 {
 	if (frame->number == 0) {
@@ -180,9 +202,17 @@ bool report_add(report *r, const report_frame *frame, char *message, size_t mess
 	if (make_room(r))
 		to_columns(frame, r->values[r->count++]);
 	errno = 0;
-	if (r->file)
-		write_frame(r->file, frame);
-	return !r->file || !ferror(r->file) || cannot_write(r, message, message_size);
+	if (!r->file)
+		return true;
+	write_frame(r->file, frame);
+	if (fflush(r->file) == 0) {
+		r->lines++;
+		r->whole = ftell(r->file);
+		return true;
+	}
+	cannot_write(r, message, message_size);
+	drop_half_line(r);
+	return false;
 }
 
 static int compare(const void *a, const void *b)

@@ -44,19 +44,22 @@ typedef enum report_column {
 
 typedef struct report {
 	FILE *file; /* NULL: no CSV */
+	long whole; /* bytes of the header and whole lines in it */
+	uint32_t lines;
 	const char *path;
 	float (*values)[REPORT_COLUMNS]; /* one row a frame, the first frame included */
 	uint32_t count, capacity;
 	gi_report first, last;
 	double first_ms;
-	double start_ms; /* from the start of the program to the first picture */
+	double start_ms;      /* from the start of the program to the first picture */
 	uint32_t outcomes[8]; /* by outcome, from GI_OUTCOME_NOT_FINITE on */
 } report;
 
 /* Opens path (NULL: no file) and writes the header. False with one line in message. */
 bool report_open(report *r, const char *path, char *message, size_t message_size);
 
-/* Writes and remembers a frame. False with one line in message when the disk is full. */
+/* Writes and remembers a frame: its line is in the file when this returns. False with one line in message when the disk
+ * is full; the lines before it stay. */
 bool report_add(report *r, const report_frame *frame, char *message, size_t message_size);
 
 /* Closes the file; false with one line in message when what was written did not reach it. */

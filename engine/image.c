@@ -1,6 +1,7 @@
 #include "image.h"
 
-#include <errno.h>
+#include "output.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,21 +25,20 @@ static void write_bytes(void *file, void *data, int size)
 
 static bool encode(FILE *file, int width, int height, const uint8_t *rgb)
 {
-	return stbi_write_png_to_func(write_bytes, file, width, height, 3, rgb, 3 * width) != 0 && !ferror(file);
+	return stbi_write_png_to_func(write_bytes, file, width, height, 3, rgb, 3 * width) != 0;
 }
 
 bool engine_image_write_png(const char *path, int width, int height, const uint8_t *rgb, char *message,
 			    size_t message_size)
 {
-	errno = 0;
-	FILE *file = fopen(path, "wb");
-	bool written = file && encode(file, width, height, rgb);
-	if (file && fclose(file) != 0)
-		written = false;
-	if (written)
+	engine_output output;
+	if (!engine_output_open(&output, path, message, message_size))
+		return false;
+	const bool encoded = encode(output.file, width, height, rgb), stored = !ferror(output.file);
+	if (engine_output_close(&output, encoded, message, message_size))
 		return true;
-	snprintf(message, message_size, "cannot write %s: %s", path,
-		 errno ? strerror(errno) : "the picture is too large");
+	if (!encoded && stored)
+		snprintf(message, message_size, "cannot write %s: the picture is too large", path);
 	return false;
 }
 

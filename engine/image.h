@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /* Writes width x height pixels of 3 bytes (sRGB, top row first, no padding). False with one line in message when the
- * file cannot be written; what was written of it stays (the path may be a device, which is not ours to remove).
+ * file cannot be written; then what was there before stays (output.h).
  */
 bool engine_image_write_png(const char *path, int width, int height, const uint8_t *rgb, char *message,
 			    size_t message_size);

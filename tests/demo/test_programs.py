@@ -11,6 +11,8 @@ import json
 import math
 import os
 import pty
+import resource
+import signal
 import struct
 import subprocess
 import sys
@@ -315,12 +317,138 @@ class Programs(unittest.TestCase):
         outputs = (("--images", "p%d.png"), ("--field", "f%d.ply"), ("--report", "r.csv"), ("--form-factors", "F.csv"))
         for option, name in outputs:
             place = os.path.join(self.folder, "absent", name)
-            self.bad("gi_play", DOOR, "--frames", "1", option, place, *TINY, says=place)
+            self.bad("gi_play", DOOR, "--frames", "1", option, place, *TINY, says=place.replace("%d", "0"))
         self.path("file", "")
         self.bad("moving_buddha", "--frames", "1", "--out", self.path("file/out"), *TINY, says="file")
         if os.path.exists("/dev/full"):
             self.bad("gi_play", DOOR, "--frames", "1", "--form-factors", "/dev/full", *TINY, says="/dev/full")
             self.bad("gi_play", DOOR, "--frames", "1", "--report", "/dev/full", *TINY, says="/dev/full")
+
+    def test_unusable_names_are_told_first(self):
+        """Whatever keeps a frame's file from being written is told before a scene is built."""
+        self.path("file", "")
+        os.mkdir(self.path("q1.png"))
+        long_name = self.path("n" * 251 + "%d.png")
+        for option in ("--images", "--field"):
+            for pattern, frames in ((self.path("absent/p%d.png"), "2"), (self.path("file/p%d.png"), "2"),
+                                    (self.path("d%d/p.png"), "2"), (self.path("q%d.png"), "2"), (long_name, "2"),
+                                    (self.path("n" * 247 + "%d.png"), "100000"), ("/proc/p%d.png", "2")):
+                began = time.monotonic()
+                self.bad("gi_play", DOOR, "--frames", frames, option, pattern, "--context", "glfw", says="cannot write")
+                self.assertLess(time.monotonic() - began, 60)
+        for option in ("--report", "--form-factors"):
+            for name in (self.folder, self.path("file/r.csv"), self.path("r" * 300)):
+                self.bad("gi_play", DOOR, "--frames", "1", option, name, *TINY, says="cannot write")
+
+    def limited(self, bytes_of_a_file, *arguments):
+        """The program where no file may be larger: what a full disk does to it."""
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_of_a_file, bytes_of_a_file))
+        return subprocess.run([os.path.join(PROGRAMS, "gi_play"), *arguments], capture_output=True, text=True, timeout=300,
+                              preexec_fn=limit, env=dict(os.environ, MESA_SHADER_CACHE_DISABLE="true"))
+
+    def test_full_disk_leaves_no_halves(self):
+        before = "what was there before"
+        for option, name in (("--images", "p%d.png"), ("--field", "f%d.ply"), ("--form-factors", "F.csv")):
+            place = self.path(name % 0 if "%" in name else name, before)
+            done = self.limited(300, DOOR, "--frames", "1", "--row-tolerance", "0.2", option, self.path(name), *TINY)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("cannot write " + place, done.stderr)
+            with open(place) as file:
+                self.assertEqual(file.read(), before)
+            os.unlink(place)
+        self.assertEqual(os.listdir(self.folder), [])
+        done = self.limited(4096, DOOR, "--frames", "20", "--row-tolerance", "0.2", "--report", self.path("r.csv"), *TINY)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("cannot write " + self.path("r.csv"), done.stderr)
+        with open(self.path("r.csv")) as file:
+            text = file.read()
+        self.assertTrue(text.endswith("\n"))
+        rows = read_csv(self.path("r.csv"))
+        self.assertGreater(len(rows), 2)
+        self.assertTrue(all(row["frames_per_second"] for row in rows))
+
+    def test_signal_leaves_whole_files(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            out = self.path("s%d" % number)
+            os.mkdir(out)
+            command = [os.path.join(PROGRAMS, "gi_play"), DOOR, "--frames", "100000", "--row-tolerance", "0.2",
+                       "--images", os.path.join(out, "p%d.png"), "--report", os.path.join(out, "r.csv"), *TINY]
+            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+                while running.poll() is None and not os.path.exists(os.path.join(out, "p3.png")):
+                    time.sleep(0.02)
+                running.send_signal(number)
+                told = running.communicate(timeout=120)[1]
+            self.assertEqual(running.returncode, -number, told)
+            self.assertRegex(told, r"^gi_play: stopped after \d+ frames\n$")
+            rows = read_csv(os.path.join(out, "r.csv"))
+            pictures = [name for name in os.listdir(out) if name != "r.csv"]
+            self.assertEqual(sorted(pictures), sorted("p%d.png" % k for k in range(len(rows))))
+            self.assertEqual(int(told.split()[3]), len(rows))
+            for name in pictures:
+                with open(os.path.join(out, name), "rb") as file:
+                    self.assertEqual(file.read()[-8:-4], b"IEND")
+
+    def test_full_standard_output(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("no /dev/full")
+        for program, arguments in (("gi_play", ["--help"]), ("moving_buddha", ["--help"]),
+                                   ("gi_play", [DOOR, "--frames", "1", "--row-tolerance", "0.2", "--images",
+                                                self.path("p%d.png"), *TINY])):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([os.path.join(PROGRAMS, program), *arguments], stdout=full, stderr=subprocess.PIPE,
+                                      text=True, timeout=300)
+            self.assertEqual(done.returncode, 1, (program, arguments, done.stderr))
+            self.assertRegex(done.stderr, "^%s: cannot write to standard output: .*\n$" % program)
+
+    def test_outputs_that_are_no_plain_files(self):
+        """Devices, pipes and links are written as they are; modes of files stay."""
+        common = ["--frames", "1", "--row-tolerance", "0.2", *TINY]
+        done = self.good("gi_play", DOOR, "--form-factors", "/dev/stdout", *common)
+        self.assertIn("from,to,F\n", done.stdout)
+        self.assertIn("certified bound", done.stdout)
+        with open(self.path("both"), "w") as both:
+            subprocess.run([os.path.join(PROGRAMS, "gi_play"), DOOR, "--form-factors", "/dev/stdout", *common], stdout=both,
+                           check=True, timeout=300)
+        with open(self.path("both")) as file:
+            self.assertIn("certified bound", file.read())
+        real = self.path("real.csv", "old")
+        os.chmod(real, 0o640)
+        os.symlink("real.csv", self.path("link.csv"))
+        self.good("gi_play", DOOR, "--form-factors", self.path("link.csv"), *common)
+        self.assertTrue(os.path.islink(self.path("link.csv")))
+        self.assertEqual(os.stat(real).st_mode & 0o777, 0o640)
+        self.assertGreater(len(read_csv(real)), 6)
+        os.mkfifo(self.path("pipe"))
+        with subprocess.Popen(["cat", self.path("pipe")], stdout=subprocess.PIPE, text=True) as reader:
+            self.good("gi_play", DOOR, "--form-factors", self.path("pipe"), *common)
+            self.assertTrue(reader.communicate(timeout=60)[0].startswith("from,to,F\n"))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["both", "link.csv", "pipe", "real.csv"])
+
+    def test_names_stay_one_line(self):
+        with open(DOOR) as file:
+            scene = json.load(file)
+        for node in scene["nodes"]:
+            node["name"] = "a\nb\r\"c,%s" % node.get("name", "")
+        name = self.path("two\nlines.gltf", json.dumps(scene))
+        done = self.good("gi_play", name, "--frames", "1", "--row-tolerance", "0.2", "--form-factors", self.path("F.csv"),
+                         "--field", self.path("f%d.ply"), *TINY)
+        self.assertIn("two lines.gltf: 1 frames", done.stdout)
+        with open(self.path("F.csv")) as file:
+            lines = file.read().splitlines()
+        self.assertEqual(len(lines), 1 + 7 * 8)
+        self.assertTrue(all(row["from"].startswith('a b "c,') for row in read_csv(self.path("F.csv"))))
+        self.assertEqual(len(read_ply(self.path("f0.ply"))[1]) > 0, True)
+        self.bad("gi_play", self.path("no\nsuch\x1b[2J.gltf"), *TINY, says="no such")
+        self.bad("gi_play", DOOR, "--mode", "a\nb", says="--mode")
+        self.bad("moving_buddha", "--images", "a\nb.png", says="--images")
+
+    def test_a_pipe_is_no_scene(self):
+        for name in ("s.gltf", "s.glb", "s.obj", "s.ply"):
+            os.mkfifo(self.path(name))
+            self.bad("gi_play", self.path(name), *TINY, says=name)
+            self.bad("moving_buddha", "--mesh", self.path(name), *TINY, says=name)
+            self.bad("gi_play", self.folder, *TINY, says=self.folder)
 
     def test_no_opengl_45(self):
         # Mesa heeds the override, drivers of others do not: EGL is shown Mesa alone.
