@@ -398,12 +398,14 @@ GI_STRUCT(gi_pending) {
  *   origin.xyz  the vertex, lifted off its surface   origin.w  its path's number, a whole number below 2^24
  *   normal.xyz  there                                normal.w  its number along the path
  *   throughput.xyz                                   throughput.w 0
- *   sum.xyz     irradiance found by the slot so far  sum.w 0
+ *   found.xyz   irradiance that the path found so far found.w 0
+ *   sum.xyz     that of the slot's paths before it   sum.w 0
  */
 GI_STRUCT(gi_path_slot) {
 	GI_VEC4 origin;
 	GI_VEC4 normal;
 	GI_VEC4 throughput;
+	GI_VEC4 found;
 	GI_VEC4 sum;
 } GI_END(gi_path_slot)
 

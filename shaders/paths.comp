@@ -48,6 +48,11 @@ const uint STEPS = 8u;
 // Russian roulette begins where the throughput is below this (measured in tests/reference/reference.c).
 const float ROULETTE_BELOW = 0.1;
 
+// Where nearly all light is reflected a path would go on for 1 / (1 - rho) vertices, and the last ones count as the first.
+// From this one on a path survives to vertex n with the chance (LONG_PATH / n)^2: twice as many vertices are the mean, the
+// sum stays unbiased, and the variance finite for every rho below 1, as no constant chance would leave it.
+const float LONG_PATH = 1024.0;
+
 // ---- numbers ----
 
 // Jarzynski and Olano, "Hash functions for GPU rendering", 2020.
@@ -212,8 +217,8 @@ float largest(vec3 v)
 	return max(v.x, max(v.y, v.z));
 }
 
-// One vertex: gathers light into `sum` and takes the path to the next. False when it ends.
-bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u)
+// Vertex `number` of a path, from 0: gathers light into `sum` and goes on to the next. False when the path ends.
+bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u, float number)
 {
 	vec3 found = light_count > 0u ? light_from_emitters(v, u) : vec3(0.0);
 	vec3 direction = cosine_direction(v.normal, u.direction);
@@ -236,6 +241,8 @@ bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u)
 	float before = largest(throughput);
 	throughput *= load_material(material).rho.xyz;
 	float survival = largest(throughput) < ROULETTE_BELOW ? largest(throughput) / before : 1.0;
+	if (number > LONG_PATH)
+		survival = min(survival, 1.0 - 2.0 / number);
 	if (u.roulette >= survival)
 		return false;
 	throughput /= survival;
@@ -248,7 +255,7 @@ void step_on(uint leaf, inout gi_path_slot slot)
 {
 	uint path = uint(slot.origin.w), bounce = uint(slot.normal.w);
 	vertex v = vertex(slot.origin.xyz, slot.normal.xyz);
-	vec3 throughput = slot.throughput.xyz, sum = slot.sum.xyz;
+	vec3 throughput = slot.throughput.xyz, found = slot.found.xyz;
 	numbers u;
 	if (bounce == 0u) {
 		vec2 on_leaf;
@@ -258,11 +265,13 @@ void step_on(uint leaf, inout gi_path_slot slot)
 	} else {
 		u = numbers_at(leaf, path, bounce);
 	}
-	bool on = extend(v, throughput, sum, u);
+	bool on = extend(v, throughput, found, u, slot.normal.w);
 	slot.origin = vec4(v.origin, float(on ? path : path + 1u));
 	slot.normal = vec4(v.normal, float(on ? bounce + 1u : 0u));
 	slot.throughput.xyz = throughput;
-	slot.sum.xyz = sum;
+	// What a path adds is small beside what the slot has: it is added at once.
+	slot.found.xyz = on ? found : vec3(0.0);
+	slot.sum.xyz += on ? vec3(0.0) : found;
 }
 
 void main()
@@ -275,7 +284,7 @@ void main()
 	float begin = float(first_path + part * run), end = float(first_path + min(path_count, (part + 1u) * run));
 	gi_path_slot slot = slots[t];
 	if (slot.origin.w < begin) // cleared to -1: a new run
-		slot = gi_path_slot(vec4(0.0, 0.0, 0.0, begin), vec4(0.0), vec4(0.0), vec4(0.0));
+		slot = gi_path_slot(vec4(0.0, 0.0, 0.0, begin), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
 	if (slot.origin.w >= end)
 		return;
 	for (uint k = 0u; k < STEPS && slot.origin.w < end; k++)

@@ -211,6 +211,47 @@ static void furnace(void **state)
 	}
 }
 
+/* Where nearly nothing is absorbed paths end all the same, and their mean is still E / (1 - rho). */
+static void nearly_white_rooms_end(void **state)
+{
+	(void)state;
+	enum {
+		CALLS = 12,
+		WALLS = 6
+	};
+	static const float rho[] = {0.9995f, 0.9999999f};
+	for (int k = 0; k < 2; k++) {
+		gi_context_def def = harness_def();
+		def.row_tolerance = 0.2f;
+		gi_context *gi = harness_context(&def);
+		engine_mesh mesh;
+		assert_true(shape_box((float[]){-1, -1, -1}, (float[]){1, 2, 1}, 1, true, &mesh));
+		harness_add(gi,
+			    &(harness_object){.name = "room", .rho = {rho[k], rho[k], rho[k]}, .exitance = {1, 1, 1}},
+			    &mesh);
+		assert_gi(gi_commit(gi));
+		harness_update(gi);
+		const double exact = 1 / (1 - (double)rho[k]);
+		double excess[CALLS * WALLS], mean = 0;
+		for (uint32_t call = 0; call < CALLS; call++) {
+			const traced t = trace(gi, 16, 1 + call);
+			assert_int_equal(t.count, WALLS);
+			for (uint32_t wall = 0; wall < WALLS; wall++) {
+				excess[WALLS * call + wall] = t.irradiance[3 * wall] / exact - 1;
+				mean += excess[WALLS * call + wall] / (CALLS * WALLS);
+				assert_true(t.irradiance[3 * wall] > 1 && isfinite(t.irradiance[3 * wall]));
+			}
+			free(t.irradiance);
+		}
+		const double away = sigmas_from_zero(excess, CALLS * WALLS);
+		printf("  rho %.7f: mean %+.1f %% from E / (1 - rho), %.1f standard errors\n", (double)rho[k], 100 * mean,
+		       away);
+		if (k == 0) /* the other one's noise is no normal distribution */
+			expect_below("standard errors from E / (1 - rho)", away, SIGMAS);
+		gi_context_destroy(gi);
+	}
+}
+
 static gi_object add_square(gi_context *gi, const char *name, const float corner[3], const float u[3], const float v[3],
 			    const float exitance[3], bool double_sided)
 {
@@ -306,6 +347,7 @@ int main(void)
 	    cmocka_unit_test(agrees_with_the_reference),
 	    cmocka_unit_test(noise_falls_and_seeds_decide),
 	    cmocka_unit_test(furnace),
+	    cmocka_unit_test(nearly_white_rooms_end),
 	    cmocka_unit_test(sky),
 	    cmocka_unit_test(backs_and_sheets),
 	    cmocka_unit_test(misuse),
