@@ -23,10 +23,11 @@ void gi_price_add(gi_price *price, float ms);
 float gi_price_of(const gi_price *price);
 
 typedef struct gi_costs {
-	gi_price ray;   /* of cut, factor, flag, trace and close together */
-	gi_price row;   /* that is assessed */
+	gi_price ray; /* of cut, factor, flag, trace and close together */
+	gi_price row; /* that is assessed */
 	gi_price sweep;
-	gi_price fixed; /* what no number of rays changes: the other passes, on a software renderer what lies between too */
+	gi_price
+	    fixed; /* what no number of rays changes: the other passes, on a software renderer what lies between too */
 } gi_costs;
 
 /* One finished update, ms. */

@@ -66,7 +66,8 @@ gi_result gi_check_current(const gi_context *gi, const char *function)
 	if (gpu_is_current(&gi->gpu))
 		return GI_OK;
 	return gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
-		       "%s: make the OpenGL context current on this thread that was current in gi_context_create", function);
+		       "%s: make the OpenGL context current on this thread that was current in gi_context_create",
+		       function);
 }
 
 /* ---- context ---- */
@@ -203,9 +204,10 @@ void gi_context_destroy(gi_context *gi)
 	/* Names of another context's objects must not be deleted in the one that is current. */
 	gi->gpu.lost = gi->gpu.mark && !gpu_is_current(&gi->gpu);
 	if (gi->gpu.lost)
-		gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
-			"gi_context_destroy: its OpenGL context is not current: what it holds on the GPU goes with that "
-			"context");
+		gi_fail(
+		    &gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
+		    "gi_context_destroy: its OpenGL context is not current: what it holds on the GPU goes with that "
+		    "context");
 	shade_free(gi);
 	paths_free(gi);
 	estimate_free(gi);

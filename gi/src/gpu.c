@@ -90,6 +90,11 @@ static gi_result check_limits(gpu *g)
 				       "this device has %d %s and %d are needed: update its driver or use another", has,
 				       needs[k].what, needs[k].least);
 	}
+	GLint viewport[2] = {0}, texture = 0;
+	glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+	const GLint side = viewport[0] < viewport[1] ? viewport[0] : viewport[1];
+	g->most_pixels = (uint32_t)(side < texture ? side : texture);
 	GLint64 bytes = 0, texels = 0;
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
 	glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);

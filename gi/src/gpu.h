@@ -53,6 +53,7 @@ typedef struct gpu {
 	uint64_t block_bytes;         /* of a storage block, as promised or found by trial */
 	uint64_t texture_bytes;       /* of a buffer texture */
 	bool tried;                   /* whether a storage block holds more than promised */
+	uint32_t most_pixels;         /* of a side of a picture */
 	bool profile;
 	bool software; /* no GPU: its timer queries measure the wrong work, the clock the right one */
 

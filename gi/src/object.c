@@ -136,19 +136,19 @@ static gi_refine_cage cage_of(const gi_object_def *def)
 {
 	static const gi_refine_scheme schemes[] = {GI_REFINE_BILINEAR, GI_REFINE_CATMULL_CLARK, GI_REFINE_LOOP};
 	gi_refine_cage cage = {
-		.positions = def->positions,
-		.face_counts = def->face_counts,
-		.indices = def->indices,
-		.face_materials = def->face_materials,
-		.crease_vertices = def->crease_vertices,
-		.crease_sharpness = def->crease_sharpness,
-		.vertex_count = def->vertex_count,
-		.face_count = def->face_count,
-		.index_count = def->index_count,
-		.crease_count = def->crease_count,
-		.scheme = schemes[def->scheme],
-		.boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
-								     : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
+	    .positions = def->positions,
+	    .face_counts = def->face_counts,
+	    .indices = def->indices,
+	    .face_materials = def->face_materials,
+	    .crease_vertices = def->crease_vertices,
+	    .crease_sharpness = def->crease_sharpness,
+	    .vertex_count = def->vertex_count,
+	    .face_count = def->face_count,
+	    .index_count = def->index_count,
+	    .crease_count = def->crease_count,
+	    .scheme = schemes[def->scheme],
+	    .boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
+							       : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
 	};
 	memcpy(cage.scale, def->scale, sizeof cage.scale);
 	return cage;
@@ -293,8 +293,8 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uint32_t levels)
 {
 	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
-	while (extra && (levels + extra > MAX_LEVELS ||
-			 ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
+	while (extra &&
+	       (levels + extra > MAX_LEVELS || ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
 		extra--;
 	return extra;
 }

@@ -19,8 +19,8 @@ static gi_result begin_read(gi_context *gi, const char *function, const void *pl
 	if (!gi)
 		return gi_fail_null(gi, "");
 	if (!place)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "%s: the place for the result must not be NULL", function);
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "%s: the place for the result must not be NULL",
+			       function);
 	return gi_check_current(gi, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
 }
 
@@ -90,9 +90,9 @@ gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uin
 	if (!leaves || !s->leaf_count)
 		return GI_OK;
 	leaf_arrays a = {
-		.vertices = read_buffer(&s->vertices_world_gpu, sizeof(gi_vec4) * s->vertex_count),
-		.radiosity = read_buffer(&gi->solver.leaf_radiosity, sizeof(gi_vec4) * s->leaf_count),
-		.headers = read_buffer(&gi->rows.headers, sizeof(gi_uvec4) * s->leaf_count),
+	    .vertices = read_buffer(&s->vertices_world_gpu, sizeof(gi_vec4) * s->vertex_count),
+	    .radiosity = read_buffer(&gi->solver.leaf_radiosity, sizeof(gi_vec4) * s->leaf_count),
+	    .headers = read_buffer(&gi->rows.headers, sizeof(gi_uvec4) * s->leaf_count),
 	};
 	const uint32_t wanted = capacity < s->leaf_count ? capacity : s->leaf_count;
 	if (!a.vertices || !a.radiosity || !a.headers) {

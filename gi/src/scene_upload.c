@@ -127,8 +127,8 @@ static bool allocate_all(gathered *g)
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
 	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && g->rest &&
-	       g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh && g->primitives && g->leaf_quads &&
-	       g->wide && g->light_links && g->light_first;
+	       g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh && g->primitives &&
+	       g->leaf_quads && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -288,9 +288,10 @@ static void place_vertices(gathered *g)
 		const gi_object_data *d = &g->next.object_data[slot];
 		for (uint32_t k = d->extra.y; k < d->extra.z; k++) {
 			const gi_vec3d p = gi_vec3d_from(g->vertices[k]);
-			g->vertices_world[k] = (gi_vec4){(float)(gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w),
-							 (float)(gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w),
-							 (float)(gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w), 0};
+			g->vertices_world[k] =
+			    (gi_vec4){(float)(gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w),
+				      (float)(gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w),
+				      (float)(gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w), 0};
 		}
 	}
 }

@@ -15,6 +15,7 @@
 #include "shadow.h"
 #include "vec3d.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -256,7 +257,7 @@ static void draw_rect(const gi_shade *shade, program which, uint32_t lamp, const
 static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_view *view,
 		      const float clip_from_world[16], const int corner[2])
 {
-	const gi_shade *shade = gi->shade;
+	gi_shade *shade = gi->shade;
 	const uint32_t size[2] = {view->width, view->height};
 	const int width = (int)view->width, height = (int)view->height;
 	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, clip_from_world, size);
@@ -353,14 +354,34 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	return result;
 }
 
+static bool all_finite(const float *values, size_t count)
+{
+	bool finite = true;
+	for (size_t k = 0; k < count; k++)
+		finite = finite && isfinite(values[k]);
+	return finite;
+}
+
+static gi_result check_view(const gi_context *gi, const gi_view *view)
+{
+	const gi_log *log = &gi->gpu.log;
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
+	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "gi_draw: a viewport of %u x %u: this device draws 1 to %u pixels each way", view->width,
+			       view->height, gi->gpu.most_pixels);
+	if (!all_finite(view->view_from_world, 16) || !all_finite(view->clip_from_view, 16))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: a matrix is not finite");
+	return GI_OK;
+}
+
 gi_result gi_draw(gi_context *gi, const gi_view *view)
 {
 	if (!gi || !view)
 		return gi_fail_null(gi, "gi_draw: view");
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
-	if (!view->width || !view->height)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: the viewport is empty");
+	if (check_view(gi, view))
+		return GI_ERROR_INVALID_ARGUMENT;
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
 	if (gi_check_current(gi, "gi_draw"))

@@ -244,6 +244,7 @@ static void place_lamps(const gi_context *gi, gi_shadow *shadow)
 		first += samples[k];
 	}
 	shadow->map_count = first;
+	memset(shadow->seen, 0, sizeof shadow->seen);
 }
 
 static void draw_all_maps(const gi_context *gi, const gi_shadow *shadow)
@@ -299,8 +300,8 @@ static void add_hidden(const gi_caster *c, const gi_object_data *d, const gi_lam
 	}
 }
 
-screen_rect shadow_rect(const gi_context *gi, const gi_shadow *shadow, uint32_t lamp, const float clip_from_world[16],
-			const uint32_t size[2])
+static screen_rect find_rect(const gi_context *gi, const gi_shadow *shadow, uint32_t lamp,
+			     const float clip_from_world[16], const uint32_t size[2])
 {
 	screen_rect rect = screen_rect_empty();
 	for (uint32_t k = 0; k < shadow->casters.count && shadow->lamps[lamp].range.y; k++)
@@ -308,4 +309,18 @@ screen_rect shadow_rect(const gi_context *gi, const gi_shadow *shadow, uint32_t 
 			add_hidden(&shadow->casters.list[k], &gi->scene.object_data[k], &shadow->lamps[lamp],
 				   &shadow->masks[lamp], clip_from_world, size, &rect);
 	return rect;
+}
+
+screen_rect shadow_rect(const gi_context *gi, gi_shadow *shadow, uint32_t lamp, const float clip_from_world[16],
+			const uint32_t size[2])
+{
+	shadow_seen *seen = &shadow->seen[lamp];
+	if (!seen->known || memcmp(seen->clip_from_world, clip_from_world, sizeof seen->clip_from_world) != 0 ||
+	    memcmp(seen->size, size, sizeof seen->size) != 0) {
+		seen->rect = find_rect(gi, shadow, lamp, clip_from_world, size);
+		memcpy(seen->clip_from_world, clip_from_world, sizeof seen->clip_from_world);
+		memcpy(seen->size, size, sizeof seen->size);
+		seen->known = true;
+	}
+	return seen->rect;
 }

@@ -8,6 +8,14 @@
 
 struct gi_context;
 
+/* Of one lamp: where in the picture it may be hidden, as a camera saw it last. */
+typedef struct shadow_seen {
+	bool known;
+	float clip_from_world[16];
+	uint32_t size[2];
+	screen_rect rect;
+} shadow_seen;
+
 typedef struct gi_shadow {
 	uint32_t program;
 	gi_casters casters;
@@ -18,10 +26,11 @@ typedef struct gi_shadow {
 	occluder_mask masks[GI_LAMP_MAX]; /* where each lamp may be hidden */
 	uint64_t *mask_rows;
 	gpu_buffer mask_words;
-	uint32_t drawn_lamps;    /* generation of gi_lamps that the maps show */
-	bool drawn;              /* the maps show the poses below */
-	float (*drawn_rows)[12]; /* by slot */
-	struct lamp_box *boxes;  /* scratch: of the casters */
+	shadow_seen seen[GI_LAMP_MAX]; /* of the maps that are drawn */
+	uint32_t drawn_lamps;          /* generation of gi_lamps that the maps show */
+	bool drawn;                    /* the maps show the poses below */
+	float (*drawn_rows)[12];       /* by slot */
+	struct lamp_box *boxes;        /* scratch: of the casters */
 } gi_shadow;
 
 /* Builds the casters of the committed scene. */
@@ -31,9 +40,10 @@ gi_result shadow_create(struct gi_context *gi, gi_shadow *shadow);
  * when it drew. */
 gi_result shadow_update(struct gi_context *gi, gi_shadow *shadow);
 
-/* Where in the picture the lamp may be hidden from what is seen. */
-screen_rect shadow_rect(const struct gi_context *gi, const gi_shadow *shadow, uint32_t lamp,
-			const float clip_from_world[16], const uint32_t size[2]);
+/* Where in the picture the lamp may be hidden from what is seen. Costs a look at every bounding sphere where camera or
+ * shadows are others than before. */
+screen_rect shadow_rect(const struct gi_context *gi, gi_shadow *shadow, uint32_t lamp, const float clip_from_world[16],
+			const uint32_t size[2]);
 
 /* Drops what depends on the committed scene; the program stays. */
 void shadow_invalidate(struct gi_context *gi, gi_shadow *shadow);

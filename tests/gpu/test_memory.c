@@ -51,24 +51,26 @@ static gi_object add_ball(gi_context *gi, float x)
 	engine_mesh mesh;
 	assert_true(shape_sphere(.3f, 2, &mesh));
 	return harness_add(
-	    gi, &(harness_object){.name = "ball", .rho = {.5f, .5f, .5f}, .exitance = {2, 2, 2}, .position = {x, .5f, 0}},
+	    gi,
+	    &(harness_object){.name = "ball", .rho = {.5f, .5f, .5f}, .exitance = {2, 2, 2}, .position = {x, .5f, 0}},
 	    &mesh);
 }
 
-static gi_context_def faulty_def(void)
+static gi_context_def faulty_def(bool coarse)
 {
 	gi_context_def def = harness_def();
 	def.message = hear;
-	def.row_tolerance = .05f;
+	def.row_tolerance = coarse ? 1 : .05f;
+	def.emitter_refinement = coarse ? 1 : 20;
 	def.solve_tolerance = 1e-6f;
 	def.estimate_leaves = 16;
 	faults_in_gl(&def);
 	return def;
 }
 
-static loaded load(void)
+static loaded load(bool coarse)
 {
-	const gi_context_def def = faulty_def();
+	const gi_context_def def = faulty_def(coarse);
 	loaded l = {.gi = harness_context(&def)};
 	add_quad(l.gi, "floor", 0, 0, 3);
 	add_quad(l.gi, "light", 2, 10, 1);
@@ -260,7 +262,7 @@ static gi_result try_paths(loaded *l)
 static gi_result try_context(loaded *l)
 {
 	(void)l;
-	const gi_context_def def = faulty_def();
+	const gi_context_def def = faulty_def(false);
 	gi_context *gi = NULL;
 	const gi_result result = gi_context_create(&def, &gi);
 	assert_true((result == GI_OK) == (gi != NULL));
@@ -291,13 +293,14 @@ typedef struct trial {
 	const char *what;
 	attempt *try;
 	void (*prepare)(loaded *l); /* NULL: nothing more than the scene */
+	bool coarse;                /* rows of an entry an object */
 	bool fresh;                 /* without a first update */
 	bool changes;               /* rows, or what a picture makes: they are not looked at between */
 } trial;
 
 static void exhaust(const trial *t, fault_kind kind, bool all)
 {
-	loaded l = load();
+	loaded l = load(t->coarse);
 	if (!t->fresh)
 		harness_update(l.gi);
 	look *before = t->changes ? NULL : look_at(&l);
@@ -369,9 +372,32 @@ static void commits(void **state)
 	in_every_way(&(trial){"gi_commit of the same", .try = try_commit});
 }
 
+/* Two layers that look at each other: a row has an entry for each of the other's, more than the pools begin with. */
+static void put_up_many(loaded *l)
+{
+	enum { MANY = 320 };
+	for (int k = 0; k < MANY; k++) {
+		engine_mesh mesh;
+		const float x = .1f * (float)(k % 16) - .8f, z = .1f * (float)(k / 16) - .8f, up[3] = {0, 0, .05f},
+			    side[3] = {.05f, 0, 0};
+		const bool above = k % 2;
+		assert_true(
+		    shape_quad((float[]){x, above ? 1.5f : 1, z}, above ? side : up, above ? up : side, 1, 1, &mesh));
+		harness_add(l->gi, &(harness_object){.name = "scale", .rho = {.5f, .5f, .5f}}, &mesh);
+	}
+	assert_gi(gi_commit(l->gi));
+}
+
+static gi_result try_exact(loaded *l)
+{
+	return gi_update(l->gi, NULL);
+}
+
 static void updates(void **state)
 {
 	(void)state;
+	in_every_way(&(trial){"a gi_update that outgrows its pools", .try = try_exact, .prepare = put_up_many,
+			      .coarse = true, .changes = true});
 	in_every_way(&(trial){"the first gi_update", .try = try_update, .fresh = true, .changes = true});
 	in_every_way(&(trial){"gi_update under a budget", .try = try_budget, .changes = true});
 }

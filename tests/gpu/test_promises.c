@@ -273,6 +273,56 @@ static void fine_smooth_cages_are_made(void **state)
 	gi_context_destroy(gi);
 }
 
+/* ---- views ---- */
+
+static void expect_bad_view(gi_context *gi, const gi_view *view)
+{
+	assert_int_equal(gi_draw(gi, view), GI_ERROR_INVALID_ARGUMENT);
+	assert_non_null(strstr(harness_last_message(), "gi_draw: "));
+	assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+static void views_are_checked(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	gi_context *gi = harness_context(&def);
+	GLuint buffers[2];
+	const GLuint framebuffer = make_framebuffer(buffers);
+	add_floor(gi, "floor");
+	add_light(gi);
+	assert_gi(gi_commit(gi));
+	static const uint32_t sizes[] = {0, 1u << 20, 0x7FFFFFFFu, 0xFFFFFFFFu};
+	for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+		gi_view view = gi_view_default();
+		view.width = sizes[k];
+		expect_bad_view(gi, &view);
+		view.width = 8;
+		view.height = sizes[k];
+		expect_bad_view(gi, &view);
+	}
+	for (int k = 0; k < 32; k++) {
+		gi_view view = gi_view_default();
+		(k < 16 ? view.view_from_world : view.clip_from_view)[k % 16] = k % 2 ? NAN : INFINITY;
+		expect_bad_view(gi, &view);
+	}
+	gi_view view = gi_view_default();
+	view.mode = (gi_mode)3;
+	expect_bad_view(gi, &view);
+	view = gi_view_default();
+	view.overlay = (gi_overlay)-1;
+	expect_bad_view(gi, &view);
+	/* All zero is a picture of nothing. */
+	view = gi_view_default();
+	memset(view.clip_from_view, 0, sizeof view.clip_from_view);
+	view.width = view.height = 8;
+	glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+	assert_gi(gi_draw(gi, &view));
+	glDeleteFramebuffers(1, &framebuffer);
+	glDeleteRenderbuffers(2, buffers);
+	gi_context_destroy(gi);
+}
+
 /* ---- messages ---- */
 
 static void messages_are_one_line(void **state)
@@ -306,6 +356,7 @@ int main(void)
 	    cmocka_unit_test(buffers_come_with_a_commit),
 	    cmocka_unit_test(definitions_are_copied),
 	    cmocka_unit_test(fine_smooth_cages_are_made),
+	    cmocka_unit_test(views_are_checked),
 	    cmocka_unit_test(messages_are_one_line),
 	};
 	return cmocka_run_group_tests_name("promises", tests, harness_open, harness_close);

@@ -383,7 +383,7 @@ typedef enum gi_overlay {
 typedef struct gi_view {
 	float view_from_world[16];
 	float clip_from_view[16];
-	uint32_t width, height; /* viewport, pixels */
+	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
 	gi_mode mode;
 	gi_overlay overlay;
 } gi_view;
