@@ -63,6 +63,17 @@ static bool can_write(player *p, const char *name)
 	return !name || engine_output_check(name, p->message, sizeof p->message);
 }
 
+/* Pictures that have no name of their own. */
+static bool can_write_in(player *p, const char *folder)
+{
+	char name[PLAYER_PATH];
+	const int length = snprintf(name, sizeof name, "%s/frame_0000_global.png", folder);
+	if (length < (int)sizeof name)
+		return can_write(p, name);
+	snprintf(p->message, sizeof p->message, "the name of the folder %.200s is too long", folder);
+	return false;
+}
+
 bool player_check_files(player *p)
 {
 	const options *o = p->o;
@@ -87,7 +98,7 @@ static const char *report_name(player *p)
 
 bool player_open_files(player *p)
 {
-	if (uses_out(p) && !make_folders(p, p->o->out))
+	if (uses_out(p) && (!make_folders(p, p->o->out) || !can_write_in(p, p->o->out)))
 		return false;
 	return report_open(&p->report, report_name(p), p->message, sizeof p->message);
 }

@@ -9,6 +9,7 @@
 #include "bench_scene.h"
 #include "error_table.h"
 #include "gi/gi.h"
+#include "output.h"
 #include "samples.h"
 #include "scenes/scenes.h"
 
@@ -559,6 +560,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
+	engine_output_watch("gi_error_time");
 	static const struct argp_option list[] = {
 	    BENCH_OPTION_CONTEXT,
 	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},

@@ -9,6 +9,7 @@
  */
 #include "bench_options.h"
 #include "bench_scene.h"
+#include "output.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -158,6 +159,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
+	engine_output_watch("frame_times");
 	static const struct argp_option list[] = {
 	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "moving frames of a series, default 6", 0},

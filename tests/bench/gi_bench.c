@@ -6,6 +6,7 @@
  */
 #include "bench_options.h"
 #include "bench_frames.h"
+#include "output.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -200,6 +201,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
+	engine_output_watch("gi_bench");
 	static const struct argp_option list[] = {
 	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "frames measured, default 40", 0},

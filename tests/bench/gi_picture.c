@@ -7,6 +7,7 @@
 #include "bench_scene.h"
 #include "gi/gi.h"
 #include "image.h"
+#include "output.h"
 #include "samples.h"
 #include "scenes/scenes.h"
 #include "tonemap.h"
@@ -238,6 +239,7 @@ static const struct argp_option option_list[] = {
 
 int main(int argc, char **argv)
 {
+	engine_output_watch("gi_picture");
 	const struct argp argp = {option_list,
 				  parse_option,
 				  NULL,
