@@ -2,6 +2,7 @@
 #include "output.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -174,8 +175,18 @@ static void check_standard_output(void)
 	_Exit(EXIT_FAILURE);
 }
 
+/* A standard stream that the program was started without: its number must not become a file's, or what is printed goes
+ * there. Opened the wrong way round, it stays an error to use. */
+static void fill_standard_streams(void)
+{
+	for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+		if (fcntl(fd, F_GETFD) < 0)
+			(void)!open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 void engine_output_watch(const char *program)
 {
+	fill_standard_streams();
 	watching_program = program;
 	signal(SIGXFSZ, SIG_IGN);
 	atexit(check_standard_output);

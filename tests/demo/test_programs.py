@@ -401,6 +401,18 @@ class Programs(unittest.TestCase):
             self.assertEqual(done.returncode, 1, (program, arguments, done.stderr))
             self.assertRegex(done.stderr, "^%s: cannot write to standard output: .*\n$" % program)
 
+    def test_closed_standard_output(self):
+        """What is printed then goes nowhere, least of all into a file that was opened since."""
+        for number in (0, 1, 2):
+            done = subprocess.run([os.path.join(PROGRAMS, "gi_play"), DOOR, "--frames", "1", "--row-tolerance", "0.2",
+                                   "--report", self.path("r.csv"), *TINY], preexec_fn=lambda: os.close(number),
+                                  capture_output=True, text=True, timeout=300)
+            self.assertEqual(done.returncode, 1 if number == 1 else 0, done.stderr)
+            with open(self.path("r.csv")) as file:
+                self.assertEqual(len(file.read().splitlines()), 2)
+            if number == 1:
+                self.assertIn("cannot write to standard output", done.stderr)
+
     def test_outputs_that_are_no_plain_files(self):
         """Devices, pipes and links are written as they are; modes of files stay."""
         common = ["--frames", "1", "--row-tolerance", "0.2", *TINY]
