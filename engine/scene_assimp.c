@@ -42,7 +42,7 @@ static bool add_material(scene_loader *loader, const struct aiMaterial *from)
 		return true;
 	read_color(from, "$clr.diffuse", material->rho);
 	read_color(from, "$clr.emissive", material->radiance);
-	return scene_check_material(loader, material);
+	return true;
 }
 
 /* A face of one or two corners is a point or a line. */
@@ -102,21 +102,10 @@ static bool add_node(scene_loader *loader, const struct aiScene *from, const str
 	return true;
 }
 
-/* Both formats place their objects in world space: one node at the origin serves all. */
-static bool make_graph(scene_loader *loader)
-{
-	engine_scene_graph *graph = loader->scene->graph;
-	graph->nodes = malloc(sizeof *graph->nodes);
-	if (!graph->nodes)
-		return scene_fail(loader, "out of memory");
-	graph->nodes[0] = scene_node_default();
-	graph->node_count = 1;
-	return true;
-}
-
 static bool convert(scene_loader *loader, const struct aiScene *from)
 {
-	if (!make_graph(loader))
+	/* Both formats place their objects in world space: one node at the origin serves all. */
+	if (!scene_make_graph(loader, 1))
 		return false;
 	for (unsigned i = 0; i < from->mNumMaterials; i++) {
 		if (!add_material(loader, from->mMaterials[i]))
@@ -124,7 +113,7 @@ static bool convert(scene_loader *loader, const struct aiScene *from)
 	}
 	if (!from->mRootNode || !add_node(loader, from, from->mRootNode))
 		return false;
-	return loader->scene->object_count > 0 || loader->degenerate_faces > 0 || scene_fail(loader, "holds no faces");
+	return loader->faces_seen > 0 || scene_fail(loader, "holds no faces");
 }
 
 /* Opens what a mtllib line names, beside the OBJ. */
@@ -150,7 +139,7 @@ static void warn_of_missing_library(scene_loader *loader)
 		if (sscanf(line, "mtllib %511[^\r\n]", name) != 1)
 			continue;
 		if (!library_exists(loader->path, name))
-			scene_warn(loader, "its material library \"%.80s\" cannot be opened", name);
+			scene_note(loader, name, "material libraries cannot be opened");
 		break;
 	}
 	if (file)
