@@ -11,7 +11,7 @@ static void note_unread(gltf_document *document, bool found, const char *materia
 }
 
 /* Multiplies by the mean of a texture; without one, or where it cannot be read, leaves alone. */
-static void apply_texture(gltf_document *document, const cJSON *reference, const char *material, double color[4])
+static void apply_mean(gltf_document *document, const cJSON *reference, const char *material, double color[3])
 {
 	int64_t texture = -1, image = -1;
 	float mean[4];
@@ -21,22 +21,22 @@ static void apply_texture(gltf_document *document, const cJSON *reference, const
 	if (gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0 &&
 	    gltf_index(document, document->tables[GLTF_TEXTURES].items[texture], "source", GLTF_IMAGES, &image) &&
 	    image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
-		for (int c = 0; c < 4; c++)
+		for (int c = 0; c < 3; c++)
 			color[c] *= (double)mean[c];
-		scene_note(document->loader, material, "textures are read as their mean");
+		scene_note(document->loader, material, "emissive textures are read as their mean");
 		return;
 	}
-	scene_note(document->loader, material, "textures are left out: %s", fault);
+	scene_note(document->loader, material, "emissive textures are left out: %s", fault);
 }
 
 static void read_emission(gltf_document *document, const cJSON *from, engine_scene_material *material)
 {
-	double factor[4] = {0, 0, 0, 1}, strength = 1;
+	double factor[3] = {0, 0, 0}, strength = 1;
 	const cJSON *extension = gltf_extension(from, "KHR_materials_emissive_strength");
 	if (!gltf_numbers(from, "emissiveFactor", 3, factor) || !gltf_number(extension, "emissiveStrength", &strength))
 		scene_note(document->loader, material->name, "emissions that are no finite numbers are left out");
 	if (factor[0] != 0 || factor[1] != 0 || factor[2] != 0)
-		apply_texture(document, gltf_member(from, "emissiveTexture"), material->name, factor);
+		apply_mean(document, gltf_member(from, "emissiveTexture"), material->name, factor);
 	for (int c = 0; c < 3; c++)
 		material->radiance[c] = (float)(factor[c] * strength);
 }
@@ -46,19 +46,13 @@ static void read_colour(gltf_document *document, const cJSON *from, const char *
 {
 	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
 	const cJSON *old = gltf_extension(from, "KHR_materials_pbrSpecularGlossiness");
-	const cJSON *texture = gltf_member(surface, "baseColorTexture");
-	bool given = gltf_member(surface, "baseColorFactor") || texture;
-	bool sound = gltf_numbers(surface, "baseColorFactor", 4, color);
-	if (!given && old) {
-		texture = gltf_member(old, "diffuseTexture");
-		given = gltf_member(old, "diffuseFactor") || texture;
-		sound = gltf_numbers(old, "diffuseFactor", 4, color);
-	}
+	bool given = gltf_member(surface, "baseColorFactor") || gltf_member(surface, "baseColorTexture");
+	bool sound = !given && old ? gltf_numbers(old, "diffuseFactor", 4, color)
+				   : gltf_numbers(surface, "baseColorFactor", 4, color);
 	if (!sound)
 		scene_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
-	else if (texture && !gltf_member(surface, "baseColorFactor") && !gltf_member(old, "diffuseFactor"))
-		color[0] = color[1] = color[2] = 1; /* the factor's default: the texture states the colour */
-	apply_texture(document, texture, name, color);
+	note_unread(document, gltf_member(surface, "baseColorTexture") || gltf_member(old, "diffuseTexture"), name,
+		    "textures of base colours are not read, their factors are");
 }
 
 /* Alpha as coverage: what covers less than half lets the light through. */
