@@ -77,8 +77,10 @@ static bool read_by_extension(scene_loader *loader)
 {
 	if (has_extension(loader->path, ".gltf") || has_extension(loader->path, ".glb"))
 		return scene_read_gltf(loader);
-	if (has_extension(loader->path, ".obj") || has_extension(loader->path, ".ply"))
-		return scene_read_assimp(loader);
+	if (has_extension(loader->path, ".obj"))
+		return scene_read_obj(loader);
+	if (has_extension(loader->path, ".ply"))
+		return scene_read_ply(loader);
 	return scene_fail(loader, "is no scene file this program reads; use .gltf, .glb, .obj or .ply");
 }
 

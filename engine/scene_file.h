@@ -6,8 +6,10 @@
  * the refinement. glTF has triangles only: where extras.gi.scheme says catmull-clark or bilinear, pairs of triangles
  *        that were a quad are put together again (see engine_mesh_pair_triangles); without it triangles stay.
  *        All animations of a file play together from 0 s; of two for one property of a node the first counts.
- * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke the
- * radiance. PLY    One object.
+ * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke times the
+ *        mean of map_Ke the radiance.
+ * PLY    One object; triangle strips too.
+ *        In both, colours of vertices or faces (sRGB) are the rho of faces that have no material.
  *
  * Faces without any material, and glTF materials without a base colour, have rho 0.5. A file that states rho 1 is
  * refused: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room). In all

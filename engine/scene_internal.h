@@ -128,7 +128,7 @@ engine_scene_material *scene_add_material(scene_loader *loader, const char *name
 bool scene_default_material(scene_loader *loader, uint32_t *number);
 
 /* Number of a material that is `base` with its rho times a colour (linear r g b), for colours of vertices and faces: of
- * 32 steps a channel, so that a gradient makes few. False: out of memory (reported).
+ * the first colour in each of 32 steps a channel, so that a gradient makes few. False: out of memory (reported).
  */
 bool scene_tinted_material(scene_loader *loader, uint32_t base, const float color[3], uint32_t *number);
 
@@ -177,6 +177,7 @@ scene_pose_result scene_object_pose(const engine_scene_graph *graph, const engin
 void scene_transform_point(const engine_pose *pose, const float point[3], float out[3]);
 
 bool scene_read_gltf(scene_loader *loader);
-bool scene_read_assimp(scene_loader *loader);
+bool scene_read_obj(scene_loader *loader);
+bool scene_read_ply(scene_loader *loader);
 
 #endif

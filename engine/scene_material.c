@@ -10,8 +10,10 @@ static const float MOST_REFLECTED = 0.98f;
 engine_scene_material *scene_add_material(scene_loader *loader, const char *name)
 {
 	engine_scene *scene = loader->scene;
+	size_t count = scene->material_count;
+	bool full = (count & (count - 1)) == 0; /* the room doubles at 1, 2, 4, ... of them */
 	engine_scene_material *grown =
-	    realloc(scene->materials, (scene->material_count + 1) * sizeof *scene->materials);
+	    full ? realloc(scene->materials, (count ? 2 * count : 1) * sizeof *grown) : scene->materials;
 	char *copy = grown ? scene_copy_name(name, "material", scene->material_count) : NULL;
 	if (grown)
 		scene->materials = grown;
@@ -70,7 +72,7 @@ static uint32_t step_of(float value)
 	return value > 0 ? (uint32_t)lrintf(31 * sqrtf(fminf(value, 1))) : 0;
 }
 
-static bool add_tint(scene_loader *loader, uint32_t base, const uint32_t steps[3])
+static bool add_tint(scene_loader *loader, uint32_t base, const float color[3])
 {
 	engine_scene_material *made = scene_add_material(loader, loader->scene->materials[base].name);
 	if (!made)
@@ -80,7 +82,7 @@ static bool add_tint(scene_loader *loader, uint32_t base, const uint32_t steps[3
 	*made = *from;
 	made->name = name;
 	for (int c = 0; c < 3; c++)
-		made->rho[c] *= (float)(steps[c] * steps[c]) / (31 * 31);
+		made->rho[c] *= color[c];
 	return true;
 }
 
@@ -95,7 +97,7 @@ bool scene_tinted_material(scene_loader *loader, uint32_t base, const float colo
 		return scene_fail(loader, "out of memory for materials");
 	scene_tint *tint = find_tint(&loader->tints, key);
 	if (tint->number == 0) {
-		if (!add_tint(loader, base, steps))
+		if (!add_tint(loader, base, color))
 			return false;
 		*tint = (scene_tint){key, loader->scene->material_count};
 		loader->tints.count++;
