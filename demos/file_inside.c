@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* Places that are tried; rays of each picture, a side. */
-enum { PLACES = 24, GRID = 6 };
+/* Places that are tried, directions to look in from each, rays of a picture's side. */
+enum { PLACES = 8, DIRECTIONS = 16, GRID = 6 };
 
 /* Whether a lamp's light comes straight to a point on the side that the ray saw. */
 static bool is_lit(file_rays *r, const float point[3], const float normal[3])
@@ -66,44 +66,54 @@ static float lit_share(file_rays *r, const camera *view)
 	return (float)lit / (GRID * GRID);
 }
 
-/* Stands just before where a lamp's light ends, and looks back along it, level rather than not. */
-static bool place(file_rays *r, const camera *framing, camera *out)
+/* How far a ray goes, or a radius where it meets nothing. */
+static float reach(const file_rays *r, const float from[3], const float direction[3])
 {
-	vec3 origin, direction;
-	if (!file_rays_from_lamp(r, origin, direction))
+	const file_hit hit = file_rays_shoot(r, from, direction, 1e-5f * r->radius, false);
+	return hit.triangle == UINT32_MAX ? r->radius : hit.distance;
+}
+
+/* On the level of a point halfway along a lamp's ray, at one end of the longest line through it, looking to the other.
+ * The length of the lamp's ray in *room: a point in a gap behind the lamp is a poor place.
+ */
+static bool place(file_rays *r, const camera *framing, camera *out, float *room)
+{
+	vec3 middle, direction;
+	float longest = 0;
+	if (!file_rays_from_lamp(r, middle, direction))
 		return false;
-	file_hit hit = file_rays_shoot(r, origin, direction, 1e-5f * r->radius, false);
-	if (hit.triangle == UINT32_MAX)
-		return false;
+	*room = reach(r, middle, direction);
+	glm_vec3_muladds(direction, 0.5f * *room, middle);
 	*out = *framing;
 	out->vertical_fov = 1.2f;
-	glm_vec3_copy(origin, out->eye);
-	glm_vec3_muladds(direction, 0.9f * hit.distance, out->eye);
-	/* the middle of what is ahead at its height */
-	vec3 back = {-direction[0], 0, -direction[2]};
-	if (glm_vec3_norm(back) < 0.1f)
-		return false;
-	glm_vec3_normalize(back);
-	file_hit ahead = file_rays_shoot(r, out->eye, back, 1e-5f * r->radius, false);
-	const float distance = ahead.triangle == UINT32_MAX ? r->radius : ahead.distance;
-	glm_vec3_copy(out->eye, out->target);
-	glm_vec3_muladds(back, 0.5f * distance, out->target);
-	out->target[1] += 0.25f * (origin[1] - out->eye[1]);
-	return true;
+	for (int k = 0; k < DIRECTIONS; k++) {
+		const float angle = 2 * GLM_PIf * (float)k / DIRECTIONS;
+		vec3 back = {sinf(angle), 0, cosf(angle)}, ahead = {-sinf(angle), 0, -cosf(angle)};
+		const float behind = 0.95f * reach(r, middle, back), before = reach(r, middle, ahead);
+		if (behind + before <= longest)
+			continue;
+		longest = behind + before;
+		glm_vec3_copy(middle, out->eye);
+		glm_vec3_muladds(back, behind, out->eye);
+		glm_vec3_copy(out->eye, out->target);
+		glm_vec3_muladds(ahead, 0.5f * longest, out->target);
+	}
+	return longest > 0;
 }
 
 /* More of what is lit counts, and to see it from afar. */
 static void try_places(file_rays *r, camera *view, bool *moved)
 {
-	float best = 0.1f;
+	float best = 0;
 	const camera framing = *view;
 	for (int k = 0; k < PLACES; k++) {
 		camera tried;
-		if (!place(r, &framing, &tried))
+		float room;
+		if (!place(r, &framing, &tried, &room))
 			continue;
-		const float distance = glm_vec3_distance(tried.eye, tried.target);
-		const float worth = lit_share(r, &tried) * (0.5f + distance / (distance + 0.5f * r->radius));
-		if (worth <= best)
+		const float lit = lit_share(r, &tried);
+		const float worth = lit * room * (r->radius + glm_vec3_distance(tried.eye, tried.target));
+		if (lit < 0.1f || worth <= best)
 			continue;
 		best = worth;
 		*view = tried;
