@@ -176,29 +176,26 @@ static void read_position(const reading *r, const primitive *p, uint32_t vertex,
 		position[row] = m[row] * base[0] + m[4 + row] * base[1] + m[8 + row] * base[2] + m[12 + row];
 }
 
-/* Number in the mesh of a vertex of the primitive, made when first asked for. */
+static bool is_sound(const double position[3])
+{
+	double farthest = (double)ENGINE_MESH_FARTHEST;
+	return fabs(position[0]) <= farthest && fabs(position[1]) <= farthest && fabs(position[2]) <= farthest;
+}
+
+/* Number in the mesh of a vertex of the primitive, made when first asked for; UINT32_MAX: it has no place. */
 static uint32_t vertex_number(reading *r, const primitive *p, uint32_t vertex)
 {
 	gltf_document *document = r->document;
-	if (document->stamps[vertex] != document->stamp) {
-		double position[3];
-		read_position(r, p, vertex, position);
-		for (int c = 0; c < 3; c++)
-			r->out->positions[3 * (size_t)r->out->vertex_count + (size_t)c] = (float)position[c];
-		document->stamps[vertex] = document->stamp;
-		document->numbers[vertex] = r->out->vertex_count++;
-	}
-	return document->numbers[vertex];
-}
-
-static bool is_sound(const engine_mesh *mesh, uint32_t vertex)
-{
-	const float *p = mesh->positions + 3 * (size_t)vertex;
-	for (int c = 0; c < 3; c++) {
-		if (!(fabsf(p[c]) <= ENGINE_MESH_FARTHEST))
-			return false;
-	}
-	return true;
+	double position[3];
+	if (document->stamps[vertex] == document->stamp)
+		return document->numbers[vertex];
+	document->stamps[vertex] = document->stamp;
+	read_position(r, p, vertex, position);
+	if (!is_sound(position))
+		return document->numbers[vertex] = UINT32_MAX;
+	for (int c = 0; c < 3; c++)
+		r->out->positions[3 * (size_t)r->out->vertex_count + (size_t)c] = (float)position[c];
+	return document->numbers[vertex] = r->out->vertex_count++;
 }
 
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
@@ -248,7 +245,7 @@ static bool add_triangle(reading *r, const primitive *p, uint32_t t)
 	bool sound = triangle_vertices(p, t, vertices);
 	for (int k = 0; sound && k < 3; k++) {
 		to[k] = vertex_number(r, p, vertices[k]);
-		sound = is_sound(out, to[k]);
+		sound = to[k] != UINT32_MAX;
 	}
 	if (!sound) {
 		r->left_out++;

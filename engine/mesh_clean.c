@@ -185,6 +185,7 @@ static bool cut_polygons(engine_mesh *mesh, engine_clean_report *report)
 	if (!engine_mesh_cut_polygons(mesh, &cut))
 		return false;
 	report->cut_faces = cut.cut;
+	report->too_large = cut.too_large;
 	report->degenerate_faces += cut.dropped;
 	return true;
 }

@@ -15,6 +15,7 @@ typedef struct engine_clean_report {
 	uint32_t welded_vertices;  /* vertices that shared a position with another */
 	uint32_t degenerate_faces; /* dropped: no area */
 	uint32_t cut_faces;        /* not convex, or with a hole: now triangles */
+	uint32_t too_large;        /* dropped: not convex and of too many corners to be cut (mesh_polygon.h) */
 } engine_clean_report;
 
 /* Adds a copy of part to the end of mesh (zeroed: empty). Faces get part's materials, or `material` where part has

@@ -8,12 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* GLU keeps the edges across its sweep in a list: a polygon of n corners takes up to 3 ns n^2, those of a mesh together
+ * a few seconds. Polygons of files have some tens of corners.
+ */
+static const uint32_t MOST_CORNERS = 10000;
+static const uint64_t MOST_SQUARES = 1000000000;
+
 /* The mesh that is made, grown as needed, and the polygon in work. */
 typedef struct cutter {
 	GLUtesselator *tesselator;
 	engine_mesh out;
 	size_t vertex_room, face_room, index_room;
 	uint32_t corners[3], corner_count; /* of the triangle that comes in */
+	uint64_t squares;                  /* of the corners of all polygons cut */
 	bool failed;
 } cutter;
 
@@ -170,18 +177,34 @@ static bool is_convex(const engine_mesh *mesh, const uint32_t *corners, uint32_t
 	return true;
 }
 
-/* Two unit vectors across the normal. */
-static void make_axes(const double normal[3], double right[3], double up[3])
+/* From the first corner to another, metres. */
+static void offset_of(const engine_mesh *mesh, uint32_t first, uint32_t corner, double offset[3])
 {
+	for (size_t k = 0; k < 3; k++)
+		offset[k] = (double)mesh->positions[3 * (size_t)corner + k] - mesh->positions[3 * (size_t)first + k];
+}
+
+/* Two unit vectors across the normal, the first to the corner that is farthest from the first: GLU sweeps along it, and
+ * takes as long as edges lie across the sweep.
+ */
+static void make_axes(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double right[3], double up[3])
+{
+	double normal[3], farthest = 0;
+	engine_mesh_face_normal(mesh, corners, count, normal);
 	double length = sqrt(dot(normal, normal));
-	int least = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
-	least = fabs(normal[2]) < fabs(normal[least]) ? 2 : least;
-	double axis[3] = {least == 0, least == 1, least == 2};
+	for (uint32_t i = 1; i < count; i++) {
+		double flat[3];
+		offset_of(mesh, corners[0], corners[i], flat);
+		double height = dot(flat, normal) / length;
+		for (int k = 0; k < 3; k++)
+			flat[k] -= height * normal[k] / length;
+		if (dot(flat, flat) > farthest) {
+			farthest = dot(flat, flat);
+			memcpy(right, flat, sizeof flat);
+		}
+	}
 	for (int k = 0; k < 3; k++)
-		right[k] = axis[(k + 1) % 3] * normal[(k + 2) % 3] - axis[(k + 2) % 3] * normal[(k + 1) % 3];
-	double across = sqrt(dot(right, right));
-	for (int k = 0; k < 3; k++)
-		right[k] /= across;
+		right[k] /= sqrt(farthest);
 	for (int k = 0; k < 3; k++)
 		up[k] = (normal[(k + 1) % 3] * right[(k + 2) % 3] - normal[(k + 2) % 3] * right[(k + 1) % 3]) / length;
 }
@@ -189,15 +212,12 @@ static void make_axes(const double normal[3], double right[3], double up[3])
 /* In the plane of the polygon, from its first corner: GLU then works near zero, where doubles have all their digits. */
 static void feed(cutter *c, const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double (*flat)[3])
 {
-	double normal[3], right[3], up[3];
-	engine_mesh_face_normal(mesh, corners, count, normal);
-	make_axes(normal, right, up);
-	const float *origin = mesh->positions + 3 * (size_t)corners[0];
+	double right[3], up[3], offset[3];
+	make_axes(mesh, corners, count, right, up);
 	gluTessBeginPolygon(c->tesselator, c);
 	gluTessBeginContour(c->tesselator);
 	for (uint32_t i = 0; i < count; i++) {
-		const float *p = mesh->positions + 3 * (size_t)corners[i];
-		double offset[3] = {(double)p[0] - origin[0], (double)p[1] - origin[1], (double)p[2] - origin[2]};
+		offset_of(mesh, corners[0], corners[i], offset);
 		flat[i][0] = dot(offset, right);
 		flat[i][1] = dot(offset, up);
 		flat[i][2] = 0;
@@ -233,6 +253,11 @@ static bool cut_all(cutter *c, const engine_mesh *mesh, uint32_t *scratch, engin
 		if (count == 3 || (is_convex(mesh, corners, count) && !passes_twice(corners, count, scratch))) {
 			if (!add_face(c, corners, count, material))
 				return false;
+			continue;
+		}
+		c->squares += (uint64_t)count * count;
+		if (count > MOST_CORNERS || c->squares > MOST_SQUARES) {
+			report->too_large++;
 			continue;
 		}
 		if (!cut(c, mesh, corners, count, material))

@@ -9,8 +9,9 @@ extern "C" {
 #endif
 
 typedef struct engine_polygon_report {
-	uint32_t cut;     /* polygons that became triangles */
-	uint32_t dropped; /* polygons that left none */
+	uint32_t cut;       /* polygons that became triangles */
+	uint32_t dropped;   /* polygons that left none */
+	uint32_t too_large; /* polygons left out: of more than 10,000 corners, or after too many of thousands */
 } engine_polygon_report;
 
 /* Replaces the faces that are not convex, or pass a vertex twice (a hole joined to the rim by a bridge), by triangles

@@ -33,8 +33,8 @@ static bounds mesh_bounds(const engine_mesh *mesh)
 	return b;
 }
 
-/* The middle in whole units where it is farther off than 64 times the extent, else zero: floats have 24 bits, and
- * nearer than that 18 are left for the extent.
+/* The middle in whole metres where floats, of 24 bits, are too coarse for what lies there: farther off than 4096 times
+ * the extent, or 64 times it and a kilometre. Else zero.
  */
 static bool far_middle(const bounds *b, double middle[3])
 {
@@ -44,7 +44,7 @@ static bool far_middle(const bounds *b, double middle[3])
 		extent = fmax(extent, b->upper[c] - b->lower[c]);
 		farthest = fmax(farthest, fabs(middle[c]));
 	}
-	if (farthest > 64 * extent && farthest < HUGE_VAL)
+	if (farthest < HUGE_VAL && (farthest > 4096 * extent || (farthest > 64 * extent && farthest >= 1000)))
 		return true;
 	memset(middle, 0, 3 * sizeof *middle);
 	return false;
@@ -95,6 +95,8 @@ static bool clean(scene_loader *loader, engine_scene_object *object, bool pair_t
 	if (!engine_mesh_clean(&object->mesh, &report, fault, sizeof fault))
 		return scene_fail(loader, "object \"%.80s\": %s", object->name, fault);
 	scene_note_many(loader, report.degenerate_faces, object->name, "faces without area are dropped");
+	scene_note_many(loader, report.too_large, object->name,
+			"faces that are not convex and have thousands of corners are left out");
 	if (had_faces && object->mesh.face_count == 0)
 		scene_note(loader, object->name, "objects have no face with an area");
 	if (pair_triangles)
@@ -285,32 +287,42 @@ static void look_at_motion(const engine_scene_graph *graph, engine_scene_object 
 		object->scale_animated = true;
 }
 
-/* Times to look at: as many as a fixed number of nodes allows, evenly over the animation. */
-static uint32_t count_samples(const engine_scene_graph *graph)
+/* How many times may be looked at: a fixed number of nodes in all. */
+static uint32_t most_samples(const engine_scene_graph *graph)
 {
 	uint32_t moving = 1;
 	for (uint32_t k = 0; k < graph->order_count; k++)
 		moving += graph->nodes[graph->order[k]].moves;
 	uint32_t samples = (1u << 20) / moving;
-	return samples < 3 ? 3 : samples > 100 ? 100 : samples;
+	return samples < 4 ? 4 : samples > 200 ? 200 : samples;
 }
 
 /* An object that is not there at rest may be later: a scale of 0 hides it until then. */
+static void look_at_time(engine_scene *scene, double time_s, bool *placed)
+{
+	scene_pose_graph(scene->graph, &time_s);
+	for (uint32_t o = 0; o < scene->object_count; o++) {
+		engine_scene_object *object = &scene->objects[o];
+		if (!object->animated)
+			continue;
+		if (placed[o])
+			look_at_motion(scene->graph, object);
+		else
+			placed[o] = object->vanishes = place(scene->graph, object) == SCENE_POSE_OK;
+	}
+}
+
+/* At the keys, where animations are at their most; at every n-th where there are many. */
 static void look_at_animation(engine_scene *scene, bool *placed)
 {
-	uint32_t samples = scene->duration_s > 0 ? count_samples(scene->graph) : 0;
-	for (uint32_t s = 0; s < samples; s++) {
-		double time_s = scene->duration_s * s / (samples - 1);
-		scene_pose_graph(scene->graph, &time_s);
-		for (uint32_t o = 0; o < scene->object_count; o++) {
-			engine_scene_object *object = &scene->objects[o];
-			if (!object->animated)
-				continue;
-			if (placed[o])
-				look_at_motion(scene->graph, object);
-			else
-				placed[o] = object->vanishes = place(scene->graph, object) == SCENE_POSE_OK;
-		}
+	const engine_scene_graph *graph = scene->graph;
+	uint64_t keys = 0, key = 0;
+	for (uint32_t c = 0; c < graph->channel_count; c++)
+		keys += graph->channels[c].key_count;
+	uint64_t step = keys / most_samples(graph) + 1;
+	for (uint32_t c = 0; c < graph->channel_count; key -= graph->channels[c++].key_count) {
+		for (; key < graph->channels[c].key_count; key += step)
+			look_at_time(scene, (double)graph->channels[c].times[key], placed);
 	}
 }
 
