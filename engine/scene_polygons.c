@@ -72,12 +72,13 @@ scene_polygon *scene_add_polygon(scene_polygons *polygons, uint32_t corners)
 	if (!face)
 		return NULL;
 	*face = (scene_polygon){.corners = corners, .material = SCENE_NO_MATERIAL};
-	color_by_vertices(polygons, face);
-	if (corners < 3) { /* a point or a line */
-		polygons->corners.count -= corners;
-		polygons->faces.count--;
-		polygons->small_faces++;
+	if (corners >= 3) {
+		color_by_vertices(polygons, face);
+		return face;
 	}
+	polygons->corners.count -= corners; /* a point or a line */
+	polygons->faces.count--;
+	polygons->small_faces++;
 	return face;
 }
 

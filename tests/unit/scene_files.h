@@ -2,6 +2,16 @@
 #ifndef TESTS_UNIT_SCENE_FILES_H
 #define TESTS_UNIT_SCENE_FILES_H
 
+#ifndef _XOPEN_SOURCE
+#define _XOPEN_SOURCE 700 /* mkdtemp */
+#endif
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
 #include "engine/mesh_clean.h"
 #include "engine/scene_file.h"
 
