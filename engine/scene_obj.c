@@ -3,6 +3,7 @@
  * What has no bearing on the shape (texture coordinates, normals, smoothing) is passed over; what has, and is not read,
  * is counted and told. Numbers of vertices may run ahead of the vertices, as some writers put all faces first.
  */
+#define _POSIX_C_SOURCE 200809L /* fileno */
 #include "image_mean.h"
 #include "scene_internal.h"
 #include "scene_mtl.h"
@@ -13,9 +14,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-/* Of one file, and bytes of each: more are no scene's, and would be read for hours. */
-enum { MOST_LIBRARIES = 64 };
+/* Of one file, and bytes of each: more are no scene's, and would be looked for or read for hours. */
+enum { MOST_LIBRARIES = 64, MOST_NAMES = 1000 };
 static const size_t MOST_BYTES = (size_t)4 << 30, MOST_LIBRARY_BYTES = (size_t)64 << 20;
 /* Of all textures together. */
 static const uint64_t MOST_PIXELS = (uint64_t)1 << 28, MOST_TEXTURE_BYTES = (uint64_t)1 << 30;
@@ -28,16 +30,21 @@ typedef struct name_line {
 	uint32_t material;         /* usemtl: the scene's number, SCENE_NO_MATERIAL before a face asks */
 } name_line;
 
+typedef struct library {
+	dev_t device;
+	ino_t number;
+} library;
+
 typedef struct obj_reader {
 	scene_loader *loader;
 	scene_text text;
 	scene_polygons polygons; /* group and material number name_lines until the end of the file */
 	mtl_materials materials;
 	scene_array groups, uses; /* name_line: of o and g; of usemtl. The first of each holds before any other */
-	char *libraries[MOST_LIBRARIES];
-	uint32_t library_count;
-	const char *object;   /* of the last o */
-	uint32_t last_vertex; /* the highest number that a face has, from 1 on, and the line where it stands */
+	library libraries[MOST_LIBRARIES];
+	uint32_t library_count, names; /* of libraries read; of libraries and textures looked for */
+	const char *object;            /* of the last o */
+	uint32_t last_vertex;          /* the highest number that a face has, from 1 on, and the line where it stands */
 	uint32_t last_vertex_line;
 	uint64_t pixels, bytes; /* of all textures so far */
 } obj_reader;
@@ -188,27 +195,25 @@ static bool find_first_of_name(obj_reader *r, scene_array *lines)
 
 /* ---- material libraries ------------------------------------------------------------------------------------------ */
 
-static bool was_read(const obj_reader *r, const char *name)
+/* By what it is, since a file has many names ("./a.mtl"). */
+static bool was_read(obj_reader *r, FILE *file)
 {
+	struct stat about;
+	if (fstat(fileno(file), &about) != 0)
+		return true;
 	for (uint32_t i = 0; i < r->library_count; i++) {
-		if (strcmp(r->libraries[i], name) == 0)
+		if (r->libraries[i].device == about.st_dev && r->libraries[i].number == about.st_ino)
 			return true;
 	}
+	r->libraries[r->library_count++] = (library){about.st_dev, about.st_ino};
 	return false;
 }
 
-static bool read_library(obj_reader *r, char *name)
+static bool read_open_library(obj_reader *r, FILE *file, const char *name)
 {
-	char fault[200] = "is one of too many";
-	size_t size = 0;
-	if (was_read(r, name))
-		return true;
-	uint8_t *bytes = NULL;
-	if (r->library_count < MOST_LIBRARIES) {
-		FILE *file = scene_open_below(r->loader->path, name, fault, sizeof fault);
-		bytes = scene_read_all(file, MOST_LIBRARY_BYTES, &size, fault, sizeof fault);
-		r->libraries[r->library_count++] = name;
-	}
+	char fault[200];
+	size_t size;
+	uint8_t *bytes = scene_read_all(file, MOST_LIBRARY_BYTES, &size, fault, sizeof fault);
 	if (!bytes) {
 		scene_note(r->loader, name, "a material library %s", fault);
 		return true;
@@ -218,10 +223,26 @@ static bool read_library(obj_reader *r, char *name)
 	return read || scene_fail(r->loader, "out of memory for material library \"%.80s\"", name);
 }
 
+static bool read_library(obj_reader *r, const char *name)
+{
+	char fault[200] = "is one of too many";
+	bool one_more = r->library_count < MOST_LIBRARIES && r->names++ < MOST_NAMES;
+	FILE *file = one_more ? scene_open_below(r->loader->path, name, fault, sizeof fault) : NULL;
+	if (!file)
+		scene_note(r->loader, name, "a material library %s", fault);
+	else if (was_read(r, file))
+		fclose(file);
+	else
+		return read_open_library(r, file, name);
+	return true;
+}
+
 /* Names may have blanks in them, and there may be several in a line: read as one name where there is such a file. */
 static bool read_libraries(obj_reader *r, char *rest)
 {
 	char *name = scene_rest_of_line(rest), fault[8];
+	if (r->names >= MOST_NAMES)
+		return read_library(r, name);
 	FILE *whole = scene_open_below(r->loader->path, name, fault, sizeof fault);
 	if (whole) {
 		fclose(whole);
@@ -292,8 +313,8 @@ static bool read_mean(obj_reader *r, const char *name, float mean[4], char *why,
 	size_t size = 0;
 	uint64_t pixels = 0;
 	const char *fault = "";
-	if (r->pixels > MOST_PIXELS || r->bytes > MOST_TEXTURE_BYTES) {
-		snprintf(why, why_size, "the images of the file are too large");
+	if (r->pixels > MOST_PIXELS || r->bytes > MOST_TEXTURE_BYTES || r->names++ >= MOST_NAMES) {
+		snprintf(why, why_size, "the images of the file are too many or too large");
 		return false;
 	}
 	FILE *file = scene_open_below(r->loader->path, name, why, why_size);
