@@ -2,8 +2,8 @@
  * empty, frames that are cut short. What must hold: a result of the list; a destroyed object is an invalid handle; an
  * outcome that is no failure; finite light.
  *
- * The library's context lives on from input to input, since shaders take seconds to compile; every input begins
- * with all objects destroyed and some begin with a context of their own.
+ * The library's context lives on from input to input, since shaders take seconds to compile; every input begins with
+ * all objects destroyed, and some with a context of their own settings, which the next one replaces.
  */
 #include "engine/context.h"
 #include "gi/gi.h"
@@ -447,10 +447,13 @@ static void destroy_all(input *in)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
 	input in = {.bytes = bytes, .size = size, .sane = true};
+	static bool own_settings;
 	if (!window)
 		open_window();
-	if (next_byte(&in) % 64 == 63)
-		open_context(next_def(&in));
+	bool wants_own = next_byte(&in) % 64 == 63;
+	if (wants_own || own_settings)
+		open_context(wants_own ? next_def(&in) : coarse_def());
+	own_settings = wants_own;
 	for (int i = 0; in.size > 0 && i < MOST_CALLS; i++)
 		calls[next_below(&in, sizeof calls / sizeof calls[0])](&in);
 	destroy_all(&in);
