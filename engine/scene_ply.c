@@ -104,16 +104,21 @@ static bool read_length(ply_reader *r, ply_type type, uint32_t *length)
 	return true;
 }
 
+/* Without a look at what is skipped: normals may be no numbers where positions are. */
+static bool skip_words(ply_reader *r, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		if (!scene_skip_blanks(&r->text))
+			return fail_short(r);
+		scene_skip_word(&r->text);
+	}
+	return true;
+}
+
 static bool skip_values(ply_reader *r, ply_type type, uint32_t count)
 {
-	double value;
-	if (r->header.format == PLY_ASCII) {
-		for (uint32_t i = 0; i < count; i++) {
-			if (!read_ascii(r, &value))
-				return false;
-		}
-		return true;
-	}
+	if (r->header.format == PLY_ASCII)
+		return skip_words(r, count);
 	if ((uint64_t)(r->text.end - r->text.next) < (uint64_t)count * ply_size(type))
 		return fail_short(r);
 	r->text.next += count * ply_size(type);
@@ -149,7 +154,8 @@ static bool read_corners(ply_reader *r, ply_type type, uint32_t count)
 static bool read_property(ply_reader *r, const ply_property *property, ply_values *values)
 {
 	if (property->count_type == PLY_NO_TYPE)
-		return read_value(r, property->type, &values->value[property->role]);
+		return property->role == PLY_IGNORED ? skip_values(r, property->type, 1)
+						     : read_value(r, property->type, &values->value[property->role]);
 	uint32_t count = 0;
 	if (!read_length(r, property->count_type, &count))
 		return false;

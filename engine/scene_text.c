@@ -111,3 +111,9 @@ bool scene_skip_blanks(scene_text *text)
 	}
 	return text->next < text->end;
 }
+
+void scene_skip_word(scene_text *text)
+{
+	while (text->next < text->end && !is_blank(*text->next) && !ends_line(*text->next))
+		text->next++;
+}

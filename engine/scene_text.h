@@ -35,4 +35,7 @@ bool scene_read_number(char **cursor, double *value);
 /* Skips blanks and ends of lines, counting these in text->line. False at the end of the text. */
 bool scene_skip_blanks(scene_text *text);
 
+/* Moves text->next behind the word that begins there. */
+void scene_skip_word(scene_text *text);
+
 #endif

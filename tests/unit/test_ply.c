@@ -243,6 +243,15 @@ static void positions_in_double_precision(void **state)
 	engine_scene_free(&scene);
 }
 
+/* Normals that a writer could not make. */
+static void what_is_skipped_need_be_no_number(void **state)
+{
+	(void)state;
+	check_square(load_ply(ASCII VERTEX "property float nx\nproperty list uchar float weights\n" FACE(
+	    1) "property float q\nend_header\n0 0 0 nan 0\n1 0 0 -1.#IND 1 1.#QNAN\n1 1 0 inf 0\n"
+	       "0 1 0 -nan(ind) 2 a b\n4 0 1 2 3 x"));
+}
+
 static void strips_of_triangles(void **state)
 {
 	(void)state;
@@ -385,6 +394,7 @@ int main(void)
 	    cmocka_unit_test(bodies_may_begin_with_an_end_of_line),
 	    cmocka_unit_test(all_types_in_any_order),
 	    cmocka_unit_test(positions_in_double_precision),
+	    cmocka_unit_test(what_is_skipped_need_be_no_number),
 	    cmocka_unit_test(strips_of_triangles),
 	    cmocka_unit_test(colours_become_materials),
 	    cmocka_unit_test(what_is_not_read_is_told),
