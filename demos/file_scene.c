@@ -1,6 +1,8 @@
 #include "file_scene.h"
 
 #include "figure.h"
+#include "file_inside.h"
+#include "file_sides.h"
 
 #include <cglm/cglm.h>
 
@@ -186,11 +188,11 @@ void file_scene_view(const file_scene *f, double time_s, camera *out)
 
 static bool has_light(const engine_scene *scene)
 {
-	for (uint32_t k = 0; k < scene->material_count; k++)
-		if (scene->materials[k].radiance[0] + scene->materials[k].radiance[1] +
-			scene->materials[k].radiance[2] >
-		    0)
+	for (uint32_t k = 0; k < scene->material_count; k++) {
+		const float *radiance = scene->materials[k].radiance;
+		if (scene->materials[k].used && radiance[0] + radiance[1] + radiance[2] > 0)
 			return true;
+	}
 	return false;
 }
 
@@ -204,21 +206,39 @@ static bool mixes_sides(const engine_scene *scene, const engine_scene_object *ob
 	return false;
 }
 
+/* What is said of several objects at once: how many, and the first. */
+typedef struct objects_told {
+	uint32_t count;
+	const char *first;
+} objects_told;
+
+static void add_told(objects_told *told, bool is_one, const char *name)
+{
+	if (is_one && !told->count++)
+		told->first = name;
+}
+
+static void tell(const file_scene *f, const char *path, const objects_told *told, const char *what)
+{
+	if (told->count)
+		fprintf(stderr, "%s: %s: %s (%u, first: \"%s\")\n", f->program, path, what, told->count, told->first);
+}
+
 static void warn(const file_scene *f, const char *path)
 {
+	objects_told sized = {0}, mixed = {0};
 	if (f->scene.warning[0])
-		fprintf(stderr, "%s: %s\n", f->program, f->scene.warning);
+		fprintf(stderr, "%s: %s: %s\n", f->program, path, f->scene.warning);
 	if (f->scene.object_count && !f->lit && !has_light(&f->scene))
 		fprintf(stderr, "%s: %s: nothing in it emits light; --sky 3 gives it some\n", f->program, path);
 	for (uint32_t k = 0; k < f->scene.object_count; k++) {
 		const engine_scene_object *object = f->scene.objects + k;
-		if (object->scale_animated)
-			fprintf(stderr, "%s: %s: %s keeps its size at rest; poses are rotations and translations\n",
-				f->program, path, object->name);
-		if (mixes_sides(&f->scene, object))
-			fprintf(stderr, "%s: %s: %s has materials of one side and of two; all of it gets two\n",
-				f->program, path, object->name);
+		add_told(&sized, object->scale_animated, object->name);
+		add_told(&mixed, mixes_sides(&f->scene, object), object->name);
 	}
+	tell(f, path, &sized,
+	     "objects of animated scale keep their size at rest; poses are rotations and translations");
+	tell(f, path, &mixed, "objects with materials of one side and of two get two for all");
 }
 
 bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size)
@@ -236,8 +256,16 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 	for (uint32_t k = 0; k < f->scene.object_count; k++)
 		f->names[k] = f->scene.objects[k].name;
 	measure(f);
-	frame_everything(f);
 	warn(f, path);
+	if (!file_sides_mend(&f->scene, f->two_sided, f->program)) {
+		snprintf(message, message_size, "%s: out of memory", path);
+		file_scene_free(f);
+		return false;
+	}
+	frame_everything(f);
+	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
+		fprintf(stderr, "%s: %s: nothing lit is seen from outside; the camera stands where light falls\n", f->program,
+			path);
 	return true;
 }
 
@@ -359,14 +387,28 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	return created;
 }
 
+/* So far off that it takes less than a billionth of the light: an object without a pose, for its scale is 0 then. */
+static gi_pose out_of_sight(const file_scene *f)
+{
+	gi_pose pose = {.rotation = {0, 0, 0, 1}};
+	memcpy(pose.position, f->framing.target, sizeof pose.position);
+	pose.position[1] -= 3e4f * glm_vec3_distance((float *)f->lower, (float *)f->upper);
+	return pose;
+}
+
 gi_result file_scene_animate(file_scene *f, gi_context *gi, double time_s)
 {
 	gi_result result = GI_OK;
 	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
+		const engine_scene_object *object = f->scene.objects + k;
 		engine_pose pose;
-		/* A key that is no pose (a scale through zero) leaves the object where it was. */
-		if (f->scene.objects[k].animated && engine_scene_pose(&f->scene, k, time_s, &pose))
+		if (!object->animated)
+			continue;
+		/* A key that is no pose for another reason leaves the object where it was. */
+		if (engine_scene_pose(&f->scene, k, time_s, &pose))
 			result = gi_set_pose(gi, f->handles[k], to_pose(&pose));
+		else if (object->vanishes)
+			result = gi_set_pose(gi, f->handles[k], out_of_sight(f));
 	}
 	return result;
 }

@@ -4,6 +4,7 @@
 
 #include "camera.h"
 #include "gi/gi.h"
+#include "options.h"
 #include "scene_file.h"
 
 #include <stdbool.h>
@@ -14,6 +15,7 @@ typedef struct file_scene {
 	engine_scene scene;
 	const char *program; /* for warnings */
 	bool lit;            /* by a sky, whatever the file holds */
+	options_sides two_sided;
 	float leaf_size;     /* 0: the levels that the file gives */
 	uint32_t cage_faces; /* of the cages of detailed meshes */
 	gi_object *handles;  /* scene.object_count */

@@ -89,6 +89,7 @@ int main(int argc, char **argv)
 	options_parse(&parser, argc, argv, &play);
 	play.file = (file_scene){.program = o->program,
 				 .lit = o->sky > 0,
+				 .two_sided = o->two_sided,
 				 .leaf_size = o->leaf_size,
 				 .cage_faces = o->cage_faces ? o->cage_faces : CAGE_FACES};
 	char message[1024];

@@ -33,6 +33,7 @@ enum {
 	KEY_PIXEL_LAMPS,
 	KEY_EXPOSURE,
 	KEY_SKY,
+	KEY_TWO_SIDED,
 	KEY_IMAGES,
 	KEY_REPORT,
 	KEY_FIELD,
@@ -49,6 +50,10 @@ static const struct argp_option table[] = {
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
     {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
+    {"two-sided", KEY_TWO_SIDED, "WHICH", OPTION_ARG_OPTIONAL,
+     "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where light "
+     "falls on backs, with a line that says so); on without WHICH (auto)",
+     0},
     {0, 0, 0, 0, "How fine:", 1},
     {"row-tolerance", KEY_ROW_TOLERANCE, "T", 0, "largest form factor that a row takes whole, 1e-6 < T <= 1 (0.01)", 1},
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "mean edge of the leaves, metres, instead of the levels the scene gives", 1},
@@ -170,6 +175,18 @@ static void parse_context(options *o, const char *text)
 		options_fail(o->program, "--context %s: must be auto, glfw, egl or osmesa", text);
 }
 
+static void parse_two_sided(options *o, const char *text)
+{
+	static const char *const names[] = {
+	    [OPTIONS_SIDES_AUTO] = "auto", [OPTIONS_SIDES_ON] = "on", [OPTIONS_SIDES_OFF] = "off"};
+	for (int k = 0; k < 3; k++)
+		if (strcmp(text ? text : "on", names[k]) == 0) {
+			o->two_sided = (options_sides)k;
+			return;
+		}
+	options_fail(o->program, "--two-sided=%s: must be on, off or auto", text);
+}
+
 static const char *checked_pattern(const options *o, const char *option, const char *text)
 {
 	char message[256];
@@ -281,6 +298,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_SKY:
 		o->sky = positive(o, "--sky", text, 1e9);
+		return 0;
+	case KEY_TWO_SIDED:
+		parse_two_sided(o, text);
 		return 0;
 	case KEY_REBUILD:
 		o->rebuild = true;

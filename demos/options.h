@@ -12,6 +12,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Which faces of a file have two sides. */
+typedef enum options_sides {
+	OPTIONS_SIDES_AUTO, /* those that light reaches from behind (default) */
+	OPTIONS_SIDES_ON,   /* all but lamps */
+	OPTIONS_SIDES_OFF,  /* those the file says */
+} options_sides;
+
 typedef struct options {
 	const char *program;
 	double began_ms; /* when it did, by player_clock_ms */
@@ -27,6 +34,7 @@ typedef struct options {
 	uint32_t estimate;     /* leaves that estimate the error of the rows; 0: none */
 	uint32_t cage_faces;   /* of the cage that lights a detailed mesh; 0: the program's default */
 	float sky;             /* exitance of a white sky, W/m2; 0: black */
+	options_sides two_sided;
 	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
 	gi_budget budget;      /* of every update, where budget_given; all zero: exact */
 	bool budget_given;     /* a budget of its own, instead of a frame rate to keep */

@@ -1,17 +1,17 @@
-#define _POSIX_C_SOURCE 200809L
 #include "gltf_document.h"
+#include "scene_path.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 enum { GLB_MAGIC = 0x46546c67, GLB_JSON = 0x4e4f534a, GLB_BIN = 0x004e4942 };
 #define MAX_FILE_SIZE ((size_t)4 << 30) /* a .glb counts its bytes in 32 bits */
 
-static const char *const array_names[GLTF_ARRAYS] = {"accessors", "animations", "buffers", "bufferViews", "cameras",
-						     "materials", "meshes",     "nodes",   "scenes"};
+static const char *const array_names[GLTF_ARRAYS] = {"accessors", "animations", "buffers",   "bufferViews",
+						     "cameras",   "images",     "materials", "meshes",
+						     "nodes",     "scenes",     "skins",     "textures"};
 
 /* ---- members ----------------------------------------------------------------------------------------------------- */
 
@@ -25,6 +25,11 @@ const char *gltf_text(const cJSON *object, const char *key)
 	return cJSON_GetStringValue(gltf_member(object, key));
 }
 
+const cJSON *gltf_extension(const cJSON *object, const char *name)
+{
+	return gltf_member(gltf_member(object, "extensions"), name);
+}
+
 /* A whole number of 0..limit - 1. */
 static bool whole_number(const cJSON *item, double limit, double *value)
 {
@@ -32,79 +37,58 @@ static bool whole_number(const cJSON *item, double limit, double *value)
 	return *value >= 0 && *value < limit && *value == floor(*value);
 }
 
-bool gltf_index(gltf_document *document, const cJSON *object, const char *key, gltf_array array, int64_t *index)
+bool gltf_index(const gltf_document *document, const cJSON *object, const char *key, gltf_array array, int64_t *index)
 {
 	const cJSON *item = gltf_member(object, key);
 	double value = -1;
 	if (item && !whole_number(item, document->tables[array].count, &value))
-		return scene_fail(document->loader, "\"%s\" is none of the %u %s of the file", key,
-				  document->tables[array].count, array_names[array]);
+		return false;
 	*index = (int64_t)value;
 	return true;
 }
 
-bool gltf_numbers(gltf_document *document, const cJSON *object, const char *key, int count, double *numbers)
+bool gltf_numbers(const cJSON *object, const char *key, int count, double *numbers)
 {
 	const cJSON *array = gltf_member(object, key), *item;
+	double read[16];
 	int i = 0;
 	if (!array)
 		return true;
-	if (cJSON_IsArray(array) && cJSON_GetArraySize(array) == count) {
-		cJSON_ArrayForEach(item, array)
-		{
-			if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble))
-				break;
-			numbers[i++] = item->valuedouble;
-		}
+	if (!cJSON_IsArray(array))
+		return false;
+	cJSON_ArrayForEach(item, array)
+	{
+		if (i == count || !cJSON_IsNumber(item) || !isfinite(item->valuedouble))
+			return false;
+		read[i++] = item->valuedouble;
 	}
-	return i == count || scene_fail(document->loader, "\"%s\" must be %d finite numbers", key, count);
+	if (i == count)
+		memcpy(numbers, read, (size_t)count * sizeof *read);
+	return i == count;
 }
 
-bool gltf_number(gltf_document *document, const cJSON *object, const char *key, double *number)
+bool gltf_number(const cJSON *object, const char *key, double *number)
 {
 	const cJSON *item = gltf_member(object, key);
 	if (!item)
 		return true;
-	*number = cJSON_IsNumber(item) ? item->valuedouble : NAN;
-	return isfinite(*number) || scene_fail(document->loader, "\"%s\" must be a finite number", key);
+	if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble))
+		return false;
+	*number = item->valuedouble;
+	return true;
 }
 
-/* A whole number that counts or places bytes. */
-static bool byte_number(gltf_document *document, const cJSON *object, const char *key, size_t *number)
+bool gltf_size(const cJSON *object, const char *key, size_t *number)
 {
 	const cJSON *item = gltf_member(object, key);
 	double value = (double)*number;
 	if (item && !whole_number(item, (double)MAX_FILE_SIZE, &value))
-		return scene_fail(document->loader, "\"%s\" must be a whole number of at most 4 GiB", key);
+		return false;
 	*number = (size_t)value;
 	return true;
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------- */
-
-static uint8_t *read_stream(FILE *file, size_t *size)
-{
-	if (fseeko(file, 0, SEEK_END) != 0)
-		return NULL;
-	off_t end = ftello(file);
-	if (end <= 0 || (uint64_t)end > MAX_FILE_SIZE || fseeko(file, 0, SEEK_SET) != 0)
-		return NULL;
-	uint8_t *bytes = malloc((size_t)end);
-	*size = bytes ? fread(bytes, 1, (size_t)end, file) : 0;
-	if (*size == (size_t)end)
-		return bytes;
-	free(bytes);
-	return NULL;
-}
-
-static uint8_t *read_file(const char *path, size_t *size)
-{
-	FILE *file = fopen(path, "rb");
-	uint8_t *bytes = file ? read_stream(file, size) : NULL;
-	if (file)
-		fclose(file);
-	return bytes;
-}
+/* ---- buffers ----------------------------------------------------------------------------------------------------- */
 
 static int base64_digit(char c)
 {
@@ -117,59 +101,45 @@ static int base64_digit(char c)
 	return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-static bool read_base64(gltf_buffer *buffer, const char *text)
+uint8_t *gltf_read_base64(const char *uri, size_t *size)
 {
-	size_t length = strcspn(text, "=");
-	buffer->bytes = malloc(length / 4 * 3 + 4);
+	const char *text = strstr(uri, ";base64,");
+	size_t length = text ? strcspn(text += 8, "=") : 0, bytes = 0;
+	uint8_t *out = text ? malloc(length / 4 * 3 + 4) : NULL;
 	uint32_t bits = 0;
-	for (size_t i = 0; buffer->bytes && i < length; i++) {
+	for (size_t i = 0; out && i < length; i++) {
 		int digit = base64_digit(text[i]);
-		if (digit < 0)
-			return false;
+		if (digit < 0) {
+			free(out);
+			return NULL;
+		}
 		bits = bits << 6 | (uint32_t)digit;
 		if (i % 4 == 0)
 			continue; /* six bits are no byte yet; later ones give 4 + 2 left over, then 2 + 4, then 0 */
-		buffer->bytes[buffer->size++] = (uint8_t)(bits >> (6 - 2 * (i % 4)));
+		out[bytes++] = (uint8_t)(bits >> (6 - 2 * (i % 4)));
 	}
-	return buffer->bytes != NULL;
+	*size = bytes;
+	return out;
 }
 
-static int hex_digit(char c)
+static bool read_beside(gltf_document *document, gltf_buffer *buffer, const char *uri)
 {
-	if (c >= '0' && c <= '9')
-		return c - '0';
-	c |= 32;
-	return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
-/* The file beside the .gltf, with %20 and the like turned back. False when the name is too long. */
-static bool path_beside(const char *gltf_path, const char *uri, char *path, size_t path_size)
-{
-	const char *slash = strrchr(gltf_path, '/');
-	size_t length = slash ? (size_t)(slash - gltf_path) + 1 : 0;
-	if (length + strlen(uri) + 1 > path_size)
-		return false;
-	memcpy(path, gltf_path, length);
-	for (const char *c = uri; *c; c++) {
-		bool escaped = c[0] == '%' && hex_digit(c[1]) >= 0 && hex_digit(c[2]) >= 0;
-		path[length++] = escaped ? (char)(hex_digit(c[1]) * 16 + hex_digit(c[2])) : *c;
-		c += escaped ? 2 : 0;
+	char why[128] = "its name holds a zero byte";
+	char *name = strdup(uri);
+	if (name && scene_unescape(name)) {
+		FILE *file = scene_open_below(document->loader->path, name, why, sizeof why);
+		buffer->bytes = scene_read_all(file, MAX_FILE_SIZE, &buffer->size, why, sizeof why);
 	}
-	path[length] = '\0';
-	return true;
+	free(name);
+	return buffer->bytes || scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
 }
 
 static bool read_uri(gltf_document *document, gltf_buffer *buffer, const char *uri)
 {
-	char path[4096];
-	if (strncmp(uri, "data:", 5) == 0) {
-		const char *comma = strstr(uri, ";base64,");
-		return (comma && read_base64(buffer, comma + 8)) ||
-		       scene_fail(document->loader, "a buffer's data: address is not base64");
-	}
-	if (path_beside(document->loader->path, uri, path, sizeof path))
-		buffer->bytes = read_file(path, &buffer->size);
-	return buffer->bytes || scene_fail(document->loader, "its buffer \"%.200s\" cannot be read", uri);
+	if (strncmp(uri, "data:", 5) != 0)
+		return read_beside(document, buffer, uri);
+	buffer->bytes = gltf_read_base64(uri, &buffer->size);
+	return buffer->bytes || scene_fail(document->loader, "a buffer's data: address is not base64");
 }
 
 static bool read_buffer(gltf_document *document, uint32_t number)
@@ -178,8 +148,8 @@ static bool read_buffer(gltf_document *document, uint32_t number)
 	gltf_buffer *buffer = &document->buffers[number];
 	const char *uri = gltf_text(object, "uri");
 	size_t stated = 0;
-	if (!byte_number(document, object, "byteLength", &stated))
-		return false;
+	if (!gltf_size(object, "byteLength", &stated))
+		return scene_fail(document->loader, "the byteLength of buffer %u is no size of at most 4 GiB", number);
 	if (uri && !read_uri(document, buffer, uri))
 		return false;
 	if (!uri && number == 0 && document->binary)
@@ -187,7 +157,8 @@ static bool read_buffer(gltf_document *document, uint32_t number)
 	if (buffer->size < stated)
 		return scene_fail(document->loader, "buffer %u has %zu bytes of the %zu it states; the file is cut off",
 				  number, buffer->size, stated);
-	return true;
+	document->bytes_read += buffer->borrowed ? 0 : buffer->size;
+	return document->bytes_read < MAX_FILE_SIZE || scene_fail(document->loader, "its buffers hold more than 4 GiB");
 }
 
 static bool read_buffers(gltf_document *document)
@@ -222,13 +193,16 @@ static bool split_glb(gltf_document *document, const char **json, size_t *json_s
 	*json = (const char *)file + 20;
 	*json_size = little_endian(file + 12);
 	if (*json_size > size - 20)
-		return scene_fail(document->loader, "the file is cut off");
+		return scene_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its JSON are there",
+				  size - 20, *json_size);
 	size_t second = 20 + (*json_size + 3) / 4 * 4;
 	if (second + 8 > size || little_endian(file + second + 4) != GLB_BIN)
 		return true;
 	document->binary = file + second + 8;
 	document->binary_size = little_endian(file + second);
-	return document->binary_size <= size - second - 8 || scene_fail(document->loader, "the file is cut off");
+	return document->binary_size <= size - second - 8 ||
+	       scene_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its buffer are there",
+			  size - second - 8, document->binary_size);
 }
 
 static bool parse(gltf_document *document)
@@ -238,9 +212,11 @@ static bool parse(gltf_document *document)
 	bool binary = json_size >= 4 && little_endian(document->file) == GLB_MAGIC;
 	if (binary && !split_glb(document, &json, &json_size))
 		return false;
-	document->root = cJSON_ParseWithLength(json, json_size);
+	const char *end = json;
+	document->root = cJSON_ParseWithLengthOpts(json, json_size, &end, 0);
 	if (!cJSON_IsObject(document->root))
-		return scene_fail(document->loader, "is no JSON; the file is broken or cut off");
+		return scene_fail(document->loader, "is no JSON from byte %zu of %zu on; the file is broken or cut off",
+				  (size_t)(end - json), json_size);
 	const char *version = gltf_text(gltf_member(document->root, "asset"), "version");
 	if (!version || strncmp(version, "2.", 2) != 0)
 		return scene_fail(document->loader, "is not glTF 2.x (asset.version is \"%.20s\")",
@@ -275,37 +251,84 @@ static bool is_one_of(const char *name, const char *const *list, size_t count)
 	return false;
 }
 
-/* What changes geometry may not be required; of anything else that is not read the user should know. */
+/* What holds the geometry alone may not be required; of the rest, what is not read is told where it is used. */
 static bool check_extensions(gltf_document *document)
 {
-	static const char *const read[] = {"KHR_materials_emissive_strength", "KHR_mesh_quantization"};
 	static const char *const geometric[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
-						"EXT_mesh_gpu_instancing"};
+						"KHR_meshopt_compression"};
 	const cJSON *item;
 	cJSON_ArrayForEach(item, gltf_member(document->root, "extensionsRequired"))
 	{
 		const char *name = cJSON_GetStringValue(item);
 		if (name && is_one_of(name, geometric, sizeof geometric / sizeof geometric[0]))
 			return scene_fail(document->loader, "needs %s, which is not read; export without it", name);
-		if (name && !is_one_of(name, read, sizeof read / sizeof read[0]))
-			scene_warn(document->loader, "the file requires %.80s, which is not read", name);
 	}
 	return true;
 }
 
+static const char *const known_extensions[] = {
+    "KHR_materials_emissive_strength", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+    "KHR_texture_transform", /* a mean has no place */
+};
+
+static void note_extension(gltf_document *document, const cJSON *extension, const char *subject)
+{
+	if (is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
+		return;
+	if (strcmp(extension->string, "KHR_lights_punctual") == 0)
+		scene_note(document->loader, subject,
+			   "lights of KHR_lights_punctual are not read; give lamps an area and an emissive material");
+	else
+		scene_note(document->loader, subject, "uses of %.60s are not read", extension->string);
+}
+
+/* Extensions of everything below an item; extras are nobody's business. cJSON nests 1,000 deep at most. */
+static void note_extensions(gltf_document *document, const cJSON *item, const char *subject)
+{
+	const char *name = gltf_text(item, "name");
+	const cJSON *member;
+	subject = name ? name : subject;
+	cJSON_ArrayForEach(member, item)
+	{
+		const cJSON *extension;
+		if (member->string && strcmp(member->string, "extensions") == 0)
+			cJSON_ArrayForEach(extension, member) note_extension(document, extension, subject);
+		else if (!member->string || strcmp(member->string, "extras") != 0)
+			note_extensions(document, member, subject);
+	}
+}
+
+/* The root's own extensions are lists that others refer to. */
+static void note_all_extensions(gltf_document *document)
+{
+	for (int i = 0; i < GLTF_ARRAYS; i++) {
+		const cJSON *array = gltf_member(document->root, array_names[i]), *item;
+		cJSON_ArrayForEach(item, array) note_extensions(document, item, NULL);
+	}
+}
+
 bool gltf_open(gltf_document *document, scene_loader *loader)
 {
+	char why[128];
 	*document = (gltf_document){.loader = loader};
-	document->file = read_file(loader->path, &document->file_size);
+	FILE *file = scene_open(loader->path, why, sizeof why);
+	document->file = scene_read_all(file, MAX_FILE_SIZE, &document->file_size, why, sizeof why);
 	if (!document->file)
-		return scene_fail(loader, "the file cannot be read");
+		return scene_fail(loader, "%s", why);
+	document->bytes_read = document->file_size;
 	if (!parse(document) || !check_extensions(document))
 		return false;
 	for (int i = 0; i < GLTF_ARRAYS; i++) {
 		if (!make_table(document, (gltf_array)i))
 			return false;
 	}
-	return read_buffers(document);
+	note_all_extensions(document);
+	document->images = calloc((size_t)document->tables[GLTF_IMAGES].count + 1, sizeof *document->images);
+	document->materials = calloc((size_t)document->tables[GLTF_MATERIALS].count + 1, sizeof *document->materials);
+	if (!document->images || !document->materials)
+		return scene_fail(loader, "out of memory");
+	return read_buffers(document) &&
+	       (gltf_place_accessors(document) || scene_fail(loader, "out of memory for accessors"));
 }
 
 void gltf_close(gltf_document *document)
@@ -317,167 +340,13 @@ void gltf_close(gltf_document *document)
 	for (int i = 0; i < GLTF_ARRAYS; i++)
 		free(document->tables[i].items);
 	free(document->buffers);
+	free(document->views);
+	free(document->accessors);
+	free(document->images);
+	free(document->materials);
+	free(document->numbers);
+	free(document->stamps);
 	cJSON_Delete(document->root);
 	free(document->file);
 	*document = (gltf_document){0};
-}
-
-/* ---- accessors --------------------------------------------------------------------------------------------------- */
-
-enum { BYTE = 5120, UNSIGNED_BYTE, SHORT, UNSIGNED_SHORT, UNSIGNED_INT = 5125, FLOAT = 5126 };
-
-/* Where the elements of an accessor lie; all inside the buffer. */
-typedef struct view {
-	const uint8_t *bytes;
-	size_t stride;
-	uint32_t count;
-	int type; /* of a component */
-	bool normalized;
-} view;
-
-static size_t component_size(int type)
-{
-	switch (type) {
-	case BYTE:
-	case UNSIGNED_BYTE:
-		return 1;
-	case SHORT:
-	case UNSIGNED_SHORT:
-		return 2;
-	case UNSIGNED_INT:
-	case FLOAT:
-		return 4;
-	default:
-		return 0;
-	}
-}
-
-static uint32_t components_of(const char *type)
-{
-	static const char *const names[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-	for (uint32_t i = 0; type && i < 4; i++) {
-		if (strcmp(type, names[i]) == 0)
-			return i + 1;
-	}
-	return 0;
-}
-
-/* Numbers of an accessor and its buffer view, before they are held against the buffer's size. */
-typedef struct placement {
-	size_t view_offset, view_length, stride, offset, count, type;
-} placement;
-
-static bool read_placement(gltf_document *document, const cJSON *accessor, const cJSON *buffer_view, placement *p)
-{
-	return byte_number(document, accessor, "byteOffset", &p->offset) &&
-	       byte_number(document, accessor, "count", &p->count) &&
-	       byte_number(document, accessor, "componentType", &p->type) &&
-	       byte_number(document, buffer_view, "byteOffset", &p->view_offset) &&
-	       byte_number(document, buffer_view, "byteLength", &p->view_length) &&
-	       byte_number(document, buffer_view, "byteStride", &p->stride);
-}
-
-/* All numbers are below 2^32, so that their products and sums fit into 64 bits. */
-static bool fits(const placement *p, size_t element, size_t buffer_size)
-{
-	uint64_t needed = (uint64_t)p->offset + (uint64_t)(p->count - 1) * p->stride + element;
-	return p->stride >= element && needed <= p->view_length &&
-	       (uint64_t)p->view_offset + p->view_length <= buffer_size;
-}
-
-static bool place(gltf_document *document, const cJSON *accessor, const cJSON *buffer_view, const gltf_buffer *buffer,
-		  uint32_t components, view *out)
-{
-	placement p = {0};
-	if (!read_placement(document, accessor, buffer_view, &p))
-		return false;
-	size_t element = component_size((int)p.type) * components;
-	if (element == 0 || components_of(gltf_text(accessor, "type")) != components)
-		return scene_fail(document->loader, "an accessor has a type that does not suit its use");
-	if (p.stride == 0)
-		p.stride = element;
-	if (p.count == 0 || !fits(&p, element, buffer->size))
-		return scene_fail(document->loader, "an accessor reaches past the end of its buffer, or is empty");
-	*out = (view){buffer->bytes + p.view_offset + p.offset, p.stride, (uint32_t)p.count, (int)p.type,
-		      cJSON_IsTrue(gltf_member(accessor, "normalized"))};
-	return true;
-}
-
-static bool open_accessor(gltf_document *document, int64_t number, uint32_t components, view *out)
-{
-	int64_t view_number = -1, buffer_number = -1;
-	const cJSON *accessor = number >= 0 ? document->tables[GLTF_ACCESSORS].items[number] : NULL;
-	if (!accessor)
-		return scene_fail(document->loader, "an accessor is missing");
-	if (gltf_member(accessor, "sparse"))
-		return scene_fail(document->loader, "uses sparse accessors, which are not read; export without them");
-	if (!gltf_index(document, accessor, "bufferView", GLTF_BUFFER_VIEWS, &view_number))
-		return false;
-	const cJSON *buffer_view = view_number >= 0 ? document->tables[GLTF_BUFFER_VIEWS].items[view_number] : NULL;
-	if (!gltf_index(document, buffer_view, "buffer", GLTF_BUFFERS, &buffer_number))
-		return false;
-	if (buffer_number < 0)
-		return scene_fail(document->loader, "an accessor has no buffer");
-	return place(document, accessor, buffer_view, &document->buffers[buffer_number], components, out);
-}
-
-/* glTF is little-endian, as are the machines this runs on; memcpy because elements need not be aligned. */
-static float component(const view *v, const uint8_t *at)
-{
-	uint16_t wide;
-	uint32_t bits;
-	float value;
-	switch (v->type) {
-	case BYTE:
-		return v->normalized ? fmaxf((int8_t)*at / 127.0f, -1) : (int8_t)*at;
-	case UNSIGNED_BYTE:
-		return v->normalized ? *at / 255.0f : *at;
-	case SHORT:
-		memcpy(&wide, at, sizeof wide);
-		return v->normalized ? fmaxf((int16_t)wide / 32767.0f, -1) : (int16_t)wide;
-	case UNSIGNED_SHORT:
-		memcpy(&wide, at, sizeof wide);
-		return v->normalized ? wide / 65535.0f : wide;
-	case UNSIGNED_INT:
-		memcpy(&bits, at, sizeof bits);
-		return (float)bits;
-	default:
-		memcpy(&value, at, sizeof value);
-		return value;
-	}
-}
-
-bool gltf_floats(gltf_document *document, int64_t accessor, uint32_t components, float **values, uint32_t *count)
-{
-	view v;
-	*values = NULL;
-	if (!open_accessor(document, accessor, components, &v))
-		return false;
-	*values = malloc((size_t)v.count * components * sizeof(float));
-	if (!*values)
-		return scene_fail(document->loader, "out of memory for an accessor of %u elements", v.count);
-	size_t size = component_size(v.type);
-	for (size_t i = 0; i < v.count; i++) {
-		for (uint32_t c = 0; c < components; c++)
-			(*values)[i * components + c] = component(&v, v.bytes + i * v.stride + c * size);
-	}
-	*count = v.count;
-	return true;
-}
-
-bool gltf_indices(gltf_document *document, int64_t accessor, uint32_t **values, uint32_t *count)
-{
-	view v;
-	*values = NULL;
-	if (!open_accessor(document, accessor, 1, &v))
-		return false;
-	if (v.type != UNSIGNED_BYTE && v.type != UNSIGNED_SHORT && v.type != UNSIGNED_INT)
-		return scene_fail(document->loader, "vertex numbers must be unsigned integers");
-	*values = calloc(v.count, sizeof(uint32_t));
-	if (!*values)
-		return scene_fail(document->loader, "out of memory for an accessor of %u elements", v.count);
-	for (size_t i = 0; i < v.count; i++)
-		memcpy(&(*values)[i], v.bytes + i * v.stride, component_size(v.type)); /* low bytes first */
-	*count = v.count;
-	return true;
 }

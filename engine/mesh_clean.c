@@ -1,5 +1,7 @@
 #include "mesh_clean.h"
 
+#include "mesh_polygon.h"
+
 #include <math.h>
 #include <meshoptimizer.h>
 #include <stdio.h>
@@ -115,33 +117,6 @@ static uint32_t drop_repeats(uint32_t *corners, uint32_t count)
 	return kept;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	return (x > y) - (x < y);
-}
-
-/* Quadratic for the usual few corners; sorted in `scratch` beyond, as a file may hold a face of a million. */
-static bool repeats_vertex(const uint32_t *corners, uint32_t count, uint32_t *scratch)
-{
-	if (count > 16) {
-		memcpy(scratch, corners, count * sizeof *corners);
-		qsort(scratch, count, sizeof *scratch, compare_numbers);
-		for (uint32_t i = 0; i + 1 < count; i++) {
-			if (scratch[i] == scratch[i + 1])
-				return true;
-		}
-		return false;
-	}
-	for (uint32_t i = 0; i < count; i++) {
-		for (uint32_t j = i + 1; j < count; j++) {
-			if (corners[i] == corners[j])
-				return true;
-		}
-	}
-	return false;
-}
-
 /* Newell's method relative to the first corner, which keeps the digits of a small face far from the origin. */
 void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3])
 {
@@ -182,17 +157,14 @@ static bool has_area(const engine_mesh *mesh, const uint32_t *corners, uint32_t 
 	return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) > 1e-7 * longest_edge2(mesh, corners, count);
 }
 
-static bool drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
+static void drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 {
-	uint32_t *scratch = malloc((mesh->index_count + 1) * sizeof *scratch);
-	if (!scratch)
-		return false;
 	uint32_t read = 0, write = 0, faces = 0;
 	for (uint32_t f = 0; f < mesh->face_count; f++) {
 		uint32_t *corners = mesh->indices + read;
 		read += mesh->face_counts[f];
 		uint32_t count = drop_repeats(corners, mesh->face_counts[f]);
-		if (count < 3 || repeats_vertex(corners, count, scratch) || !has_area(mesh, corners, count))
+		if (count < 3 || !has_area(mesh, corners, count))
 			continue;
 		memmove(mesh->indices + write, corners, count * sizeof *corners);
 		write += count;
@@ -204,7 +176,17 @@ static bool drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 	report->degenerate_faces = mesh->face_count - faces;
 	mesh->face_count = faces;
 	mesh->index_count = write;
-	free(scratch);
+}
+
+/* Polygons that leave no triangle had no area either. */
+static bool cut_polygons(engine_mesh *mesh, engine_clean_report *report)
+{
+	engine_polygon_report cut;
+	if (!engine_mesh_cut_polygons(mesh, &cut))
+		return false;
+	report->cut_faces = cut.cut;
+	report->too_large = cut.too_large;
+	report->degenerate_faces += cut.dropped;
 	return true;
 }
 
@@ -246,8 +228,11 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 		return false;
 	if (mesh->vertex_count == 0)
 		return true;
-	if (weld(mesh, report) && drop_degenerate(mesh, report) && drop_unused_vertices(mesh))
-		return true;
+	if (weld(mesh, report)) {
+		drop_degenerate(mesh, report);
+		if (cut_polygons(mesh, report) && drop_unused_vertices(mesh))
+			return true;
+	}
 	snprintf(message, message_size, "out of memory for a mesh of %u vertices", mesh->vertex_count);
 	return false;
 }

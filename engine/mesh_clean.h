@@ -13,7 +13,9 @@ extern "C" {
 
 typedef struct engine_clean_report {
 	uint32_t welded_vertices;  /* vertices that shared a position with another */
-	uint32_t degenerate_faces; /* dropped: no area, or a vertex twice */
+	uint32_t degenerate_faces; /* dropped: no area */
+	uint32_t cut_faces;        /* not convex, or with a hole: now triangles */
+	uint32_t too_large;        /* dropped: not convex and of too many corners to be cut (mesh_polygon.h) */
 } engine_clean_report;
 
 /* Adds a copy of part to the end of mesh (zeroed: empty). Faces get part's materials, or `material` where part has
@@ -22,7 +24,8 @@ typedef struct engine_clean_report {
 bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material);
 
 /* Welds vertices of bitwise equal position (files split them by normal and texture coordinate, and a cage needs its
- * connections), drops degenerate faces and unused vertices; the order of both stays. Creases are dropped: no file
+ * connections), drops degenerate faces and unused vertices, cuts faces that are not convex into
+ * triangles (see mesh_polygon.h); the order of all stays. Creases are dropped: no file
  * format read here has any. False with one line in message for a corner out of range, a face of fewer than three
  * corners, a position that is not finite or beyond ENGINE_MESH_FARTHEST, or lack of memory; mesh is then still good for
  * engine_mesh_free(). A mesh with no face left is no failure.

@@ -6,8 +6,10 @@
  * the refinement. glTF has triangles only: where extras.gi.scheme says catmull-clark or bilinear, pairs of triangles
  *        that were a quad are put together again (see engine_mesh_pair_triangles); without it triangles stay.
  *        All animations of a file play together from 0 s; of two for one property of a node the first counts.
- * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke the
- * radiance. PLY    One object.
+ * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke times the
+ *        mean of map_Ke the radiance.
+ * PLY    One object; triangle strips too.
+ *        In both, colours of vertices or faces (sRGB) are the rho of faces that have no material.
  *
  * Faces without any material, and glTF materials without a base colour, have rho 0.5. A file that states rho 1 is
  * refused: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room). In all
@@ -35,6 +37,8 @@ typedef struct engine_scene_material {
 	float rho[3];      /* linear RGB, each in [0, 1) */
 	float radiance[3]; /* L of one side, W/(m2 sr), >= 0; exitance E = pi L */
 	bool double_sided; /* two back-to-back sides */
+	bool used;         /* some face has it */
+	bool clear;        /* lets light through: its faces are left out */
 } engine_scene_material;
 
 /* World from object: scale, then rotate, then translate. */
@@ -53,8 +57,10 @@ typedef struct engine_scene_object {
 	bool double_sided;   /* one of its materials is */
 	bool animated;       /* its pose depends on time */
 	bool scale_animated; /* even the scale does: not a rigid motion */
-	uint32_t node;       /* private */
-	bool mirrored;       /* private */
+	bool vanishes;       /* its scale is 0 at times, when engine_scene_pose() has no pose */
+	uint32_t node;       /* private, as all that follows */
+	bool mirrored, baked;
+	double offset[3], stretch[9];
 } engine_scene_object;
 
 typedef struct engine_scene_camera {
@@ -66,12 +72,13 @@ typedef struct engine_scene {
 	engine_scene_material *materials;
 	uint32_t material_count;
 	engine_scene_object *objects;
-	uint32_t object_count;            /* 0: an empty scene is none of our errors */
-	double duration_s;                /* last key of the animations, 0 without */
-	bool has_camera;                  /* the first perspective camera of the scene */
-	char warning[512];                /* one line about what was dropped or ignored, "" when nothing was */
-	uint32_t camera_node;             /* private */
-	float camera_fov;                 /* private */
+	uint32_t object_count; /* 0: an empty scene is none of our errors */
+	double duration_s;     /* last key of the animations, 0 without */
+	bool has_camera;       /* the first perspective camera of the scene */
+	double origin[3];      /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
+	char warning[4096];    /* one line about what was dropped or ignored, "" when nothing was */
+	uint32_t camera_node;  /* private */
+	float camera_fov;      /* private */
 	struct engine_scene_graph *graph; /* private: nodes and animation */
 } engine_scene;
 

@@ -150,14 +150,31 @@ static void multiply(const double a[16], const double b[16], double out[16])
 	memcpy(out, product, sizeof product);
 }
 
-void scene_node_matrix(const engine_scene_graph *graph, uint32_t node, const double *time_s, double matrix[16])
+void scene_mark_moving(engine_scene_graph *graph)
 {
-	local_matrix(graph, &graph->nodes[node], time_s, matrix);
-	for (int32_t parent = graph->nodes[node].parent; parent >= 0; parent = graph->nodes[parent].parent) {
-		double local[16];
-		local_matrix(graph, &graph->nodes[parent], time_s, local);
-		multiply(local, matrix, matrix);
+	for (uint32_t k = 0; k < graph->order_count; k++) {
+		scene_node *node = &graph->nodes[graph->order[k]];
+		node->moves = node->parent >= 0 && graph->nodes[node->parent].moves;
+		for (int property = 0; property < SCENE_PROPERTIES; property++)
+			node->moves = node->moves || node->channels[property] >= 0;
 	}
+}
+
+void scene_pose_graph(engine_scene_graph *graph, const double *time_s)
+{
+	bool same = graph->posed && graph->at_rest == !time_s && (!time_s || graph->time_s == *time_s);
+	for (uint32_t k = 0; !same && k < graph->order_count; k++) {
+		const scene_node *node = &graph->nodes[graph->order[k]];
+		double *world = graph->world + 16 * (size_t)graph->order[k];
+		if (graph->posed && !node->moves)
+			continue;
+		local_matrix(graph, node, time_s, world);
+		if (node->parent >= 0)
+			multiply(graph->world + 16 * (size_t)node->parent, world, world);
+	}
+	graph->posed = true;
+	graph->at_rest = !time_s;
+	graph->time_s = time_s ? *time_s : 0;
 }
 
 static double dot3(const double *a, const double *b)
@@ -216,29 +233,104 @@ static bool is_sheared(const double m[16])
 	return fabs(dot3(m, m + 4)) > 1e-4 || fabs(dot3(m + 4, m + 8)) > 1e-4 || fabs(dot3(m, m + 8)) > 1e-4;
 }
 
-scene_pose_result scene_node_pose(const engine_scene_graph *graph, uint32_t node, const double *time_s, bool mirrored,
-				  engine_pose *pose)
+/* The cofactors: the inverse transpose times the determinant. */
+static void cofactors(const double m[9], double out[9])
 {
-	double m[16], scale[3], rotation[4];
-	scene_node_matrix(graph, node, time_s, m);
-	for (int row = 0; mirrored && row < 3; row++)
-		m[row] = -m[row];
-	scene_pose_result result = take_scale(m, scale);
-	if (result != SCENE_POSE_OK)
-		return result;
-	double volume = determinant(m);
-	if (!(fabs(volume) > 1e-6))
-		return SCENE_POSE_SINGULAR;
-	if (is_sheared(m))
-		return SCENE_POSE_SHEARED;
-	if (volume < 0)
-		return SCENE_POSE_MIRRORED;
+	for (int i = 0; i < 3; i++) {
+		for (int j = 0; j < 3; j++) {
+			int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+			out[3 * i + j] = m[3 * a + c] * m[3 * b + d] - m[3 * a + d] * m[3 * b + c];
+		}
+	}
+}
+
+/* M = Q P, Q a rotation, P symmetric. Newton's iteration Q <- (Q + Q^-T) / 2 (Higham 1986) converges quadratically from
+ * any regular matrix, first by halving: 80 steps are enough for axes of 1 : 1e-9. Row-major; det M > 0.
+ */
+static void polar(const double m[9], double q[9], double p[9])
+{
+	double largest = 0;
+	for (int k = 0; k < 9; k++)
+		largest = fmax(largest, fabs(m[k]));
+	for (int k = 0; k < 9; k++)
+		q[k] = m[k] / largest;
+	for (int step = 0; step < 80; step++) {
+		double c[9], change = 0;
+		cofactors(q, c);
+		double volume = q[0] * c[0] + q[1] * c[1] + q[2] * c[2];
+		for (int k = 0; k < 9; k++) {
+			double next = 0.5 * (q[k] + c[k] / volume);
+			change = fmax(change, fabs(next - q[k]));
+			q[k] = next;
+		}
+		if (change < 1e-15)
+			break;
+	}
+	for (int i = 0; i < 3; i++) {
+		for (int j = 0; j < 3; j++)
+			p[3 * i + j] = q[i] * m[j] + q[3 + i] * m[3 + j] + q[6 + i] * m[6 + j];
+	}
+}
+
+/* Replaces the upper 3 x 3 of m (column-major) by its rotation and gives what is left of it. */
+static void take_stretch(double m[16], double stretch[9])
+{
+	double rows[9], rotation[9];
+	for (int row = 0; row < 3; row++) {
+		for (int column = 0; column < 3; column++)
+			rows[3 * row + column] = m[4 * column + row];
+	}
+	polar(rows, rotation, stretch);
+	for (int row = 0; row < 3; row++) {
+		for (int column = 0; column < 3; column++)
+			m[4 * column + row] = rotation[3 * row + column];
+	}
+}
+
+/* The object's matrix with the world position of its mesh's zero, as the scene's coordinates have it. */
+static void object_matrix(const engine_scene_graph *graph, const engine_scene_object *object, double m[16])
+{
+	memcpy(m, graph->world + 16 * (size_t)object->node, 16 * sizeof *m);
+	for (int row = 0; row < 3; row++) {
+		m[row] = object->mirrored ? -m[row] : m[row];
+		m[12 + row] += m[row] * object->offset[0] + m[4 + row] * object->offset[1] +
+			       m[8 + row] * object->offset[2] - graph->origin[row];
+	}
+}
+
+static void write_pose(const double m[16], const double scale[3], engine_pose *pose)
+{
+	double rotation[4];
 	quaternion_of(m, rotation);
 	for (int c = 0; c < 4; c++)
 		pose->rotation[c] = (float)rotation[c];
 	for (int c = 0; c < 3; c++) {
 		pose->translation[c] = (float)m[12 + c];
 		pose->scale[c] = (float)scale[c];
+	}
+}
+
+scene_pose_result scene_object_pose(const engine_scene_graph *graph, const engine_scene_object *object,
+				    engine_pose *pose, double stretch[9])
+{
+	double m[16], full[16], scale[3], unused[9];
+	object_matrix(graph, object, full);
+	memcpy(m, full, sizeof m);
+	scene_pose_result result = take_scale(m, scale);
+	if (result != SCENE_POSE_OK)
+		return result;
+	double volume = determinant(m);
+	if (!(fabs(volume) > 1e-6))
+		return SCENE_POSE_SINGULAR;
+	if (!object->baked && is_sheared(m))
+		return SCENE_POSE_SHEARED;
+	if (volume < 0)
+		return SCENE_POSE_MIRRORED;
+	if (object->baked) {
+		take_stretch(full, stretch ? stretch : unused);
+		write_pose(full, (const double[3]){1, 1, 1}, pose);
+	} else {
+		write_pose(m, scale, pose);
 	}
 	return SCENE_POSE_OK;
 }
@@ -254,27 +346,46 @@ void scene_transform_point(const engine_pose *pose, const float point[3], float 
 		out[row] = (float)(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row]);
 }
 
+/* A matrix that shears only at this time: the rotation of it is the motion of a body that keeps its shape. */
+static scene_pose_result pose_of_body(const engine_scene *scene, const engine_scene_object *object, engine_pose *pose)
+{
+	scene_pose_result result = scene_object_pose(scene->graph, object, pose, NULL);
+	if (result != SCENE_POSE_SHEARED)
+		return result;
+	engine_scene_object body = *object;
+	body.baked = true;
+	result = scene_object_pose(scene->graph, &body, pose, NULL);
+	if (result == SCENE_POSE_OK)
+		memcpy(pose->scale, object->rest.scale, sizeof pose->scale);
+	return result;
+}
+
 bool engine_scene_pose(const engine_scene *scene, uint32_t object, double time_s, engine_pose *pose)
 {
+	engine_pose found;
 	if (object >= scene->object_count || isnan(time_s))
 		return false;
-	const engine_scene_object *o = &scene->objects[object];
-	return scene_node_pose(scene->graph, o->node, &time_s, o->mirrored, pose) == SCENE_POSE_OK;
+	scene_pose_graph(scene->graph, &time_s);
+	if (pose_of_body(scene, &scene->objects[object], &found) != SCENE_POSE_OK)
+		return false;
+	*pose = found;
+	return true;
 }
 
 /* glTF cameras look along -z with y up. */
 bool engine_scene_camera_at(const engine_scene *scene, double time_s, engine_scene_camera *camera)
 {
-	double m[16];
 	if (!scene->has_camera || isnan(time_s))
 		return false;
-	scene_node_matrix(scene->graph, scene->camera_node, &time_s, m);
+	scene_pose_graph(scene->graph, &time_s);
+	const double *m = scene->graph->world + 16 * (size_t)scene->camera_node;
 	double up_length = sqrt(dot3(m + 4, m + 4)), back_length = sqrt(dot3(m + 8, m + 8));
 	if (!(up_length > 1e-30 && up_length < 1e30 && back_length > 1e-30 && back_length < 1e30))
 		return false;
 	for (int c = 0; c < 3; c++) {
-		camera->eye[c] = (float)m[12 + c];
-		camera->target[c] = (float)(m[12 + c] - m[8 + c] / back_length);
+		double eye = m[12 + c] - scene->origin[c];
+		camera->eye[c] = (float)eye;
+		camera->target[c] = (float)(eye - m[8 + c] / back_length);
 		camera->up[c] = (float)(m[4 + c] / up_length);
 	}
 	camera->vertical_fov = scene->camera_fov;

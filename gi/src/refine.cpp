@@ -9,6 +9,8 @@
  */
 #include "refine.h"
 
+#include "polygon.h"
+
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
@@ -189,6 +191,40 @@ bool mirrors(const gi_refine_cage &cage)
 	return ((cage.scale[0] < 0.0f) + (cage.scale[1] < 0.0f) + (cage.scale[2] < 0.0f)) % 2 == 1;
 }
 
+using Corner = double[3];
+
+/* A bilinear face becomes quads about its middle or two triangles, which cover the notch of a face that is not convex:
+ * such a one is cut into triangles first. Smooth schemes round a cage off anyway, and take it as it is.
+ */
+void add_face(const gi_refine_cage &cage, uint32_t face, const std::vector<uint32_t> &corners, Cage &out)
+{
+	const uint32_t count = uint32_t(corners.size());
+	const uint32_t material = cage.face_materials ? cage.face_materials[face] : 0;
+	std::unique_ptr<Corner[]> points(new Corner[count]);
+	for (uint32_t i = 0; i < count; i++)
+		for (int axis = 0; axis < 3; axis++)
+			points[i][axis] =
+				double(cage.positions[3 * size_t(corners[i]) + axis]) * cage.scale[axis];
+	if (count == 3 || cage.scheme != GI_REFINE_BILINEAR || gi_polygon_is_convex(points.get(), count)) {
+		out.counts.push_back(int(count));
+		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
+		out.materials.push_back(material);
+		return;
+	}
+	using Triangle = uint32_t[3];
+	std::unique_ptr<Triangle[]> triangles(new Triangle[count]);
+	const uint32_t made = gi_polygon_cut(points.get(), count, triangles.get());
+	if (made == 0)
+		reject("face %u crosses itself, or has more than %d corners and is not convex; cut it into convex faces",
+		       face, GI_POLYGON_MAX_CORNERS);
+	for (uint32_t t = 0; t < made; t++) {
+		out.counts.push_back(3);
+		for (uint32_t corner : triangles[t])
+			out.indices.push_back(int(corners[corner]));
+		out.materials.push_back(material);
+	}
+}
+
 void clean_faces(const gi_refine_cage &cage, Cage &out)
 {
 	std::vector<uint32_t> corners;
@@ -203,9 +239,7 @@ void clean_faces(const gi_refine_cage &cage, Cage &out)
 		check_face(face, corners, cage.scheme);
 		if (mirror)
 			std::reverse(corners.begin() + 1, corners.end());
-		out.counts.push_back(int(corners.size()));
-		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
-		out.materials.push_back(cage.face_materials ? cage.face_materials[face] : 0);
+		add_face(cage, face, corners, out);
 	}
 	if (out.counts.empty())
 		reject("no face of the cage has three different corners");

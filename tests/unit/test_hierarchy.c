@@ -226,23 +226,62 @@ static void clusters_of_a_wall_are_quads(void **state)
 	gi_hierarchy_free(&h);
 }
 
-static void an_arrowhead_is_flat_only_along_its_spine(void **state)
+/* Whichever corner comes first, and cut finer too: quads or a middle would cover the notch. */
+static void an_arrowhead_keeps_its_area(void **state)
 {
 	(void)state;
 	const float points[4][2] = {{0.5f, 0.5f}, {0.0f, 3.0f}, {0.0f, 0.0f}, {3.0f, 0.0f}}; /* reflex at the first */
-	for (uint32_t turn = 0; turn < 2; turn++) {
+	for (uint32_t turn = 0; turn < 8; turn++) {
 		test_cage t;
 		gi_hierarchy h;
 		cage_begin(&t, GI_REFINE_BILINEAR);
 		for (uint32_t i = 0; i < 4; i++)
 			cage_vertex(&t, points[(i + turn) % 4][0], points[(i + turn) % 4][1], 0.0f);
 		cage_face(&t, 4, (uint32_t[]){0, 1, 2, 3});
-		build_cage(&t, 0, &h);
+		build_cage(&t, turn / 4, &h);
 		check_valid(&h);
-		/* Cut at the reflex corner its two triangles are the quad; cut across they overlap. */
-		assert_int_equal(count_flag(&h, GI_NODE_FLAT), turn == 0 ? 1 : 0);
+		double area = h.area;
+		printf("arrowhead of 1.5 m2 from corner %u at level %u: %.7f m2\n", turn % 4, turn / 4, area);
+		assert_true(fabs(area - 1.5) < 1e-6);
 		gi_hierarchy_free(&h);
 	}
+}
+
+/* A polygon of 8 corners: 3 x 3 less the notch of 1 x 2. */
+static void a_concave_polygon_keeps_its_area(void **state)
+{
+	(void)state;
+	const float points[8][2] = {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+	for (uint32_t turn = 0; turn < 16; turn++) {
+		test_cage t;
+		gi_hierarchy h;
+		cage_begin(&t, GI_REFINE_BILINEAR);
+		for (uint32_t i = 0; i < 8; i++)
+			cage_vertex(&t, points[(i + turn) % 8][0], 0.6f * points[(i + turn) % 8][1],
+				    0.8f * points[(i + turn) % 8][1]);
+		cage_face(&t, 8, (uint32_t[]){0, 1, 2, 3, 4, 5, 6, 7});
+		build_cage(&t, turn / 8, &h);
+		double area = h.area;
+		printf("U of 7 m2 from corner %u at level %u: %.7f m2\n", turn % 8, turn / 8, area);
+		assert_true(fabs(area - 7) < 1e-5);
+		gi_hierarchy_free(&h);
+	}
+}
+
+/* A bow-tie encloses nothing that could be meant. */
+static void a_face_that_crosses_itself_is_refused(void **state)
+{
+	(void)state;
+	const float points[5][2] = {{0, 0}, {2, 2}, {2, 0}, {0, 1.5f}, {-1, 1}};
+	test_cage t;
+	gi_refined r;
+	char message[256];
+	cage_begin(&t, GI_REFINE_BILINEAR);
+	for (uint32_t i = 0; i < 5; i++)
+		cage_vertex(&t, points[i][0], points[i][1], 0);
+	cage_face(&t, 5, (uint32_t[]){0, 1, 2, 3, 4});
+	assert_false(gi_refine(&t.cage, 0, &r, message, sizeof message));
+	assert_non_null(strstr(message, "crosses itself"));
 }
 
 static void n_gons_have_children_and_no_corners(void **state)
@@ -449,7 +488,9 @@ int main(void)
 	    cmocka_unit_test(a_plane_of_any_scheme_is_flat_inside),
 	    cmocka_unit_test(bent_quads_are_not_flat),
 	    cmocka_unit_test(clusters_of_a_wall_are_quads),
-	    cmocka_unit_test(an_arrowhead_is_flat_only_along_its_spine),
+	    cmocka_unit_test(an_arrowhead_keeps_its_area),
+	    cmocka_unit_test(a_concave_polygon_keeps_its_area),
+	    cmocka_unit_test(a_face_that_crosses_itself_is_refused),
 	    cmocka_unit_test(n_gons_have_children_and_no_corners),
 	    cmocka_unit_test(faces_without_area_are_dropped),
 	    cmocka_unit_test(nothing_left_is_an_error),

@@ -188,7 +188,9 @@ typedef struct gi_object_def {
 
 	const float *positions;          /* 3 * vertex_count */
 	uint32_t vertex_count;
-	const uint32_t *face_counts;     /* face_count corners per face, each >= 3; NULL: all 4 */
+	const uint32_t *face_counts;     /* face_count corners per face, each >= 3; NULL: all 4. Of bilinear faces those
+					  * that are not convex are cut into triangles; one that crosses itself is
+					  * GI_ERROR_INVALID_GEOMETRY */
 	uint32_t face_count;
 	const uint32_t *indices;         /* index_count vertex numbers, faces back to back */
 	uint32_t index_count;

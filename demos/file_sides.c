@@ -1,0 +1,214 @@
+#include "file_sides.h"
+
+#include "file_rays.h"
+#include "mesh_clean.h"
+
+#include <cglm/cglm.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BOUNCES = 6 };
+
+/* How often light came to an object's faces, or to a face. */
+typedef struct sides {
+	uint32_t front, back;
+} sides;
+
+/* ---- what light says --------------------------------------------------------------------------------------------- */
+
+/* Light that meets a face goes on from the side it came to, as if all had two. */
+static void follow(file_rays *r, sides *of_objects, sides *of_faces, const uint32_t *first_face)
+{
+	vec3 origin, direction;
+	if (!file_rays_from_lamp(r, origin, direction))
+		return;
+	for (int bounce = 0; bounce < BOUNCES; bounce++) {
+		file_hit hit = file_rays_shoot(r, origin, direction, 1e-5f * r->radius, false);
+		if (hit.triangle == UINT32_MAX)
+			return;
+		const file_triangle *t = &r->triangles[hit.triangle];
+		sides *of_object = &of_objects[t->object], *of_face = &of_faces[first_face[t->object] + t->face];
+		bool counts = !t->double_sided && !(t->power > 0);
+		of_object->back += counts && hit.back;
+		of_face->back += counts && hit.back;
+		of_object->front += counts && !hit.back;
+		of_face->front += counts && !hit.back;
+		vec3 normal;
+		glm_vec3_scale((float *)t->normal, hit.back ? -1 : 1, normal);
+		glm_vec3_muladds(direction, hit.distance, origin);
+		file_rays_scatter(r, normal, direction);
+	}
+}
+
+/* ---- what is done ------------------------------------------------------------------------------------------------ */
+
+static void turn_face(uint32_t *corners, uint32_t count)
+{
+	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
+		uint32_t kept = corners[a];
+		corners[a] = corners[b];
+		corners[b] = kept;
+	}
+}
+
+static bool is_lamp(const engine_scene *scene, const engine_mesh *mesh, uint32_t face)
+{
+	const float *radiance = scene->materials[mesh->face_materials[face]].radiance;
+	return radiance[0] + radiance[1] + radiance[2] > 0;
+}
+
+/* Turns the faces that light reached from behind alone. Returns whether those are all that were lit from behind. */
+static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides *of_faces, uint32_t *turned)
+{
+	bool all = true;
+	uint32_t *corners = mesh->indices;
+	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
+		bool lit_behind = of_faces[f].back > 0 && !is_lamp(scene, mesh, f);
+		if (lit_behind && of_faces[f].front == 0) {
+			turn_face(corners, mesh->face_counts[f]);
+			++*turned;
+		} else if (lit_behind) {
+			all = false;
+		}
+	}
+	return all;
+}
+
+/* Appends every face that is no lamp the other way round, on vertices of its own. */
+static bool add_backs(const engine_scene *scene, engine_mesh *mesh)
+{
+	engine_mesh backs;
+	if (!engine_mesh_copy(mesh, &backs))
+		return false;
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		uint32_t count = mesh->face_counts[f];
+		if (!is_lamp(scene, mesh, f)) {
+			memmove(backs.indices + write, backs.indices + read, count * sizeof *backs.indices);
+			turn_face(backs.indices + write, count);
+			backs.face_counts[faces] = count;
+			backs.face_materials[faces++] = mesh->face_materials[f];
+			write += count;
+		}
+		read += count;
+	}
+	backs.face_count = faces;
+	backs.index_count = write;
+	bool added = engine_mesh_append(mesh, &backs, 0);
+	engine_mesh_free(&backs);
+	return added;
+}
+
+static bool has_lamp(const engine_scene *scene, const engine_mesh *mesh)
+{
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		if (is_lamp(scene, mesh, f))
+			return true;
+	}
+	return false;
+}
+
+static bool make_two_sided(const engine_scene *scene, engine_scene_object *object)
+{
+	if (object->double_sided)
+		return true;
+	if (has_lamp(scene, &object->mesh))
+		return add_backs(scene, &object->mesh);
+	object->double_sided = true;
+	return true;
+}
+
+typedef struct mended {
+	uint32_t turned, doubled; /* faces, objects */
+	const char *first;
+} mended;
+
+/* 1 %: a few rays slip through the cracks of any mesh. 16 rays a face tell for each; fewer only for the whole. */
+static bool mend_object(engine_scene *scene, engine_scene_object *object, sides of_object, const sides *of_faces,
+			mended *m)
+{
+	uint32_t all = of_object.front + of_object.back;
+	if (of_object.back * 100ull <= all)
+		return true;
+	if (!m->first)
+		m->first = object->name;
+	bool each = all >= 16 * object->mesh.face_count;
+	if (each && turn_faces(scene, &object->mesh, of_faces, &m->turned))
+		return true;
+	if (!each && of_object.front * 100ull <= all) {
+		uint32_t *corners = object->mesh.indices;
+		for (uint32_t f = 0; f < object->mesh.face_count; corners += object->mesh.face_counts[f++]) {
+			if (!is_lamp(scene, &object->mesh, f))
+				turn_face(corners, object->mesh.face_counts[f]);
+		}
+		m->turned += object->mesh.face_count;
+		return true;
+	}
+	m->doubled++;
+	return make_two_sided(scene, object);
+}
+
+static void tell(const mended *m, const char *program)
+{
+	if (m->turned)
+		fprintf(stderr,
+			"%s: %u faces are lit from behind alone and are turned round (first in \"%s\"); "
+			"--two-sided=off keeps them\n",
+			program, m->turned, m->first);
+	if (m->doubled)
+		fprintf(stderr,
+			"%s: %u objects are lit from behind and get two sides (first: \"%s\"); "
+			"--two-sided=off keeps them\n",
+			program, m->doubled, m->first);
+}
+
+/* 2 % of the light: less is what turns up behind single faces of any scene. */
+static bool mend_by_light(engine_scene *scene, file_rays *r, sides *of_objects, sides *of_faces, uint32_t *first_face,
+			  const char *program)
+{
+	uint64_t front = 0, back = 0;
+	mended m = {0};
+	for (uint32_t o = 0, face = 0; o < scene->object_count; face += scene->objects[o++].mesh.face_count)
+		first_face[o] = face;
+	for (uint32_t k = 0; k < r->rays / BOUNCES; k++)
+		follow(r, of_objects, of_faces, first_face);
+	for (uint32_t o = 0; o < scene->object_count; o++) {
+		front += of_objects[o].front;
+		back += of_objects[o].back;
+	}
+	bool done = true;
+	for (uint32_t o = 0; o < scene->object_count && back * 50 > front + back && done; o++)
+		done = mend_object(scene, &scene->objects[o], of_objects[o], of_faces + first_face[o], &m);
+	tell(&m, program);
+	return done;
+}
+
+static bool follow_light(engine_scene *scene, const char *program)
+{
+	file_rays r;
+	size_t faces = 0;
+	for (uint32_t o = 0; o < scene->object_count; o++)
+		faces += scene->objects[o].mesh.face_count;
+	sides *of_objects = calloc((size_t)scene->object_count + 1, sizeof *of_objects);
+	sides *of_faces = calloc(faces + 1, sizeof *of_faces);
+	uint32_t *first_face = calloc((size_t)scene->object_count + 1, sizeof *first_face);
+	bool done = file_rays_make(&r, scene) && of_objects && of_faces && first_face &&
+		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program);
+	file_rays_free(&r);
+	free(of_objects);
+	free(of_faces);
+	free(first_face);
+	return done;
+}
+
+bool file_sides_mend(engine_scene *scene, options_sides two_sided, const char *program)
+{
+	bool done = true;
+	if (two_sided == OPTIONS_SIDES_AUTO)
+		return follow_light(scene, program);
+	for (uint32_t o = 0; o < scene->object_count && done && two_sided == OPTIONS_SIDES_ON; o++)
+		done = make_two_sided(scene, &scene->objects[o]);
+	return done;
+}

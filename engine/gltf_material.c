@@ -1,0 +1,113 @@
+/* Materials of a glTF file: the diffuse part of each, its emission, and what of the rest is told. */
+#include "gltf_scene.h"
+
+#include <math.h>
+#include <string.h>
+
+static void note_unread(gltf_document *document, bool found, const char *material, const char *text)
+{
+	if (found)
+		scene_note(document->loader, material, "%s", text);
+}
+
+/* Multiplies by the mean of a texture; without one, or where it cannot be read, leaves alone. */
+static void apply_mean(gltf_document *document, const cJSON *reference, const char *material, double color[3])
+{
+	int64_t texture = -1, image = -1;
+	float mean[4];
+	const char *fault = "the texture names no image";
+	if (!reference)
+		return;
+	if (gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0 &&
+	    gltf_index(document, document->tables[GLTF_TEXTURES].items[texture], "source", GLTF_IMAGES, &image) &&
+	    image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
+		for (int c = 0; c < 3; c++)
+			color[c] *= (double)mean[c];
+		scene_note(document->loader, material, "emissive textures are read as their mean");
+		return;
+	}
+	scene_note(document->loader, material, "emissive textures are left out: %s", fault);
+}
+
+static void read_emission(gltf_document *document, const cJSON *from, engine_scene_material *material)
+{
+	double factor[3] = {0, 0, 0}, strength = 1;
+	const cJSON *extension = gltf_extension(from, "KHR_materials_emissive_strength");
+	if (!gltf_numbers(from, "emissiveFactor", 3, factor) || !gltf_number(extension, "emissiveStrength", &strength))
+		scene_note(document->loader, material->name, "emissions that are no finite numbers are left out");
+	if (factor[0] != 0 || factor[1] != 0 || factor[2] != 0)
+		apply_mean(document, gltf_member(from, "emissiveTexture"), material->name, factor);
+	for (int c = 0; c < 3; c++)
+		material->radiance[c] = (float)(factor[c] * strength);
+}
+
+/* The colour of the old specular-glossiness model is its diffuse reflectance, which is what rho is. */
+static void read_colour(gltf_document *document, const cJSON *from, const char *name, double color[4])
+{
+	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
+	const cJSON *old = gltf_extension(from, "KHR_materials_pbrSpecularGlossiness");
+	bool given = gltf_member(surface, "baseColorFactor") || gltf_member(surface, "baseColorTexture");
+	bool sound = !given && old ? gltf_numbers(old, "diffuseFactor", 4, color)
+				   : gltf_numbers(surface, "baseColorFactor", 4, color);
+	if (!sound)
+		scene_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
+	note_unread(document, gltf_member(surface, "baseColorTexture") || gltf_member(old, "diffuseTexture"), name,
+		    "textures of base colours are not read, their factors are");
+}
+
+/* Alpha as coverage: what covers less than half lets the light through. */
+static bool is_clear(gltf_document *document, const cJSON *from, const char *name, double alpha)
+{
+	const char *mode = gltf_text(from, "alphaMode");
+	double cutoff = 0.5;
+	if (!mode || strcmp(mode, "OPAQUE") == 0)
+		return false;
+	if (strcmp(mode, "MASK") == 0)
+		gltf_number(from, "alphaCutoff", &cutoff);
+	bool clear = alpha < cutoff;
+	note_unread(document, !clear && alpha < 1, name, "transparency of alpha above a half is taken as opaque");
+	return clear;
+}
+
+/* The factor's default is 1. */
+static bool is_metal(const cJSON *surface)
+{
+	double metallic = 1;
+	return surface && gltf_number(surface, "metallicFactor", &metallic) && metallic > 0;
+}
+
+static bool read_material(gltf_document *document, const cJSON *from)
+{
+	engine_scene_material *material = scene_add_material(document->loader, gltf_text(from, "name"));
+	double color[4] = {0.5, 0.5, 0.5, 1};
+	if (!material)
+		return false;
+	read_colour(document, from, material->name, color);
+	read_emission(document, from, material);
+	for (int c = 0; c < 3; c++)
+		material->rho[c] = (float)color[c];
+	material->double_sided = cJSON_IsTrue(gltf_member(from, "doubleSided"));
+	material->clear = is_clear(document, from, material->name, color[3]);
+	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
+	note_unread(document, is_metal(surface), material->name, "metals are taken as diffuse");
+	note_unread(document, gltf_member(surface, "metallicRoughnessTexture") || gltf_member(from, "normalTexture"),
+		    material->name, "textures of roughness, metal and normals are not read");
+	return true;
+}
+
+bool gltf_material_number(gltf_document *document, const cJSON *primitive, uint32_t *number)
+{
+	int64_t material = -1;
+	if (!gltf_index(document, primitive, "material", GLTF_MATERIALS, &material))
+		scene_note(document->loader, NULL, "materials that the file does not hold are taken as grey");
+	if (material < 0)
+		return scene_default_material(document->loader, number);
+	uint32_t *known = &document->materials[material];
+	if (*known == 0) {
+		if (!read_material(document, document->tables[GLTF_MATERIALS].items[material]))
+			return false;
+		*known = document->loader->scene->material_count;
+	}
+	*number = *known - 1;
+	return true;
+}

@@ -1,0 +1,373 @@
+/* Meshes of a glTF file: triangles of all modes, morph targets and skins as they are at rest, colours of vertices. */
+#include "gltf_scene.h"
+#include "mesh_clean.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
+
+/* More active at once are a mistake; each costs as much as the mesh. */
+enum { MAX_TARGETS = 16 };
+
+/* Accessors of a primitive; of the optional ones NULL where there is none. */
+typedef struct primitive {
+	const gltf_accessor *positions, *indices, *colors, *joints[2], *weights[2], *targets[MAX_TARGETS];
+	double target_weights[MAX_TARGETS];
+	uint32_t target_count;
+	uint32_t corner_count, triangle_count;
+	int mode;
+	uint32_t material;
+} primitive;
+
+/* What a mesh is read with. */
+typedef struct reading {
+	gltf_document *document;
+	const gltf_skin *skin;
+	const cJSON *target_weights; /* the list, or NULL */
+	const char *name;
+	engine_mesh *out;  /* its arrays have room for all corners */
+	uint32_t left_out; /* triangles */
+} reading;
+
+/* ---- what there is ----------------------------------------------------------------------------------------------- */
+
+static int mode_of(const cJSON *from)
+{
+	double mode = MODE_TRIANGLES;
+	gltf_number(from, "mode", &mode);
+	return mode == MODE_TRIANGLES || mode == MODE_STRIP || mode == MODE_FAN ? (int)mode : -1;
+}
+
+/* Number of an accessor that an object names; -1: none, or one that is not there. */
+static int64_t accessor_number(const gltf_document *document, const cJSON *object, const char *key)
+{
+	int64_t number = -1;
+	return gltf_index(document, object, key, GLTF_ACCESSORS, &number) ? number : -1;
+}
+
+static uint32_t corner_count(const gltf_document *document, const cJSON *from)
+{
+	int64_t number = gltf_member(from, "indices")
+			     ? accessor_number(document, from, "indices")
+			     : accessor_number(document, gltf_member(from, "attributes"), "POSITION");
+	return number >= 0 && !document->accessors[number].fault ? document->accessors[number].count : 0;
+}
+
+static uint32_t triangles_of(int mode, uint32_t corners)
+{
+	return mode == MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
+}
+
+uint64_t gltf_count_corners(const gltf_document *document, const cJSON *mesh)
+{
+	const cJSON *from;
+	uint64_t corners = 0;
+	cJSON_ArrayForEach(from, gltf_member(mesh, "primitives"))
+	{
+		int mode = mode_of(from);
+		corners += mode < 0 ? 0 : 3 * (uint64_t)triangles_of(mode, corner_count(document, from));
+	}
+	return corners;
+}
+
+/* Of 3 or 4 components; NULL where there is none that can be read. */
+static const gltf_accessor *optional(const gltf_document *document, const cJSON *attributes, const char *key,
+				     uint32_t components)
+{
+	const char *fault;
+	return gltf_find_accessor(document, accessor_number(document, attributes, key), components, &fault);
+}
+
+static void find_targets(reading *r, const cJSON *from, primitive *p)
+{
+	const cJSON *target = gltf_member(from, "targets"),
+		    *weight = r->target_weights ? r->target_weights->child : NULL;
+	target = target ? target->child : NULL;
+	for (int i = 0; target && weight && i < 4096; i++, target = target->next, weight = weight->next) {
+		const gltf_accessor *moves = optional(r->document, target, "POSITION", 3);
+		double value = cJSON_IsNumber(weight) && isfinite(weight->valuedouble) ? weight->valuedouble : 0;
+		if (value == 0 || !moves || moves->count < p->positions->count || p->target_count == MAX_TARGETS)
+			continue;
+		p->targets[p->target_count] = moves;
+		p->target_weights[p->target_count++] = value;
+	}
+}
+
+static void find_attributes(reading *r, const cJSON *from, primitive *p)
+{
+	const gltf_document *document = r->document;
+	const cJSON *attributes = gltf_member(from, "attributes");
+	p->colors = optional(document, attributes, "COLOR_0", 3);
+	if (!p->colors)
+		p->colors = optional(document, attributes, "COLOR_0", 4);
+	p->joints[0] = optional(document, attributes, "JOINTS_0", 4);
+	p->joints[1] = optional(document, attributes, "JOINTS_1", 4);
+	p->weights[0] = optional(document, attributes, "WEIGHTS_0", 4);
+	p->weights[1] = optional(document, attributes, "WEIGHTS_1", 4);
+	for (int set = 0; set < 2; set++) {
+		if (!p->joints[set] || !p->weights[set] || p->joints[set]->count < p->positions->count ||
+		    p->weights[set]->count < p->positions->count)
+			p->joints[set] = p->weights[set] = NULL;
+	}
+	if (p->colors && p->colors->count < p->positions->count)
+		p->colors = NULL;
+	find_targets(r, from, p);
+}
+
+/* False with the reason in *fault. */
+static bool open_primitive(reading *r, const cJSON *from, primitive *p, const char **fault)
+{
+	const gltf_document *document = r->document;
+	int64_t positions = accessor_number(document, gltf_member(from, "attributes"), "POSITION");
+	p->positions = gltf_find_accessor(document, positions, 3, fault);
+	if (!p->positions)
+		return false;
+	if (gltf_member(from, "indices")) {
+		p->indices = gltf_find_accessor(document, accessor_number(document, from, "indices"), 1, fault);
+		if (!p->indices)
+			return false;
+	}
+	p->corner_count = p->indices ? p->indices->count : p->positions->count;
+	p->triangle_count = triangles_of(p->mode, p->corner_count);
+	find_attributes(r, from, p);
+	return true;
+}
+
+/* ---- vertices ---------------------------------------------------------------------------------------------------- */
+
+/* sum of weight * world from mesh; false where no joint has a weight. */
+static bool blend_joints(const gltf_skin *skin, const primitive *p, uint32_t vertex, double m[16])
+{
+	double sum = 0;
+	memset(m, 0, 16 * sizeof *m);
+	for (int set = 0; set < 2 && p->joints[set]; set++) {
+		double joints[4], weights[4];
+		gltf_element(p->joints[set], vertex, joints);
+		gltf_element(p->weights[set], vertex, weights);
+		for (int k = 0; k < 4; k++) {
+			if (!(weights[k] > 0) || !(joints[k] >= 0 && joints[k] < skin->joint_count))
+				continue;
+			const double *joint = skin->matrices[(uint32_t)joints[k]];
+			for (int i = 0; i < 16; i++)
+				m[i] += weights[k] * joint[i];
+			sum += weights[k];
+		}
+	}
+	for (int i = 0; sum > 0 && i < 16; i++)
+		m[i] /= sum;
+	return sum > 0;
+}
+
+static void read_position(const reading *r, const primitive *p, uint32_t vertex, double position[3])
+{
+	double m[16], base[3], moved[3];
+	gltf_element(p->positions, vertex, base);
+	for (uint32_t t = 0; t < p->target_count; t++) {
+		gltf_element(p->targets[t], vertex, moved);
+		for (int c = 0; c < 3; c++)
+			base[c] += p->target_weights[t] * moved[c];
+	}
+	memcpy(position, base, sizeof base);
+	if (!r->skin || !blend_joints(r->skin, p, vertex, m))
+		return;
+	for (int row = 0; row < 3; row++)
+		position[row] = m[row] * base[0] + m[4 + row] * base[1] + m[8 + row] * base[2] + m[12 + row];
+}
+
+static bool is_sound(const double position[3])
+{
+	double farthest = (double)ENGINE_MESH_FARTHEST;
+	return fabs(position[0]) <= farthest && fabs(position[1]) <= farthest && fabs(position[2]) <= farthest;
+}
+
+/* Number in the mesh of a vertex of the primitive, made when first asked for; UINT32_MAX: it has no place. */
+static uint32_t vertex_number(reading *r, const primitive *p, uint32_t vertex)
+{
+	gltf_document *document = r->document;
+	double position[3];
+	if (document->stamps[vertex] == document->stamp)
+		return document->numbers[vertex];
+	document->stamps[vertex] = document->stamp;
+	read_position(r, p, vertex, position);
+	if (!is_sound(position))
+		return document->numbers[vertex] = UINT32_MAX;
+	for (int c = 0; c < 3; c++)
+		r->out->positions[3 * (size_t)r->out->vertex_count + (size_t)c] = (float)position[c];
+	return document->numbers[vertex] = r->out->vertex_count++;
+}
+
+/* ---- triangles --------------------------------------------------------------------------------------------------- */
+
+/* Corner numbers (into the primitive's list) of triangle t. */
+static void triangle_corners(int mode, uint32_t t, uint32_t corners[3])
+{
+	corners[0] = mode == MODE_TRIANGLES ? 3 * t : mode == MODE_STRIP ? t : 0;
+	corners[1] = mode == MODE_TRIANGLES ? 3 * t + 1 : mode == MODE_STRIP ? t + 1 + t % 2 : t + 1;
+	corners[2] = mode == MODE_TRIANGLES ? 3 * t + 2 : mode == MODE_STRIP ? t + 2 - t % 2 : t + 2;
+}
+
+/* Vertices of the primitive at a triangle's corners. False where there is no such vertex. */
+static bool triangle_vertices(const primitive *p, uint32_t t, uint32_t vertices[3])
+{
+	triangle_corners(p->mode, t, vertices);
+	for (int k = 0; k < 3; k++) {
+		double number = vertices[k];
+		if (p->indices)
+			gltf_element(p->indices, vertices[k], &number);
+		if (!(number >= 0 && number < p->positions->count))
+			return false;
+		vertices[k] = (uint32_t)number;
+	}
+	return true;
+}
+
+static bool triangle_material(reading *r, const primitive *p, const uint32_t vertices[3], uint32_t *material)
+{
+	float mean[3] = {0, 0, 0};
+	*material = p->material;
+	if (!p->colors)
+		return true;
+	for (int k = 0; k < 3; k++) {
+		double color[4];
+		gltf_element(p->colors, vertices[k], color);
+		for (int c = 0; c < 3; c++)
+			mean[c] += (float)color[c] / 3;
+	}
+	return scene_tinted_material(r->document->loader, p->material, mean, material);
+}
+
+static bool add_triangle(reading *r, const primitive *p, uint32_t t)
+{
+	engine_mesh *out = r->out;
+	uint32_t vertices[3], material, *to = out->indices + out->index_count;
+	bool sound = triangle_vertices(p, t, vertices);
+	for (int k = 0; sound && k < 3; k++) {
+		to[k] = vertex_number(r, p, vertices[k]);
+		sound = to[k] != UINT32_MAX;
+	}
+	if (!sound) {
+		r->left_out++;
+		return true;
+	}
+	if (!triangle_material(r, p, vertices, &material))
+		return false;
+	out->index_count += 3;
+	out->face_materials[out->face_count] = material;
+	out->face_counts[out->face_count++] = 3;
+	return true;
+}
+
+static void *make_array(size_t count, size_t size)
+{
+	return malloc((count + 1) * size);
+}
+
+/* Room for the numbers of the vertices of any primitive. */
+static bool make_numbers(gltf_document *document)
+{
+	size_t most = 0;
+	for (uint32_t i = 0; i < document->tables[GLTF_ACCESSORS].count; i++) {
+		const gltf_accessor *accessor = &document->accessors[i];
+		if (!accessor->fault && accessor->components == 3 && accessor->count > most)
+			most = accessor->count;
+	}
+	document->numbers = document->numbers ? document->numbers : make_array(most, sizeof(uint32_t));
+	document->stamps = document->stamps ? document->stamps : calloc(most + 1, sizeof(uint32_t));
+	return document->numbers && document->stamps;
+}
+
+static bool add_primitive(reading *r, const cJSON *from)
+{
+	gltf_document *document = r->document;
+	primitive p = {.mode = mode_of(from)};
+	const char *fault;
+	if (p.mode < 0) {
+		scene_note(document->loader, r->name, "points and lines are not read");
+		return true;
+	}
+	if (!open_primitive(r, from, &p, &fault)) {
+		scene_note(document->loader, r->name, "parts of meshes are left out: %s", fault);
+		document->loader->meshes_broken = true;
+		return true;
+	}
+	if (!gltf_material_number(document, from, &p.material))
+		return false;
+	document->stamp++;
+	for (uint32_t t = 0; t < p.triangle_count; t++) {
+		if (!add_triangle(r, &p, t))
+			return false;
+	}
+	return true;
+}
+
+/* Corners are known, vertices are no more than those; memory that is not written is not taken either. */
+static bool make_room(engine_mesh *mesh, uint64_t corners)
+{
+	*mesh = (engine_mesh){.positions = make_array(corners, 3 * sizeof(float)),
+			      .indices = make_array(corners, sizeof(uint32_t)),
+			      .face_counts = make_array(corners / 3, sizeof(uint32_t)),
+			      .face_materials = make_array(corners / 3, sizeof(uint32_t))};
+	return mesh->positions && mesh->indices && mesh->face_counts && mesh->face_materials;
+}
+
+bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *node, const gltf_skin *skin,
+		    const char *name, engine_mesh *out)
+{
+	const cJSON *from, *weights = gltf_member(node, "weights");
+	reading r = {document, skin, weights ? weights : gltf_member(mesh, "weights"), name, out, 0};
+	if (!make_numbers(document) || !make_room(out, gltf_count_corners(document, mesh)))
+		return scene_fail(document->loader, "out of memory for meshes");
+	cJSON_ArrayForEach(from, gltf_member(mesh, "primitives"))
+	{
+		if (!add_primitive(&r, from))
+			return false;
+	}
+	scene_note_many(document->loader, r.left_out, name,
+			"faces with a corner that is not there, not finite or beyond 1e15 m are left out");
+	document->loader->meshes_broken = document->loader->meshes_broken || r.left_out > 0;
+	float *positions = realloc(out->positions, ((size_t)out->vertex_count + 1) * 3 * sizeof(float));
+	out->positions = positions ? positions : out->positions;
+	return true;
+}
+
+/* ---- skins ------------------------------------------------------------------------------------------------------- */
+
+static void multiply(const double a[16], const double b[16], double out[16])
+{
+	for (int column = 0; column < 4; column++) {
+		for (int row = 0; row < 4; row++) {
+			double sum = 0;
+			for (int k = 0; k < 4; k++)
+				sum += a[4 * k + row] * b[4 * column + k];
+			out[4 * column + row] = sum;
+		}
+	}
+}
+
+bool gltf_read_skin(gltf_document *document, int64_t number, gltf_skin *out, const char **fault)
+{
+	const cJSON *from = document->tables[GLTF_SKINS].items[number], *joints = gltf_member(from, "joints"), *joint;
+	const engine_scene_graph *graph = document->loader->scene->graph;
+	const gltf_accessor *inverse = NULL;
+	uint32_t count = (uint32_t)cJSON_GetArraySize(joints);
+	*out = (gltf_skin){.matrices = make_array(count, sizeof *out->matrices), .joint_count = count};
+	if (gltf_member(from, "inverseBindMatrices")) {
+		inverse =
+		    gltf_find_accessor(document, accessor_number(document, from, "inverseBindMatrices"), 16, fault);
+		if (!inverse || inverse->count < count)
+			return *fault = inverse ? "a skin has fewer matrices than joints" : *fault, false;
+	}
+	*fault = out->matrices ? "a skin has a joint that is no node" : "there is no memory for a skin";
+	for (joint = joints ? joints->child : NULL, count = 0; out->matrices && joint; joint = joint->next, count++) {
+		double bind[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+		double node = cJSON_IsNumber(joint) ? joint->valuedouble : -1;
+		if (!(node >= 0 && node < document->tables[GLTF_NODES].count))
+			return false;
+		if (inverse)
+			gltf_element(inverse, count, bind);
+		multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
+	}
+	return out->matrices != NULL && count > 0;
+}

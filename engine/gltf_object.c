@@ -1,0 +1,257 @@
+/* Objects of a glTF scene: the nodes that have a mesh, each instance of EXT_mesh_gpu_instancing one of its own. */
+#include "gltf_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An object takes as much as so many corners of a face. */
+enum { CORNERS_OF_OBJECT = 64 };
+
+/* ---- how much there will be -------------------------------------------------------------------------------------- */
+
+/* A file that holds its geometry once takes a byte or more a corner. One that places a mesh often may make more of it,
+ * but not without end: 4 million corners, or 64 a byte, are more than light can be computed for.
+ */
+uint64_t gltf_budget(const gltf_document *document)
+{
+	uint64_t budget = 64 * (uint64_t)document->bytes_read, least = 1u << 22, most = 1u << 27;
+	return budget < least ? least : budget > most ? most : budget;
+}
+
+static const char *const instance_properties[SCENE_PROPERTIES] = {"TRANSLATION", "ROTATION", "SCALE"};
+
+/* Attributes of a node's instances, or NULL. */
+static const cJSON *instance_attributes(const cJSON *node)
+{
+	return gltf_member(gltf_extension(node, "EXT_mesh_gpu_instancing"), "attributes");
+}
+
+static const gltf_accessor *instance_accessor(const gltf_document *document, const cJSON *attributes, int property)
+{
+	int64_t number = -1;
+	const char *fault;
+	if (!gltf_index(document, attributes, instance_properties[property], GLTF_ACCESSORS, &number))
+		return NULL;
+	return gltf_find_accessor(document, number, property == SCENE_ROTATION ? 4 : 3, &fault);
+}
+
+/* As many as the shortest of its lists; 1 for a node without. */
+static uint32_t count_instances(const gltf_document *document, const cJSON *node)
+{
+	const cJSON *attributes = instance_attributes(node);
+	uint32_t count = UINT32_MAX;
+	for (int property = 0; attributes && property < SCENE_PROPERTIES; property++) {
+		const gltf_accessor *accessor = instance_accessor(document, attributes, property);
+		if (accessor && accessor->count < count)
+			count = accessor->count;
+	}
+	return count < UINT32_MAX ? count : 1;
+}
+
+static uint64_t joints_of(const gltf_document *document, const cJSON *node)
+{
+	int64_t skin = -1;
+	if (!gltf_index(document, node, "skin", GLTF_SKINS, &skin) || skin < 0)
+		return 0;
+	return (uint64_t)cJSON_GetArraySize(gltf_member(document->tables[GLTF_SKINS].items[skin], "joints"));
+}
+
+/* Adds what a node's objects will take; false where it has none. */
+static bool count_node(const gltf_document *document, gltf_objects *objects, const cJSON *node)
+{
+	int64_t mesh = -1;
+	if (!gltf_index(document, node, "mesh", GLTF_MESHES, &mesh) || mesh < 0)
+		return false;
+	uint64_t instances = count_instances(document, node);
+	objects->uses[mesh] += 1;
+	objects->corners += instances * (objects->mesh_corners[mesh] + CORNERS_OF_OBJECT) + joints_of(document, node);
+	objects->node_count += instances > 1 || instance_attributes(node) ? (uint32_t)instances : 0;
+	return true;
+}
+
+bool gltf_count_objects(gltf_document *document, gltf_objects *objects)
+{
+	const gltf_table *nodes = &document->tables[GLTF_NODES], *meshes = &document->tables[GLTF_MESHES];
+	uint64_t budget = gltf_budget(document);
+	objects->mesh_corners = calloc((size_t)meshes->count + 1, sizeof *objects->mesh_corners);
+	objects->meshes = calloc((size_t)meshes->count + 1, sizeof *objects->meshes);
+	objects->uses = calloc((size_t)meshes->count + 1, sizeof *objects->uses);
+	if (!objects->mesh_corners || !objects->meshes || !objects->uses)
+		return scene_fail(document->loader, "out of memory for meshes");
+	for (uint32_t m = 0; m < meshes->count; m++)
+		objects->mesh_corners[m] = gltf_count_corners(document, meshes->items[m]);
+	objects->node_count = nodes->count + 1; /* one for what lies in world space */
+	for (uint32_t n = 0; n < nodes->count && objects->corners < UINT64_MAX / 2; n++)
+		count_node(document, objects, nodes->items[n]);
+	/* 24 bytes a corner while a mesh is read */
+	return objects->corners <= budget ||
+	       scene_fail(
+		   document->loader,
+		   "its nodes place so many copies of its meshes that they need %.3g GB (%llu corners of faces); "
+		   "from a file of this size at most %llu corners are read",
+		   24e-9 * (double)objects->corners, (unsigned long long)objects->corners, (unsigned long long)budget);
+}
+
+void gltf_free_objects(const gltf_document *document, gltf_objects *objects)
+{
+	for (uint32_t m = 0; objects->meshes && m < document->tables[GLTF_MESHES].count; m++)
+		engine_mesh_free(&objects->meshes[m]);
+	free(objects->mesh_corners);
+	free(objects->meshes);
+	free(objects->uses);
+	*objects = (gltf_objects){0};
+}
+
+/* ---- refinement -------------------------------------------------------------------------------------------------- */
+
+static void read_scheme(gltf_document *document, const cJSON *gi, scene_object_def *def)
+{
+	static const char *const schemes[] = {"bilinear", "catmull-clark", "loop"}; /* in the order of engine_scheme */
+	const char *text = gltf_text(gi, "scheme");
+	if (!gltf_member(gi, "scheme"))
+		return;
+	for (int i = 0; text && i < 3; i++) {
+		if (strcmp(text, schemes[i]) == 0) {
+			def->scheme = (engine_scheme)i;
+			def->pair_triangles = def->scheme != ENGINE_SCHEME_LOOP;
+			return;
+		}
+	}
+	scene_note(document->loader, def->name,
+		   "extras.gi.scheme other than \"catmull-clark\", \"loop\" or \"bilinear\" is taken as bilinear");
+}
+
+static void read_levels(gltf_document *document, const cJSON *gi, scene_object_def *def)
+{
+	double levels = 0;
+	bool sound = gltf_number(gi, "levels", &levels);
+	def->levels = (uint32_t)fmax(0, fmin(levels, ENGINE_SCENE_MAX_LEVELS));
+	if (!sound || levels != def->levels)
+		scene_note(document->loader, def->name,
+			   "extras.gi.levels that are no whole number of 0 to %d are cut to it",
+			   ENGINE_SCENE_MAX_LEVELS);
+}
+
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
+
+/* The mesh as a node without skin and weights of its own has it: read once, then copied, handed over at last. */
+static bool shared_mesh(gltf_document *document, gltf_objects *objects, int64_t number, bool last, const char *name,
+			engine_mesh *out)
+{
+	engine_mesh *kept = &objects->meshes[number];
+	if (!kept->positions &&
+	    !gltf_read_mesh(document, document->tables[GLTF_MESHES].items[number], NULL, NULL, name, kept))
+		return false;
+	if (last) {
+		*out = *kept;
+		*kept = (engine_mesh){0};
+		return true;
+	}
+	return engine_mesh_copy(kept, out) || scene_fail(document->loader, "out of memory for meshes");
+}
+
+/* In world space, as the joints are at rest; the node's own place does not count then. */
+static bool skinned_mesh(gltf_document *document, const cJSON *node, const cJSON *mesh, int64_t number,
+			 scene_object_def *def, engine_mesh *out)
+{
+	gltf_skin skin = {0};
+	const char *fault;
+	bool sound = gltf_read_skin(document, number, &skin, &fault);
+	if (sound) {
+		scene_note(document->loader, def->name, "skins are read as they are at rest");
+		def->node = document->loader->scene->graph->node_count - 1;
+	} else {
+		scene_note(document->loader, def->name, "skins are left out: %s", fault);
+	}
+	bool read = gltf_read_mesh(document, mesh, node, sound ? &skin : NULL, def->name, out);
+	free(skin.matrices);
+	return read;
+}
+
+/* ---- objects ----------------------------------------------------------------------------------------------------- */
+
+/* Gives node `to` the place of an instance below its node. */
+static void place_instance(gltf_document *document, const cJSON *attributes, uint32_t instance, int32_t parent,
+			   scene_node *to)
+{
+	double *const values[SCENE_PROPERTIES] = {to->translation, to->rotation, to->scale};
+	to->parent = parent;
+	for (int property = 0; property < SCENE_PROPERTIES; property++) {
+		const gltf_accessor *accessor = instance_accessor(document, attributes, property);
+		if (accessor)
+			gltf_element(accessor, instance, values[property]);
+	}
+	double *q = to->rotation, length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+	for (int c = 0; c < 4; c++)
+		q[c] /= length; /* of length 0: no pose, and left out with those of scale 0 */
+}
+
+static bool add_instances(gltf_document *document, gltf_objects *objects, const cJSON *from, int64_t mesh,
+			  scene_object_def *def)
+{
+	engine_scene_graph *graph = document->loader->scene->graph;
+	uint32_t count = count_instances(document, from), node = def->node;
+	bool last_use = --objects->uses[mesh] == 0, added = true;
+	for (uint32_t i = 0; i < count && added; i++) {
+		engine_mesh copy = {0};
+		added = shared_mesh(document, objects, mesh, last_use && i + 1 == count, def->name, &copy);
+		if (instance_attributes(from)) {
+			def->node = objects->next_node++;
+			graph->order[graph->order_count++] = def->node;
+			place_instance(document, instance_attributes(from), i, (int32_t)node, &graph->nodes[def->node]);
+		}
+		added = added && scene_add_object(document->loader, def, &copy);
+		engine_mesh_free(&copy);
+	}
+	return added;
+}
+
+static bool add_one(gltf_document *document, const cJSON *from, int64_t mesh, int64_t skin, scene_object_def *def)
+{
+	const cJSON *from_mesh = document->tables[GLTF_MESHES].items[mesh];
+	engine_mesh own = {0};
+	bool read = skin >= 0 ? skinned_mesh(document, from, from_mesh, skin, def, &own)
+			      : gltf_read_mesh(document, from_mesh, from, NULL, def->name, &own);
+	read = read && scene_add_object(document->loader, def, &own);
+	engine_mesh_free(&own);
+	return read;
+}
+
+static bool read_object(gltf_document *document, gltf_objects *objects, uint32_t node)
+{
+	const cJSON *from = document->tables[GLTF_NODES].items[node];
+	int64_t mesh = -1, skin = -1;
+	const char *name = gltf_text(from, "name");
+	if (!gltf_index(document, from, "mesh", GLTF_MESHES, &mesh) ||
+	    !gltf_index(document, from, "skin", GLTF_SKINS, &skin)) {
+		scene_note(document->loader, name, "meshes or skins that the file does not hold are left out");
+		document->loader->meshes_broken = true;
+	}
+	if (mesh < 0)
+		return true;
+	/* Exporters that leave nodes unnamed tend to name meshes. */
+	scene_object_def def = {.name = name ? name : gltf_text(document->tables[GLTF_MESHES].items[mesh], "name"),
+				.node = node};
+	const cJSON *gi = gltf_member(gltf_member(from, "extras"), "gi");
+	read_scheme(document, gi, &def);
+	read_levels(document, gi, &def);
+	if (skin >= 0 || gltf_member(from, "weights")) {
+		objects->uses[mesh]--;
+		return add_one(document, from, mesh, skin, &def);
+	}
+	return add_instances(document, objects, from, mesh, &def);
+}
+
+bool gltf_read_objects(gltf_document *document, gltf_objects *objects, const bool *in_scene)
+{
+	scene_mark_moving(document->loader->scene->graph);
+	scene_pose_graph(document->loader->scene->graph, NULL); /* for skins */
+	objects->next_node = document->tables[GLTF_NODES].count;
+	for (uint32_t n = 0; n < document->tables[GLTF_NODES].count; n++) {
+		if (in_scene[n] && !read_object(document, objects, n))
+			return false;
+	}
+	document->loader->scene->graph->posed = false; /* instances came */
+	return true;
+}

@@ -1,0 +1,258 @@
+#include "scene_polygons.h"
+
+#include "mesh_clean.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void *scene_array_add(scene_array *array, size_t item_size)
+{
+	if (array->count == array->capacity) {
+		size_t capacity = array->capacity ? 2 * array->capacity : 16;
+		void *grown = array->count < SCENE_MOST_ITEMS ? realloc(array->items, capacity * item_size) : NULL;
+		if (!grown)
+			return NULL;
+		array->items = grown;
+		array->capacity = capacity;
+	}
+	return (char *)array->items + array->count++ * item_size;
+}
+
+void scene_polygons_free(scene_polygons *polygons)
+{
+	free(polygons->vertices.items);
+	free(polygons->corners.items);
+	free(polygons->faces.items);
+	*polygons = (scene_polygons){0};
+}
+
+/* ---- vertices and faces ------------------------------------------------------------------------------------------ */
+
+const char *scene_position_fault(const double position[3])
+{
+	for (int k = 0; k < 3; k++) {
+		if (!isfinite(position[k]))
+			return "is not finite";
+		if (fabs(position[k]) > (double)ENGINE_MESH_FARTHEST)
+			return "is beyond 1e15 m";
+	}
+	return NULL;
+}
+
+void scene_linear_color(const double srgb[3], float linear[3])
+{
+	for (int c = 0; c < 3; c++) {
+		double v = fmin(fmax(srgb[c], 0), 1);
+		linear[c] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+	}
+}
+
+/* The mean of the colours of the corners, where all have one. */
+static void color_by_vertices(const scene_polygons *polygons, scene_polygon *face)
+{
+	const scene_vertex *vertices = polygons->vertices.items;
+	const uint32_t *corners = (uint32_t *)polygons->corners.items + polygons->corners.count - face->corners;
+	double sum[3] = {0};
+	for (uint32_t i = 0; i < face->corners; i++) {
+		/* A PLY may hold its faces before its vertices; those have no colour then. */
+		if (corners[i] >= polygons->vertices.count || !vertices[corners[i]].colored)
+			return;
+		for (int c = 0; c < 3; c++)
+			sum[c] += (double)vertices[corners[i]].color[c];
+	}
+	face->colored = true;
+	for (int c = 0; c < 3; c++)
+		face->color[c] = (float)(sum[c] / face->corners);
+}
+
+scene_polygon *scene_add_polygon(scene_polygons *polygons, uint32_t corners)
+{
+	scene_polygon *face = scene_array_add(&polygons->faces, sizeof *face);
+	if (!face)
+		return NULL;
+	*face = (scene_polygon){.corners = corners, .material = SCENE_NO_MATERIAL};
+	if (corners >= 3) {
+		color_by_vertices(polygons, face);
+		return face;
+	}
+	polygons->corners.count -= corners; /* a point or a line */
+	polygons->faces.count--;
+	polygons->small_faces++;
+	return face;
+}
+
+/* ---- objects ----------------------------------------------------------------------------------------------------- */
+
+/* The faces sorted by group: those of group g are sorted[first[g]] to sorted[first[g + 1] - 1], in the file's order. */
+typedef struct grouping {
+	uint32_t *first;  /* groups + 1 */
+	uint32_t *sorted; /* faces */
+	uint32_t *corner; /* faces: where the corners of each start */
+	uint32_t *number; /* vertices: their number in the mesh of the group in `owner` */
+	uint32_t *owner;  /* vertices: the group that used them last, plus 1 */
+	double offset[3]; /* taken off all positions before they become floats */
+} grouping;
+
+static void free_grouping(grouping *g)
+{
+	free(g->first);
+	free(g->sorted);
+	free(g->corner);
+	free(g->number);
+	free(g->owner);
+}
+
+static bool make_grouping(const scene_polygons *polygons, uint32_t group_count, grouping *g)
+{
+	size_t faces = polygons->faces.count, vertices = polygons->vertices.count;
+	*g = (grouping){.first = calloc((size_t)group_count + 2, sizeof(uint32_t)),
+			.sorted = calloc(faces + 1, sizeof(uint32_t)),
+			.corner = calloc(faces + 1, sizeof(uint32_t)),
+			.number = calloc(vertices + 1, sizeof(uint32_t)),
+			.owner = calloc(vertices + 1, sizeof(uint32_t))};
+	if (!g->first || !g->sorted || !g->corner || !g->number || !g->owner)
+		return false;
+	const scene_polygon *face = polygons->faces.items;
+	for (size_t f = 0; f < faces; f++)
+		g->first[face[f].group + 2]++;
+	for (size_t k = 2; k < (size_t)group_count + 2; k++)
+		g->first[k] += g->first[k - 1];
+	uint32_t corner = 0;
+	for (size_t f = 0; f < faces; corner += face[f++].corners) {
+		g->corner[f] = corner;
+		g->sorted[g->first[face[f].group + 1]++] = (uint32_t)f; /* leaves first[] one place further down */
+	}
+	return true;
+}
+
+static size_t count_corners(const scene_polygons *polygons, const grouping *g, uint32_t group)
+{
+	const scene_polygon *faces = polygons->faces.items;
+	size_t corners = 0;
+	for (uint32_t k = g->first[group]; k < g->first[group + 1]; k++)
+		corners += faces[g->sorted[k]].corners;
+	return corners;
+}
+
+static bool allocate_mesh(engine_mesh *mesh, size_t faces, size_t corners)
+{
+	*mesh = (engine_mesh){.positions = malloc(3 * (corners + 1) * sizeof(float)),
+			      .face_counts = malloc((faces + 1) * sizeof(uint32_t)),
+			      .face_materials = malloc((faces + 1) * sizeof(uint32_t)),
+			      .indices = malloc((corners + 1) * sizeof(uint32_t))};
+	return mesh->positions && mesh->face_counts && mesh->face_materials && mesh->indices;
+}
+
+/* The vertex's number in the group's mesh, where it is added when it comes first. */
+static uint32_t take_vertex(const scene_polygons *polygons, grouping *g, uint32_t group, uint32_t vertex,
+			    engine_mesh *mesh)
+{
+	if (g->owner[vertex] != group + 1) {
+		const scene_vertex *from = (scene_vertex *)polygons->vertices.items + vertex;
+		for (int k = 0; k < 3; k++)
+			mesh->positions[3 * (size_t)mesh->vertex_count + (size_t)k] =
+			    (float)(from->position[k] - g->offset[k]);
+		g->owner[vertex] = group + 1;
+		g->number[vertex] = mesh->vertex_count++;
+	}
+	return g->number[vertex];
+}
+
+static void take_face(const scene_polygons *polygons, grouping *g, uint32_t f, engine_mesh *mesh)
+{
+	const scene_polygon *face = (scene_polygon *)polygons->faces.items + f;
+	const uint32_t *corners = (uint32_t *)polygons->corners.items + g->corner[f];
+	for (uint32_t i = 0; i < face->corners; i++)
+		mesh->indices[mesh->index_count++] = take_vertex(polygons, g, face->group, corners[i], mesh);
+	mesh->face_counts[mesh->face_count] = face->corners;
+	mesh->face_materials[mesh->face_count++] = face->material;
+}
+
+static bool add_group(scene_loader *loader, const scene_polygons *polygons, grouping *g, uint32_t group,
+		      const char *name)
+{
+	scene_object_def def = {.name = name, .offset = {g->offset[0], g->offset[1], g->offset[2]}};
+	engine_mesh mesh;
+	uint32_t faces = g->first[group + 1] - g->first[group];
+	if (faces == 0)
+		return true;
+	if (!allocate_mesh(&mesh, faces, count_corners(polygons, g, group))) {
+		engine_mesh_free(&mesh);
+		return scene_fail(loader, "out of memory for an object of %u faces", faces);
+	}
+	for (uint32_t k = g->first[group]; k < g->first[group + 1]; k++)
+		take_face(polygons, g, g->sorted[k], &mesh);
+	return scene_add_object(loader, &def, &mesh);
+}
+
+/* Whole numbers near the middle of the vertices that faces use, or 0 where floats keep the digits without that: map
+ * coordinates have seven digits before the point. Small scenes far out (1 m at 1 km and more) gain too.
+ */
+static void find_offset(const scene_polygons *polygons, double offset[3])
+{
+	const scene_vertex *vertices = polygons->vertices.items;
+	const uint32_t *corners = polygons->corners.items;
+	double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+	double size = 0, farthest = 0;
+	for (size_t i = 0; i < polygons->corners.count; i++) {
+		for (int k = 0; k < 3; k++) {
+			lower[k] = fmin(lower[k], vertices[corners[i]].position[k]);
+			upper[k] = fmax(upper[k], vertices[corners[i]].position[k]);
+		}
+	}
+	for (int k = 0; k < 3; k++) {
+		offset[k] = rint(0.5 * (lower[k] + upper[k]));
+		size = fmax(size, upper[k] - lower[k]);
+		farthest = fmax(farthest, fabs(offset[k]));
+	}
+	if (farthest <= 64 * size)
+		memset(offset, 0, 3 * sizeof *offset);
+}
+
+static bool add_groups(scene_loader *loader, const scene_polygons *polygons, const char *const *names,
+		       uint32_t group_count)
+{
+	grouping g;
+	bool added = make_grouping(polygons, group_count, &g);
+	if (!added)
+		scene_fail(loader, "out of memory for %zu faces", polygons->faces.count);
+	else
+		find_offset(polygons, g.offset);
+	for (uint32_t group = 0; added && group < group_count; group++)
+		added = add_group(loader, polygons, &g, group, names[group]);
+	free_grouping(&g);
+	return added;
+}
+
+/* Materials of faces that a file gives none: by colour, or grey. */
+static bool number_materials(scene_loader *loader, scene_polygons *polygons)
+{
+	scene_polygon *faces = polygons->faces.items;
+	uint32_t white = SCENE_NO_MATERIAL;
+	for (size_t f = 0; f < polygons->faces.count; f++) {
+		if (faces[f].material != SCENE_NO_MATERIAL)
+			continue;
+		if (faces[f].colored && white == SCENE_NO_MATERIAL) {
+			white = loader->scene->material_count;
+			engine_scene_material *material = scene_add_material(loader, "(colour)");
+			if (!material)
+				return false;
+			material->rho[0] = material->rho[1] = material->rho[2] = 1;
+		}
+		if (!(faces[f].colored ? scene_tinted_material(loader, white, faces[f].color, &faces[f].material)
+				       : scene_default_material(loader, &faces[f].material)))
+			return false;
+	}
+	return true;
+}
+
+bool scene_add_polygons(scene_loader *loader, scene_polygons *polygons, const char *const *names, uint32_t group_count)
+{
+	scene_note_many(loader, polygons->small_faces, NULL, "faces of fewer than three corners are left out");
+	if (polygons->faces.count == 0)
+		return scene_fail(loader, "holds no faces");
+	/* Both formats place their objects in world space: one node at the origin serves all. */
+	return scene_make_graph(loader, 1) && number_materials(loader, polygons) &&
+	       add_groups(loader, polygons, names, group_count);
+}

@@ -1,0 +1,62 @@
+/* What OBJ and PLY files hold, before it becomes objects: vertices in double precision, polygons of them, colours. */
+#ifndef ENGINE_SCENE_POLYGONS_H
+#define ENGINE_SCENE_POLYGONS_H
+
+#include "scene_internal.h"
+
+/* A face without a material: by its colour, where it has one, else the default material. */
+#define SCENE_NO_MATERIAL UINT32_MAX
+
+/* Below 2^30, so that three numbers for each still count in 32 bits wherever they go. */
+#define SCENE_MOST_ITEMS (1u << 30)
+
+/* An array that grows by doubling, so that memory follows what a file holds and not what it states. */
+typedef struct scene_array {
+	void *items;
+	size_t count, capacity;
+} scene_array;
+
+/* Room for one more item at the end, counted; NULL: out of memory or SCENE_MOST_ITEMS reached. */
+void *scene_array_add(scene_array *array, size_t item_size);
+
+typedef struct scene_polygon {
+	uint32_t corners;  /* how many; they follow those of the polygon before, in scene_polygons.corners */
+	uint32_t group;    /* which object it becomes a part of */
+	uint32_t material; /* the scene's number, or SCENE_NO_MATERIAL */
+	bool colored;
+	float color[3]; /* reflectance, linear */
+} scene_polygon;
+
+typedef struct scene_vertex {
+	double position[3]; /* metres, finite */
+	bool colored;
+	float color[3]; /* reflectance, linear */
+} scene_vertex;
+
+typedef struct scene_polygons {
+	scene_array vertices; /* scene_vertex */
+	scene_array corners;  /* uint32_t, numbers of vertices */
+	scene_array faces;    /* scene_polygon */
+	uint32_t small_faces; /* of fewer than three corners, dropped */
+} scene_polygons;
+
+void scene_polygons_free(scene_polygons *polygons);
+
+/* What is wrong with a position ("is not finite"), or NULL. */
+const char *scene_position_fault(const double position[3]);
+
+/* The reflectance that a displayed colour stands for: sRGB (IEC 61966-2-1), each 0..1, to linear. */
+void scene_linear_color(const double srgb[3], float linear[3]);
+
+/* Makes a face of the last `corners` of polygons->corners, or takes them off again where they are fewer than three.
+ * Its color is the mean of its vertices', where all have one. NULL: out of memory. A pointer to a face that is dropped
+ * is good until the next call.
+ */
+scene_polygon *scene_add_polygon(scene_polygons *polygons, uint32_t corners);
+
+/* Makes the scene's objects: one for each group that has faces, in the order of the groups, named names[group] (NULL or
+ * empty: numbered). All corners must number vertices. Faces without a material get one of their colour, or the default.
+ */
+bool scene_add_polygons(scene_loader *loader, scene_polygons *polygons, const char *const *names, uint32_t group_count);
+
+#endif

@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Plays scene files as they come: turned faces, closed rooms, materials and shapes that not every reader takes.
+
+    test_scene_files.py FOLDER_OF_PROGRAMS SOURCE_FOLDER
+
+The files are written here; where ../shared/cases is, its files are played too. Ends with the lines that cmocka writes,
+for scripts/test to count.
+"""
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.append(os.path.join(os.path.dirname(__file__), ".."))
+import fields
+import headless
+
+PROGRAMS, SOURCE = sys.argv[1], sys.argv[2]
+CASES = os.path.join(SOURCE, "..", "shared", "cases")
+SMALL = ["--context", headless.CONTEXT, "--size", "32x32", "--frames", "1"]
+
+MATERIALS = """newmtl wall
+Kd 0.7 0.7 0.7
+newmtl lamp
+Kd 0.5 0.5 0.5
+Ke 10 10 10
+"""
+
+# Corners of a box: x runs fastest, then y, then z. Faces look inward.
+WALLS = ["1 2 4 3", "7 8 6 5", "5 6 2 1", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+
+
+def room(walls, width=3, height=2, depth=4, lamp="9 10 11 12"):
+    """A box of rho 0.7 with a lamp of 0.5 m2 below its ceiling, as an OBJ."""
+    lines = ["mtllib room.mtl"]
+    for corner in range(8):
+        lines.append("v %g %g %g" % (corner % 2 * width, corner // 2 % 2 * height, corner // 4 * depth))
+    for x, z in ((1, 1), (2, 1), (2, 1.5), (1, 1.5)):
+        lines.append("v %g %g %g" % (x, 0.95 * height, z))
+    return "\n".join(lines + ["o room", "usemtl wall"] + ["f " + wall for wall in walls] +
+                     ["o lamp", "usemtl lamp", "f " + lamp]) + "\n"
+
+
+def turned(wall):
+    return " ".join(reversed(wall.split()))
+
+
+class SceneFiles(unittest.TestCase):
+    def setUp(self):
+        self.began = time.monotonic()
+        self.holder = tempfile.TemporaryDirectory()
+        self.folder = self.holder.name
+        self.path("room.mtl", MATERIALS)
+
+    def tearDown(self):
+        print("%.1f s " % (time.monotonic() - self.began), end="")
+        self.holder.cleanup()
+
+    def path(self, name, text=None):
+        path = os.path.join(self.folder, name)
+        if text is not None:
+            with open(path, "w") as file:
+                file.write(text)
+        return path
+
+    def play(self, scene, *arguments, code=0):
+        """What it says on stderr."""
+        done = subprocess.run([os.path.join(PROGRAMS, "gi_play"), scene, "--field", self.path("f%d.ply"), "--images",
+                               self.path("p%d.png"), *SMALL, *arguments], capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, code, (scene, done.stderr))
+        return done.stderr
+
+    def light(self, of=lambda face: True):
+        return fields.mean_radiosity(self.path("f0.ply"), of)
+
+    def walls(self):
+        return self.light(lambda face: face["object"] == 0)
+
+    def picture(self):
+        """Mean value of the picture's bytes, 0 to 255: nothing lit gives 0."""
+        import struct
+        import zlib
+        with open(self.path("p0.png"), "rb") as file:
+            data = file.read()
+        at, packed = 8, b""
+        while at < len(data):
+            size, kind = struct.unpack(">I4s", data[at:at + 8])
+            packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+            at += 12 + size
+        return sum(zlib.decompress(packed)) / 3072
+
+    def test_turned_faces_are_turned_back(self):
+        self.play(self.path("right.obj", room(WALLS)), "--leaf-size", "0.5")
+        right = self.walls()
+        for wrong in ([3], [0, 4], [0, 1, 2, 3, 4, 5]):
+            walls = [turned(wall) if k in wrong else wall for k, wall in enumerate(WALLS)]
+            told = self.play(self.path("turned.obj", room(walls)), "--leaf-size", "0.5")
+            found = self.walls()
+            print("walls %s turned: B %.4f of %.4f W/m2" % (wrong, found[1], right[1]))
+            self.assertIn("%d faces are lit from behind alone and are turned round" % len(wrong), told)
+            self.assertAlmostEqual(found[1], right[1], delta=0.002 * right[1])
+            self.assertGreater(self.picture(), 20)
+            self.play(self.path("turned.obj", room(walls)), "--leaf-size", "0.5", "--two-sided=off")
+            self.assertLess(self.walls()[1], 0.9 * right[1])
+
+    def test_two_sides_for_all(self):
+        self.play(self.path("right.obj", room(WALLS)), "--leaf-size", "0.5")
+        right = self.walls()
+        walls = [turned(WALLS[0])] + WALLS[1:]
+        told = self.play(self.path("turned.obj", room(walls)), "--leaf-size", "0.5", "--two-sided")
+        inside = self.light(lambda face: face["object"] == 0 and face["b_g"] > 0)
+        print("two sides for all: inside B %.4f of %.4f W/m2" % (inside[1], right[1]))
+        self.assertAlmostEqual(inside[0], right[0], delta=1e-3 * right[0])
+        self.assertAlmostEqual(inside[1], right[1], delta=0.01 * right[1])
+        self.assertIn("the camera stands where light falls", told)
+        self.assertGreater(self.picture(), 20)
+
+    def test_right_rooms_stay_as_they_are(self):
+        self.assertEqual(self.play(self.path("right.obj", room(WALLS))), "")
+        self.assertGreater(self.picture(), 20)
+
+    def test_a_bad_choice_of_sides_is_told(self):
+        done = subprocess.run([os.path.join(PROGRAMS, "gi_play"), "x.obj", "--two-sided=maybe"], capture_output=True,
+                              text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("must be on, off or auto", done.stderr)
+
+    def test_white_is_told_once(self):
+        self.path("room.mtl", MATERIALS.replace("Kd 0.5 0.5 0.5", "Kd 1 1 1"))
+        told = self.play(self.path("white.obj", room(WALLS)))
+        self.assertEqual(told.count("0.98"), 1, told)
+        self.path("room.mtl", MATERIALS + "newmtl spare\nKd 1 1 1\n")
+        self.assertEqual(self.play(self.path("white.obj", room(WALLS))), "")
+
+    def test_concave_faces_keep_their_area(self):
+        # An L of 3 m2 under a sky of 1 W/m2: B is rho, everywhere.
+        text = "v 0 0 0\nv 2 0 0\nv 2 0 -1\nv 1 0 -1\nv 1 0 -2\nv 0 0 -2\nf 4 5 6 1 2 3\n"
+        for more in ([], ["--leaf-size", "0.25"]):
+            self.play(self.path("l.obj", text), "--sky", "1", *more)
+            area, radiosity = self.light()
+            print("L of 3 m2 %s: %.6f m2, B %.5f of 0.5" % (" ".join(more), area, radiosity))
+            self.assertAlmostEqual(area, 3, delta=1e-5)
+            self.assertAlmostEqual(radiosity, 0.5, delta=1e-3)
+
+    def test_map_coordinates(self):
+        self.play(self.path("here.obj", room(WALLS)), "--leaf-size", "0.5")
+        here = self.walls()
+        lines = [line if not line.startswith("v ") else "v %.4f %.4f %.4f" % tuple(
+            float(x) + shift for x, shift in zip(line.split()[1:], (500000.5, 30, 5800000.25)))
+            for line in room(WALLS).splitlines()]
+        told = self.play(self.path("map.obj", "\n".join(lines) + "\n"), "--leaf-size", "0.5")
+        there = self.walls()
+        print("the room at 500 km, 5,800 km: area %.5f of %.5f, B %.5f of %.5f" %
+              (there[0], here[0], there[1], here[1]))
+        self.assertIn("far from the origin", told)
+        self.assertAlmostEqual(there[0], here[0], delta=1e-3)
+        self.assertAlmostEqual(there[1], here[1], delta=0.005 * here[1])
+
+    # What each file says, and how much of it there is: area of an object, m2, and B, W/m2, where the file is about it.
+    CASES = {
+        "g_texture_white_factor.gltf": ("0.98", None), "g_scale_zero.gltf": ("scale is 0", 2),
+        "g_shear.gltf": ("", 3), "g_equal_times.gltf": ("equal times", 3), "g_instancing.gltf": ("", 5),
+        "g_point_light_and_lamp.gltf": ("KHR_lights_punctual", 2), "g_alpha_zero.gltf": ("let light through", 2),
+        "g_metal.gltf": ("metals are taken as diffuse", 2), "g_orthographic.gltf": ("orthographic", 2),
+        "g_no_mesh.gltf": ("holds no faces", 0), "g_emissive_texture_black.gltf": ("read as their mean", 2),
+        "g_skin_scale.gltf": ("skins are read as they are at rest", 3), "g_all_two_sides.gltf": ("where light falls", 2),
+        "flipped.obj": ("turned round", 2), "white_kd.obj": ("0.98", 2), "unused_white.obj": ("", 2),
+    }
+
+    def test_files_of_the_cases(self):
+        if not os.path.isdir(CASES):
+            self.skipTest("../shared/cases is not there")
+        for name, (says, objects) in self.CASES.items():
+            told = self.play(os.path.join(CASES, name))
+            self.assertLessEqual(told.count("\n"), 1, (name, told))
+            self.assertIn(says, told) if says else self.assertEqual(told, "", name)
+            faces = fields.read_ply(self.path("f0.ply"))[1]
+            if objects is not None:
+                self.assertEqual(len({face["object"] for face in faces}), objects, name)
+            if objects:
+                self.assertGreater(self.picture(), 5, name)
+        self.play(os.path.join(CASES, "ushape.obj"), "--sky", "1")
+        self.assertAlmostEqual(self.light()[0], 7, delta=1e-5)
+        self.play(os.path.join(CASES, "g_skin_scale.gltf"))
+        area = self.light(lambda face: face["object"] == 2)[0]
+        print("skinned cube: %.5f of 0.96 m2" % area)
+        self.assertAlmostEqual(area, 0.96, delta=1e-4)
+        for name in ("slow_chain_1object.gltf", "amplify_small.gltf"):
+            began = time.monotonic()
+            self.play(os.path.join(CASES, "hostile", name), code=1 if "amplify" in name else 0)
+            print("%s: %.2f s" % (name, time.monotonic() - began))
+
+
+def main():
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(SceneFiles)
+    result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
+    failed, skipped = len(result.failures) + len(result.errors), len(result.skipped)
+    print("[  PASSED  ] %d test(s)." % (result.testsRun - failed - skipped))
+    if skipped:
+        print("[  SKIPPED ] %d test(s), listed above." % skipped)
+    if failed:
+        print("[  FAILED  ] %d test(s), listed above." % failed)
+    return 1 if failed else 0
+
+
+sys.exit(main())
