@@ -55,7 +55,7 @@ static gltf_view place_view(const gltf_document *document, const cJSON *from)
 	    !gltf_size(from, "byteStride", &view.stride))
 		return view;
 	const gltf_buffer *buffer = &document->buffers[number];
-	if (offset <= buffer->size && view.size <= buffer->size - offset)
+	if (buffer->bytes && offset <= buffer->size && view.size <= buffer->size - offset)
 		view.bytes = buffer->bytes + offset;
 	return view;
 }
