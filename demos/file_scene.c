@@ -264,8 +264,8 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 	}
 	frame_everything(f);
 	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
-		fprintf(stderr, "%s: %s: nothing lit is seen from outside; the camera stands where light falls\n", f->program,
-			path);
+		fprintf(stderr, "%s: %s: nothing lit is seen from outside; the camera stands where light falls\n",
+			f->program, path);
 	return true;
 }
 

@@ -1,8 +1,8 @@
 /* The container of a glTF 2.0 file: JSON, buffers and accessors, every number checked before it is used.
  *
- * Why not assimp: Debian 12's 5.2.5 does not know KHR_materials_emissive_strength, plays STEP and CUBICSPLINE keys as if
- * they were linear, addresses animated nodes by name (glTF names need not be unique), and trusts offsets and counts of
- * the file. cJSON (MIT, one file, Debian's libcjson-dev) is what that needs and no more.
+ * Why not assimp: Debian 12's 5.2.5 does not know KHR_materials_emissive_strength, plays STEP and CUBICSPLINE keys as
+ * if they were linear, addresses animated nodes by name (glTF names need not be unique), and trusts offsets and counts
+ * of the file. cJSON (MIT, one file, Debian's libcjson-dev) is what that needs and no more.
  */
 #ifndef ENGINE_GLTF_DOCUMENT_H
 #define ENGINE_GLTF_DOCUMENT_H

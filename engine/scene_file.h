@@ -1,19 +1,30 @@
 /* Scenes from files: glTF 2.0 (.gltf, .glb), OBJ and PLY, as plain structs in metres, watts and seconds.
  *
- * glTF   Every node of the scene that has a mesh is an object, in node order; all its primitives become one mesh.
- *        baseColorFactor is rho (linear), emissiveFactor * KHR_materials_emissive_strength is the radiance L; textures
- *        are not read. The node's extras.gi = {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses
- * the refinement. glTF has triangles only: where extras.gi.scheme says catmull-clark or bilinear, pairs of triangles
- *        that were a quad are put together again (see engine_mesh_pair_triangles); without it triangles stay.
- *        All animations of a file play together from 0 s; of two for one property of a node the first counts.
+ * glTF   Every node of the scene that has a mesh is an object, in node order, and every instance of
+ *        EXT_mesh_gpu_instancing one of its own; all primitives of a mesh become one. baseColorFactor times COLOR_0 is
+ *        rho (linear), emissiveFactor times the mean of emissiveTexture times KHR_materials_emissive_strength the
+ *        radiance L. Skins and morph targets stand as at rest. The node's extras.gi = {"scheme": "catmull-clark" |
+ *        "loop" | "bilinear", "levels": n} chooses the refinement. glTF has triangles only: where extras.gi.scheme says
+ *        catmull-clark or bilinear, pairs of triangles that were a quad are put together again (see
+ *        engine_mesh_pair_triangles); without it triangles stay. All animations of a file play together from 0 s; of
+ *        two for one property of a node the first counts.
  * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke times the
  *        mean of map_Ke the radiance.
  * PLY    One object; triangle strips too.
  *        In both, colours of vertices or faces (sRGB) are the rho of faces that have no material.
  *
- * Faces without any material, and glTF materials without a base colour, have rho 0.5. A file that states rho 1 is
- * refused: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room). In all
- * of them vertices of equal position are one vertex, and faces without area are dropped and counted in `warning`.
+ * In all of them:
+ * - Faces without any material, and glTF materials without a base colour, have rho 0.5. A rho of 1 or more becomes
+ * 0.98: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room).
+ * - Vertices of equal position are one; faces without area are dropped; those that are not convex, or have a hole
+ * joined to their rim, are cut into triangles of the same area.
+ * - A transform that shears is baked into the mesh; an object whose scale is 0 is left out, for as long as that lasts.
+ * - Faces whose material lets more than half of the light through (alpha) are left out.
+ * - A scene far from the origin, in the coordinates of a map, is moved to its middle in double precision.
+ * - What is broken costs itself alone: a face, an object, an animated property, a colour. A file is refused when it is
+ *   cut off, when nothing of it can be used, and when it makes more of its bytes than there could be light for.
+ * - Only regular files are opened, and only in the folder of the scene and below it.
+ * All that is left out or mended is in `warning`, once a kind, with a count and where it was found first.
  */
 #ifndef ENGINE_SCENE_FILE_H
 #define ENGINE_SCENE_FILE_H
@@ -91,7 +102,8 @@ bool engine_scene_load(const char *path, engine_scene *scene, char *message, siz
 void engine_scene_free(engine_scene *scene);
 
 /* The object's pose at time_s through its animated parents; times outside 0..duration_s show the first or last key
- * (loop in the caller). False, with *pose unchanged, where the pose is singular or sheared.
+ * (loop in the caller). False, with *pose unchanged, where it has none: the scale is 0 (object->vanishes), or mirrors
+ * other than at rest. Not for two threads at once: the scene keeps where its nodes are at the last time asked for.
  */
 bool engine_scene_pose(const engine_scene *scene, uint32_t object, double time_s, engine_pose *pose);
 

@@ -2,12 +2,6 @@
 #ifndef TESTS_UNIT_GLTF_FILES_H
 #define TESTS_UNIT_GLTF_FILES_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "scene_files.h"
 
 /* scene.bin: what all the glTF files here take their numbers from. Offsets in bytes stand beside the fields. */
