@@ -3,6 +3,7 @@
 #include "figure.h"
 #include "file_inside.h"
 #include "file_sides.h"
+#include "options.h"
 
 #include <cglm/cglm.h>
 
@@ -221,16 +222,16 @@ static void add_told(objects_told *told, bool is_one, const char *name)
 static void tell(const file_scene *f, const char *path, const objects_told *told, const char *what)
 {
 	if (told->count)
-		fprintf(stderr, "%s: %s: %s (%u, first: \"%s\")\n", f->program, path, what, told->count, told->first);
+		options_say(f->program, "%s: %s (%u, first: \"%s\")", path, what, told->count, told->first);
 }
 
 static void warn(const file_scene *f, const char *path)
 {
 	objects_told sized = {0}, mixed = {0};
 	if (f->scene.warning[0])
-		fprintf(stderr, "%s: %s: %s\n", f->program, path, f->scene.warning);
+		options_say(f->program, "%s: %s", path, f->scene.warning);
 	if (f->scene.object_count && !f->lit && !has_light(&f->scene))
-		fprintf(stderr, "%s: %s: nothing in it emits light; --sky 3 gives it some\n", f->program, path);
+		options_say(f->program, "%s: nothing in it emits light; --sky 3 gives it some", path);
 	for (uint32_t k = 0; k < f->scene.object_count; k++) {
 		const engine_scene_object *object = f->scene.objects + k;
 		add_told(&sized, object->scale_animated, object->name);
@@ -264,8 +265,8 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 	}
 	frame_everything(f);
 	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
-		fprintf(stderr, "%s: %s: nothing lit is seen from outside; the camera stands where light falls\n",
-			f->program, path);
+		options_say(f->program, "%s: nothing lit is seen from outside; the camera stands where light falls",
+			    path);
 	return true;
 }
 
@@ -369,8 +370,8 @@ static bool create_one(file_scene *f, gi_context *gi, uint32_t k, char *message,
 		return false;
 	}
 	if (scan)
-		fprintf(stderr, "%s: %s has %u faces; it is lit through a cage of %u (--cage-faces)\n", f->program,
-			object->name, object->mesh.face_count, cage.face_count);
+		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
+			    object->mesh.face_count, cage.face_count);
 	const gi_result result = create_object(f, gi, object, &cage, scan ? &drawn : NULL, &f->handles[k]);
 	engine_mesh_free(&drawn);
 	engine_mesh_free(&cage);

@@ -2,6 +2,7 @@
 
 #include "file_rays.h"
 #include "mesh_clean.h"
+#include "options.h"
 
 #include <cglm/cglm.h>
 
@@ -153,15 +154,15 @@ static bool mend_object(engine_scene *scene, engine_scene_object *object, sides 
 static void tell(const mended *m, const char *program)
 {
 	if (m->turned)
-		fprintf(stderr,
-			"%s: %u faces are lit from behind alone and are turned round (first in \"%s\"); "
-			"--two-sided=off keeps them\n",
-			program, m->turned, m->first);
+		options_say(program,
+			    "%u faces are lit from behind alone and are turned round (first in \"%s\"); "
+			    "--two-sided=off keeps them",
+			    m->turned, m->first);
 	if (m->doubled)
-		fprintf(stderr,
-			"%s: %u objects are lit from behind and get two sides (first: \"%s\"); "
-			"--two-sided=off keeps them\n",
-			program, m->doubled, m->first);
+		options_say(program,
+			    "%u objects are lit from behind and get two sides (first: \"%s\"); "
+			    "--two-sided=off keeps them",
+			    m->doubled, m->first);
 }
 
 /* 2 % of the light: less is what turns up behind single faces of any scene. */

@@ -423,6 +423,12 @@ class Programs(unittest.TestCase):
         self.assertEqual(len(lines), 1 + 7 * 8)
         self.assertTrue(all(row["from"].startswith('a b "c,') for row in read_csv(self.path("F.csv"))))
         self.assertEqual(len(read_ply(self.path("f0.ply"))[1]) > 0, True)
+        for material in scene["materials"]:
+            material.pop("emissiveFactor", None)
+        dark = self.path("two\nlines, dark.gltf", json.dumps(scene))
+        done = self.good("gi_play", dark, "--frames", "1", "--row-tolerance", "0.2", "--images", self.path("p%d.png"), *TINY)
+        self.assertIn("two lines, dark.gltf: nothing in it emits light", done.stderr)
+        self.assertTrue(all(line.startswith("gi_play: ") for line in done.stderr.splitlines()), done.stderr)
         self.bad("gi_play", self.path("no\nsuch\x1b[2J.gltf"), *TINY, says="no such")
         self.bad("gi_play", DOOR, "--mode", "a\nb", says="--mode")
         self.bad("moving_buddha", "--images", "a\nb.png", says="--images")
