@@ -194,6 +194,14 @@ static gi_result try_create(loaded *l)
 	return create(l, &def);
 }
 
+static gi_result try_create_by_size(loaded *l)
+{
+	gi_object_def def = square_def();
+	def.leaf_size = .3f;
+	def.double_sided = true;
+	return create(l, &def);
+}
+
 static gi_result try_create_drawn(loaded *l)
 {
 	gi_object_def def = square_def();
@@ -350,6 +358,7 @@ static void objects(void **state)
 {
 	(void)state;
 	in_every_way(&(trial){"gi_create_object", .try = try_create});
+	in_every_way(&(trial){"gi_create_object by a leaf size", .try = try_create_by_size});
 	in_every_way(&(trial){"gi_create_object with a drawn mesh", .try = try_create_drawn});
 }
 
