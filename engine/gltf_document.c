@@ -273,7 +273,8 @@ static const char *const known_extensions[] = {
 
 static void note_extension(gltf_document *document, const cJSON *extension, const char *subject)
 {
-	if (is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
+	if (!extension->string || /* an array instead of an object */
+	    is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
 		return;
 	if (strcmp(extension->string, "KHR_lights_punctual") == 0)
 		scene_note(document->loader, subject,

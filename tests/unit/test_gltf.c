@@ -367,6 +367,7 @@ static void broken_gltf_is_refused(void **state)
 	check_gltf_refused(HEAD "\"nodes\":[{\"mesh\":-1}]}", "meshes");
 	check_gltf_refused(HEAD "\"nodes\":{}}", "array");
 	check_gltf_refused(HEAD "\"nodes\":[7]}", "objects");
+	check_gltf_told(HEAD "\"nodes\":[{\"extensions\":[1,{\"FOO_bar\":1}]}]}", "holds no faces");
 	check_gltf_told(HEAD "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}",
 			"another's child already");
 	check_gltf_told(HEAD "\"nodes\":[{\"children\":[1,1]},{}]}", "another's child already");
