@@ -29,8 +29,8 @@ static bool is_lit(file_rays *r, const float point[3], const float normal[3])
 	return false;
 }
 
-/* What a ray of the picture shows: 0 nothing or what is dark, 1 what is lit. */
-static int look(file_rays *r, const float eye[3], const float direction[3])
+/* 1 where a ray of the picture shows what is lit, 0 for nothing and the dark. */
+static int shows_light(file_rays *r, const float eye[3], const float direction[3])
 {
 	vec3 point, normal;
 	file_hit hit = file_rays_shoot(r, eye, direction, 0, true);
@@ -45,11 +45,18 @@ static int look(file_rays *r, const float eye[3], const float direction[3])
 	return is_lit(r, point, normal);
 }
 
-/* Share of a square picture that is lit. */
-static float lit_share(file_rays *r, const camera *view)
+/* 1 where a ray of the picture meets the back of a face with one side. */
+static int meets_back(file_rays *r, const float eye[3], const float direction[3])
+{
+	const file_hit hit = file_rays_shoot(r, eye, direction, 0, false);
+	return hit.triangle != UINT32_MAX && hit.back && !r->triangles[hit.triangle].double_sided;
+}
+
+/* Share of the rays of a square picture for which `is` says 1. */
+static float share(file_rays *r, const camera *view, int (*is)(file_rays *, const float[3], const float[3]))
 {
 	vec3 ahead, right, up;
-	int lit = 0;
+	int count = 0;
 	glm_vec3_sub((float *)view->target, (float *)view->eye, ahead);
 	glm_vec3_normalize(ahead);
 	glm_vec3_crossn(ahead, (float *)view->up, right);
@@ -61,9 +68,9 @@ static float lit_share(file_rays *r, const camera *view)
 		glm_vec3_muladds(right, slope * ((float)(2 * (k % GRID) + 1) / GRID - 1), direction);
 		glm_vec3_muladds(up, slope * ((float)(2 * (k / GRID) + 1) / GRID - 1), direction);
 		glm_vec3_normalize(direction);
-		lit += look(r, view->eye, direction);
+		count += is(r, view->eye, direction);
 	}
-	return (float)lit / (GRID * GRID);
+	return (float)count / (GRID * GRID);
 }
 
 /* How far a ray goes, or a radius where it meets nothing. */
@@ -111,7 +118,7 @@ static void try_places(file_rays *r, camera *view, bool *moved)
 		float room;
 		if (!place(r, &framing, &tried, &room))
 			continue;
-		const float lit = lit_share(r, &tried);
+		const float lit = share(r, &tried, shows_light);
 		const float worth = lit * room * (r->radius + glm_vec3_distance(tried.eye, tried.target));
 		if (lit < 0.1f || worth <= best)
 			continue;
@@ -121,11 +128,25 @@ static void try_places(file_rays *r, camera *view, bool *moved)
 	}
 }
 
+/* 2 %: less than one ray of the grid. */
+static bool is_dark(file_rays *r, const camera *view)
+{
+	return r->rays > 0 && r->powers[r->count - 1] > 0 && share(r, view, shows_light) < 0.02f;
+}
+
+bool file_inside_sees_backs(const engine_scene *scene, const camera *view)
+{
+	file_rays r;
+	const bool sees = file_rays_make(&r, scene) && is_dark(&r, view) && share(&r, view, meets_back) > 0.5f;
+	file_rays_free(&r);
+	return sees;
+}
+
 bool file_inside_look(const engine_scene *scene, camera *view)
 {
 	file_rays r;
 	bool moved = false;
-	if (file_rays_make(&r, scene) && r.rays > 0 && r.powers[r.count - 1] > 0 && lit_share(&r, view) < 0.02f)
+	if (file_rays_make(&r, scene) && is_dark(&r, view))
 		try_places(&r, view, &moved);
 	file_rays_free(&r);
 	return moved;

@@ -12,4 +12,7 @@
  */
 bool file_inside_look(const engine_scene *scene, camera *view);
 
+/* Whether a picture shows nothing that a lamp lights, and most of it is backs of faces with one side. */
+bool file_inside_sees_backs(const engine_scene *scene, const camera *view);
+
 #endif

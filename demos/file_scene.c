@@ -242,6 +242,19 @@ static void warn(const file_scene *f, const char *path)
 	tell(f, path, &mixed, "objects with materials of one side and of two get two for all");
 }
 
+/* A picture without light should say why. */
+static void choose_view(file_scene *f, const char *path)
+{
+	camera start;
+	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
+		options_say(f->program, "%s: nothing lit is seen from outside; the camera stands where light falls",
+			    path);
+	file_scene_view(f, 0, &start);
+	if (f->scene.has_camera && file_inside_sees_backs(&f->scene, &start))
+		options_say(f->program,
+			    "%s: the file's camera sees backs of faces, which are not drawn; --two-sided draws them", path);
+}
+
 bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size)
 {
 	if (!engine_scene_load(path, &f->scene, message, message_size))
@@ -264,9 +277,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 		return false;
 	}
 	frame_everything(f);
-	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
-		options_say(f->program, "%s: nothing lit is seen from outside; the camera stands where light falls",
-			    path);
+	choose_view(f, path);
 	return true;
 }
 

@@ -82,6 +82,8 @@ static bool load_figure(moving_buddha *b, char *message, size_t message_size)
 	engine_mesh whole;
 	if (!engine_scene_load(b->mesh_path, &scene, message, message_size))
 		return false;
+	if (scene.warning[0])
+		fprintf(stderr, "%s: %s: %s\n", b->options.program, b->mesh_path, scene.warning);
 	const bool merged = engine_scene_merge(&scene, &whole, message, message_size);
 	engine_scene_free(&scene);
 	if (!merged)

@@ -176,7 +176,7 @@ static bool bind_channel(gltf_document *document, const cJSON *channel, const sa
 	double wanted = cJSON_IsNumber(number) ? number->valuedouble : -1;
 	if (found && node_number < 0)
 		return true; /* the target of an extension, which is told */
-	const char *name = found ? gltf_text(document->tables[GLTF_NODES].items[node_number], "name") : NULL;
+	const char *name = found ? document->node_names[node_number] : NULL;
 	if (path && strcmp(path, "weights") == 0)
 		scene_note(document->loader, name, "animations of morph targets are not read");
 	else if (!found || property == SCENE_PROPERTIES || !(wanted >= 0 && wanted < all->count))

@@ -273,7 +273,8 @@ static const char *const known_extensions[] = {
 
 static void note_extension(gltf_document *document, const cJSON *extension, const char *subject)
 {
-	if (is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
+	if (!extension->string || /* an array instead of an object */
+	    is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
 		return;
 	if (strcmp(extension->string, "KHR_lights_punctual") == 0)
 		scene_note(document->loader, subject,
@@ -307,6 +308,24 @@ static void note_all_extensions(gltf_document *document)
 	}
 }
 
+static bool make_side_tables(gltf_document *document)
+{
+	const gltf_table *nodes = &document->tables[GLTF_NODES], *textures = &document->tables[GLTF_TEXTURES];
+	document->images = calloc((size_t)document->tables[GLTF_IMAGES].count + 1, sizeof *document->images);
+	document->materials = calloc((size_t)document->tables[GLTF_MATERIALS].count + 1, sizeof *document->materials);
+	document->node_names = calloc((size_t)nodes->count + 1, sizeof *document->node_names);
+	document->texture_images = calloc((size_t)textures->count + 1, sizeof *document->texture_images);
+	if (!document->images || !document->materials || !document->node_names || !document->texture_images)
+		return false;
+	for (uint32_t n = 0; n < nodes->count; n++)
+		document->node_names[n] = gltf_text(nodes->items[n], "name");
+	for (uint32_t t = 0; t < textures->count; t++) {
+		document->texture_images[t] = -1;
+		gltf_index(document, textures->items[t], "source", GLTF_IMAGES, &document->texture_images[t]);
+	}
+	return true;
+}
+
 bool gltf_open(gltf_document *document, scene_loader *loader)
 {
 	char why[128];
@@ -323,9 +342,7 @@ bool gltf_open(gltf_document *document, scene_loader *loader)
 			return false;
 	}
 	note_all_extensions(document);
-	document->images = calloc((size_t)document->tables[GLTF_IMAGES].count + 1, sizeof *document->images);
-	document->materials = calloc((size_t)document->tables[GLTF_MATERIALS].count + 1, sizeof *document->materials);
-	if (!document->images || !document->materials)
+	if (!make_side_tables(document))
 		return scene_fail(loader, "out of memory");
 	return read_buffers(document) &&
 	       (gltf_place_accessors(document) || scene_fail(loader, "out of memory for accessors"));
@@ -343,6 +360,8 @@ void gltf_close(gltf_document *document)
 	free(document->views);
 	free(document->accessors);
 	free(document->images);
+	free(document->node_names);
+	free(document->texture_images);
 	free(document->materials);
 	free(document->numbers);
 	free(document->stamps);

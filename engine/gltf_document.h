@@ -78,11 +78,14 @@ typedef struct gltf_document {
 	gltf_view *views;         /* as many as tables[GLTF_BUFFER_VIEWS] */
 	gltf_accessor *accessors; /* as many as tables[GLTF_ACCESSORS] */
 	gltf_image *images;       /* as many as tables[GLTF_IMAGES] */
-	uint64_t pixels_read;     /* of images */
-	uint64_t floats_read;     /* of animations */
-	uint32_t *materials;      /* by tables[GLTF_MATERIALS]: the scene's number and one; 0: not used so far */
-	uint32_t *numbers;        /* of the vertices of the primitive being read */
-	uint32_t *stamps;         /* which primitive gave a vertex its number */
+	const char **node_names; /* as many as tables[GLTF_NODES]; NULL: none. Here, for an object's members are a list,
+				  * and a file may name one of very many members very often */
+	int64_t *texture_images; /* as many as tables[GLTF_TEXTURES]; -1: none */
+	uint64_t pixels_read;    /* of images */
+	uint64_t floats_read;    /* of animations */
+	uint32_t *materials;     /* by tables[GLTF_MATERIALS]: the scene's number and one; 0: not used so far */
+	uint32_t *numbers;       /* of the vertices of the primitive being read */
+	uint32_t *stamps;        /* which primitive gave a vertex its number */
 	uint32_t stamp;
 } gltf_document;
 

@@ -13,14 +13,14 @@ static void note_unread(gltf_document *document, bool found, const char *materia
 /* Multiplies by the mean of a texture; without one, or where it cannot be read, leaves alone. */
 static void apply_mean(gltf_document *document, const cJSON *reference, const char *material, double color[3])
 {
-	int64_t texture = -1, image = -1;
+	int64_t texture = -1;
 	float mean[4];
 	const char *fault = "the texture names no image";
 	if (!reference)
 		return;
-	if (gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0 &&
-	    gltf_index(document, document->tables[GLTF_TEXTURES].items[texture], "source", GLTF_IMAGES, &image) &&
-	    image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
+	bool found = gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0;
+	int64_t image = found ? document->texture_images[texture] : -1;
+	if (image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
 		for (int c = 0; c < 3; c++)
 			color[c] *= (double)mean[c];
 		scene_note(document->loader, material, "emissive textures are read as their mean");

@@ -36,51 +36,58 @@ static const gltf_accessor *instance_accessor(const gltf_document *document, con
 	return gltf_find_accessor(document, number, property == SCENE_ROTATION ? 4 : 3, &fault);
 }
 
-/* As many as the shortest of its lists; 1 for a node without. */
-static uint32_t count_instances(const gltf_document *document, const cJSON *node)
-{
-	const cJSON *attributes = instance_attributes(node);
-	uint32_t count = UINT32_MAX;
-	for (int property = 0; attributes && property < SCENE_PROPERTIES; property++) {
-		const gltf_accessor *accessor = instance_accessor(document, attributes, property);
-		if (accessor && accessor->count < count)
-			count = accessor->count;
-	}
-	return count < UINT32_MAX ? count : 1;
-}
+/* Accessors of a node's instances, NULL where one has none, and as many as the shortest of them has; 1 without. */
+typedef struct instances {
+	const gltf_accessor *properties[SCENE_PROPERTIES];
+	uint32_t count;
+} instances;
 
-static uint64_t joints_of(const gltf_document *document, const cJSON *node)
+static instances find_instances(const gltf_document *document, const cJSON *attributes)
 {
-	int64_t skin = -1;
-	if (!gltf_index(document, node, "skin", GLTF_SKINS, &skin) || skin < 0)
-		return 0;
-	return (uint64_t)cJSON_GetArraySize(gltf_member(document->tables[GLTF_SKINS].items[skin], "joints"));
+	instances all = {.count = UINT32_MAX};
+	for (int property = 0; property < SCENE_PROPERTIES; property++) {
+		all.properties[property] = instance_accessor(document, attributes, property);
+		if (all.properties[property] && all.properties[property]->count < all.count)
+			all.count = all.properties[property]->count;
+	}
+	all.count = all.count < UINT32_MAX ? all.count : 1;
+	return all;
 }
 
 /* Adds what a node's objects will take; false where it has none. */
 static bool count_node(const gltf_document *document, gltf_objects *objects, const cJSON *node)
 {
-	int64_t mesh = -1;
+	int64_t mesh = -1, skin = -1;
 	if (!gltf_index(document, node, "mesh", GLTF_MESHES, &mesh) || mesh < 0)
 		return false;
-	uint64_t instances = count_instances(document, node);
+	const cJSON *attributes = instance_attributes(node);
+	uint64_t count = find_instances(document, attributes).count;
 	objects->uses[mesh] += 1;
-	objects->corners += instances * (objects->mesh_corners[mesh] + CORNERS_OF_OBJECT) + joints_of(document, node);
-	objects->node_count += instances > 1 || instance_attributes(node) ? (uint32_t)instances : 0;
+	objects->corners += count * (objects->mesh_corners[mesh] + CORNERS_OF_OBJECT);
+	if (gltf_index(document, node, "skin", GLTF_SKINS, &skin) && skin >= 0)
+		objects->corners += objects->skin_corners[skin];
+	objects->node_count += attributes ? (uint32_t)count : 0;
 	return true;
 }
 
 bool gltf_count_objects(gltf_document *document, gltf_objects *objects)
 {
 	const gltf_table *nodes = &document->tables[GLTF_NODES], *meshes = &document->tables[GLTF_MESHES];
+	const gltf_table *skins = &document->tables[GLTF_SKINS];
 	uint64_t budget = gltf_budget(document);
 	objects->mesh_corners = calloc((size_t)meshes->count + 1, sizeof *objects->mesh_corners);
 	objects->meshes = calloc((size_t)meshes->count + 1, sizeof *objects->meshes);
 	objects->uses = calloc((size_t)meshes->count + 1, sizeof *objects->uses);
-	if (!objects->mesh_corners || !objects->meshes || !objects->uses)
+	objects->skin_corners = calloc((size_t)skins->count + 1, sizeof *objects->skin_corners);
+	if (!objects->mesh_corners || !objects->meshes || !objects->uses || !objects->skin_corners)
 		return scene_fail(document->loader, "out of memory for meshes");
+	/* Members too: each node that has a skin or weights goes through them again. */
 	for (uint32_t m = 0; m < meshes->count; m++)
-		objects->mesh_corners[m] = gltf_count_corners(document, meshes->items[m]);
+		objects->mesh_corners[m] =
+		    gltf_count_corners(document, meshes->items[m]) + (uint64_t)cJSON_GetArraySize(meshes->items[m]);
+	for (uint32_t k = 0; k < skins->count; k++)
+		objects->skin_corners[k] = (uint64_t)cJSON_GetArraySize(skins->items[k]) +
+					   (uint64_t)cJSON_GetArraySize(gltf_member(skins->items[k], "joints"));
 	objects->node_count = nodes->count + 1; /* one for what lies in world space */
 	for (uint32_t n = 0; n < nodes->count && objects->corners < UINT64_MAX / 2; n++)
 		count_node(document, objects, nodes->items[n]);
@@ -98,6 +105,7 @@ void gltf_free_objects(const gltf_document *document, gltf_objects *objects)
 	for (uint32_t m = 0; objects->meshes && m < document->tables[GLTF_MESHES].count; m++)
 		engine_mesh_free(&objects->meshes[m]);
 	free(objects->mesh_corners);
+	free(objects->skin_corners);
 	free(objects->meshes);
 	free(objects->uses);
 	*objects = (gltf_objects){0};
@@ -172,15 +180,13 @@ static bool skinned_mesh(gltf_document *document, const cJSON *node, const cJSON
 /* ---- objects ----------------------------------------------------------------------------------------------------- */
 
 /* Gives node `to` the place of an instance below its node. */
-static void place_instance(gltf_document *document, const cJSON *attributes, uint32_t instance, int32_t parent,
-			   scene_node *to)
+static void place_instance(const instances *all, uint32_t instance, int32_t parent, scene_node *to)
 {
 	double *const values[SCENE_PROPERTIES] = {to->translation, to->rotation, to->scale};
 	to->parent = parent;
 	for (int property = 0; property < SCENE_PROPERTIES; property++) {
-		const gltf_accessor *accessor = instance_accessor(document, attributes, property);
-		if (accessor)
-			gltf_element(accessor, instance, values[property]);
+		if (all->properties[property])
+			gltf_element(all->properties[property], instance, values[property]);
 	}
 	double *q = to->rotation, length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
 	for (int c = 0; c < 4; c++)
@@ -191,15 +197,17 @@ static bool add_instances(gltf_document *document, gltf_objects *objects, const 
 			  scene_object_def *def)
 {
 	engine_scene_graph *graph = document->loader->scene->graph;
-	uint32_t count = count_instances(document, from), node = def->node;
+	const cJSON *attributes = instance_attributes(from);
+	const instances all = find_instances(document, attributes);
+	uint32_t node = def->node;
 	bool last_use = --objects->uses[mesh] == 0, added = true;
-	for (uint32_t i = 0; i < count && added; i++) {
+	for (uint32_t i = 0; i < all.count && added; i++) {
 		engine_mesh copy = {0};
-		added = shared_mesh(document, objects, mesh, last_use && i + 1 == count, def->name, &copy);
-		if (instance_attributes(from)) {
+		added = shared_mesh(document, objects, mesh, last_use && i + 1 == all.count, def->name, &copy);
+		if (attributes) {
 			def->node = objects->next_node++;
 			graph->order[graph->order_count++] = def->node;
-			place_instance(document, instance_attributes(from), i, (int32_t)node, &graph->nodes[def->node]);
+			place_instance(&all, i, (int32_t)node, &graph->nodes[def->node]);
 		}
 		added = added && scene_add_object(document->loader, def, &copy);
 		engine_mesh_free(&copy);

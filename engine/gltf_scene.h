@@ -36,7 +36,8 @@ bool gltf_read_skin(gltf_document *document, int64_t skin, gltf_skin *out, const
 
 /* The objects to come, counted before any is made. */
 typedef struct gltf_objects {
-	uint64_t *mesh_corners; /* by mesh: of all its faces */
+	uint64_t *mesh_corners; /* by mesh: of all its faces, and what going through it costs */
+	uint64_t *skin_corners; /* by skin: the same of its joints */
 	uint32_t *uses;         /* by mesh: nodes that have it and were not read so far */
 	engine_mesh *meshes;    /* by mesh: as read, or zeroed */
 	uint64_t corners;       /* of all objects together */

@@ -140,18 +140,23 @@ static void read_camera(gltf_document *document, uint32_t node, const cJSON *fro
 	}
 }
 
-/* In the order of the file, not of the walk: what the user sees in the file is what reports list. */
-static void read_cameras(gltf_document *document, const walk *w)
+/* In the order of the file, not of the walk: what the user sees in the file is what reports list. Each camera once. */
+static bool read_cameras(gltf_document *document, const walk *w)
 {
-	for (uint32_t i = 0; i < document->tables[GLTF_NODES].count; i++) {
+	bool *known = calloc((size_t)document->tables[GLTF_CAMERAS].count + 1, sizeof *known);
+	for (uint32_t i = 0; known && i < document->tables[GLTF_NODES].count; i++) {
 		int64_t camera = -1;
 		if (!w->seen[i])
 			continue;
 		if (!gltf_index(document, document->tables[GLTF_NODES].items[i], "camera", GLTF_CAMERAS, &camera))
 			scene_note(document->loader, NULL, "cameras that the file does not hold are left out");
-		if (camera >= 0)
+		if (camera >= 0 && !known[camera])
 			read_camera(document, i, document->tables[GLTF_CAMERAS].items[camera]);
+		known[camera < 0 ? document->tables[GLTF_CAMERAS].count : (uint32_t)camera] = true;
 	}
+	bool read = known || scene_fail(document->loader, "out of memory for cameras");
+	free(known);
+	return read;
 }
 
 static bool read_scene(gltf_document *document, gltf_objects *objects)
@@ -167,8 +172,8 @@ static bool read_scene(gltf_document *document, gltf_objects *objects)
 		for (uint32_t i = 0; i < nodes->count; i++)
 			read_node_transform(document, nodes->items[i], &loader->scene->graph->nodes[i]);
 		walk_nodes(document, &w);
-		read_cameras(document, &w);
-		read = gltf_read_animations(document) && gltf_read_objects(document, objects, w.seen);
+		read = read_cameras(document, &w) && gltf_read_animations(document) &&
+		       gltf_read_objects(document, objects, w.seen);
 	}
 	free(w.seen);
 	return read;

@@ -158,8 +158,15 @@ typedef enum scene_pose_result {
 	SCENE_POSE_SINGULAR,
 	SCENE_POSE_SHEARED,
 	SCENE_POSE_MIRRORED,
-	SCENE_POSE_FAR
+	SCENE_POSE_FAR,
+	SCENE_POSE_TINY, /* of no pose alone: no face is large enough at it */
+	SCENE_POSE_RESULTS
 } scene_pose_result;
+
+/* What the library takes: metres of any coordinate, square metres of a leaf (with a margin), W/(m2 sr) of a lamp. */
+#define SCENE_FARTHEST 1e9
+#define SCENE_LEAST_AREA 1e-23
+#define SCENE_MOST_RADIANCE 3e11f
 
 /* Sets the `moves` of all nodes in the order. */
 void scene_mark_moving(engine_scene_graph *graph);

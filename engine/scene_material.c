@@ -135,14 +135,13 @@ static fault mend_reflectance(float rho[3])
 	return worst;
 }
 
-/* 1e30: squares and sums of more leave the range of floats. */
 static fault mend_radiance(float radiance[3])
 {
 	fault worst = FAULT_NONE;
 	for (int c = 0; c < 3; c++) {
-		if (radiance[c] >= 0 && radiance[c] < 1e30f)
+		if (radiance[c] >= 0 && radiance[c] <= SCENE_MOST_RADIANCE)
 			continue;
-		radiance[c] = 0;
+		radiance[c] = radiance[c] > 0 && isfinite(radiance[c]) ? SCENE_MOST_RADIANCE : 0;
 		worst = FAULT_OUT_OF_RANGE;
 	}
 	return worst;
@@ -162,7 +161,8 @@ void scene_settle_materials(scene_loader *loader)
 			scene_note(loader, material->name,
 				   "materials with a reflectance that is negative or no number get 0 for it");
 		if (material->used && emits != FAULT_NONE)
-			scene_note(loader, material->name,
-				   "materials that emit a negative, infinite or undefined radiance emit none");
+			scene_note(
+			    loader, material->name,
+			    "materials that emit what is no radiance of 0 to 3e11 W/(m2 sr) emit the nearest, or none");
 	}
 }

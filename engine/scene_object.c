@@ -193,8 +193,51 @@ static void stretch_mesh(engine_scene_object *object)
 	}
 }
 
+static bool reaches_too_far(const engine_scene_object *object)
+{
+	for (size_t i = 0; i < 3 * (size_t)object->mesh.vertex_count; i++) {
+		if (fabs((double)object->mesh.positions[i] * (double)object->rest.scale[i % 3]) > SCENE_FARTHEST)
+			return true;
+	}
+	return false;
+}
+
+/* Area in the world at rest, by Newell's method relative to the first corner. */
+static double world_area(const engine_scene_object *object, const uint32_t *corners, uint32_t count)
+{
+	const float *scale = object->rest.scale;
+	double n[3], area2 = 0;
+	engine_mesh_face_normal(&object->mesh, corners, count, n);
+	for (int k = 0; k < 3; k++) {
+		double part = n[k] * (double)scale[(k + 1) % 3] * (double)scale[(k + 2) % 3];
+		area2 += part * part;
+	}
+	return sqrt(area2);
+}
+
+/* Drops the faces whose leaves the library would find too small; false where none is left. */
+static bool drop_tiny_faces(engine_scene_object *object)
+{
+	engine_mesh *mesh = &object->mesh;
+	double least = ldexp(SCENE_LEAST_AREA, 2 * (int)object->levels);
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		uint32_t count = mesh->face_counts[f];
+		if (world_area(object, mesh->indices + read, count) > least) {
+			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
+			mesh->face_counts[faces] = count;
+			mesh->face_materials[faces++] = mesh->face_materials[f];
+			write += count;
+		}
+		read += count;
+	}
+	mesh->face_count = faces;
+	mesh->index_count = write;
+	return faces > 0;
+}
+
 /* Finds the pose as graph->world has it; where the matrix mirrors or shears, the mesh takes that part. */
-static scene_pose_result place(const engine_scene_graph *graph, engine_scene_object *object)
+static scene_pose_result find_pose(const engine_scene_graph *graph, engine_scene_object *object)
 {
 	scene_pose_result result = scene_object_pose(graph, object, &object->rest, NULL);
 	if (result == SCENE_POSE_MIRRORED) {
@@ -216,12 +259,23 @@ static scene_pose_result place(const engine_scene_graph *graph, engine_scene_obj
 	return result;
 }
 
-static const char *const pose_faults[] = {
+static scene_pose_result place(const engine_scene_graph *graph, engine_scene_object *object)
+{
+	scene_pose_result result = find_pose(graph, object);
+	if (result == SCENE_POSE_OK && reaches_too_far(object))
+		return SCENE_POSE_FAR;
+	if (result == SCENE_POSE_OK && !drop_tiny_faces(object))
+		return SCENE_POSE_TINY;
+	return result;
+}
+
+static const char *const pose_faults[SCENE_POSE_RESULTS] = {
     [SCENE_POSE_OK] = "",
     [SCENE_POSE_SINGULAR] = "objects whose scale is 0 (or whose transform is singular) are left out",
     [SCENE_POSE_SHEARED] = "objects whose transform is no matrix of finite numbers are left out",
     [SCENE_POSE_MIRRORED] = "objects whose transform is no matrix of finite numbers are left out",
-    [SCENE_POSE_FAR] = "objects beyond 1e15 m are left out",
+    [SCENE_POSE_FAR] = "objects beyond 1e9 m are left out",
+    [SCENE_POSE_TINY] = "objects of faces below 1e-23 m2 are left out",
 };
 
 static bool is_animated(const engine_scene_graph *graph, const engine_scene_object *object)

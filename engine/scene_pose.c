@@ -217,7 +217,7 @@ static scene_pose_result take_scale(double m[16], double scale[3])
 		scale[c] = sqrt(dot3(m + 4 * c, m + 4 * c));
 	double largest = fmax(scale[0], fmax(scale[1], scale[2]));
 	for (int c = 0; c < 3; c++) {
-		if (fabs(m[12 + c]) > ENGINE_MESH_FARTHEST || scale[c] > ENGINE_MESH_FARTHEST)
+		if (fabs(m[12 + c]) > SCENE_FARTHEST || scale[c] > ENGINE_MESH_FARTHEST)
 			return SCENE_POSE_FAR;
 		if (!isfinite(m[12 + c]) || !(scale[c] > 1e-9 * largest) || scale[c] < 1e-30)
 			return SCENE_POSE_SINGULAR;

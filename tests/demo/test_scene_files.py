@@ -121,6 +121,23 @@ class SceneFiles(unittest.TestCase):
         self.assertEqual(self.play(self.path("right.obj", room(WALLS))), "")
         self.assertGreater(self.picture(), 20)
 
+    def test_a_camera_that_sees_backs_is_told(self):
+        # A unit square that is a lamp towards +z and a camera behind it.
+        import base64
+        import json
+        import struct
+        numbers = base64.b64encode(struct.pack("<12f6H", 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1, 2, 0, 2, 3)).decode()
+        scene = {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0.5, 0.5, 1]}],
+                 "cameras": [{"perspective": {"yfov": 0.7}}], "materials": [{"emissiveFactor": [1, 1, 1]}],
+                 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+                 "buffers": [{"byteLength": 60, "uri": "data:;base64," + numbers}],
+                 "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+                 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                               {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}]}
+        self.assertEqual(self.play(self.path("before.gltf", json.dumps(scene))), "")
+        scene["nodes"][1].update(translation=[0.5, 0.5, -1], rotation=[0, 1, 0, 0])
+        self.assertIn("sees backs of faces", self.play(self.path("behind.gltf", json.dumps(scene))))
+
     def test_a_bad_choice_of_sides_is_told(self):
         done = subprocess.run([os.path.join(PROGRAMS, "gi_play"), "x.obj", "--two-sided=maybe"], capture_output=True,
                               text=True)

@@ -97,6 +97,7 @@ static void impossible_materials_are_mended(void **state)
 	check_material(ONE_MATERIAL("\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.2,1e999,0.2,1]}"), grey, black,
 		       "no finite numbers");
 	check_material(ONE_MATERIAL("\"emissiveFactor\":[-1,2,0]"), grey, (const float[3]){0, 2, 0}, "emit");
+	check_material(ONE_MATERIAL("\"emissiveFactor\":[1e30,0,0]"), grey, (const float[3]){3e11f, 0, 0}, "emit");
 	check_material(ONE_MATERIAL("\"emissiveFactor\":\"red\""), grey, black, "emissions");
 	check_material(ONE_MATERIAL("\"emissiveFactor\":[1,0,0],\"extensions\":{\"KHR_materials_emissive_strength\":"
 				    "{\"emissiveStrength\":-2}}"),
@@ -213,8 +214,10 @@ static void bad_transforms_cost_their_objects(void **state)
 	check_one_left(TWO_NODES(",\"translation\":[1,2,1e999]"), "no finite number");
 	check_one_left(TWO_NODES(",\"matrix\":[1,0,0,0.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]"), "last row");
 	check_one_left(TWO_NODES(",\"matrix\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]"), "last row");
-	check_one_left(TWO_NODES(",\"translation\":[2e15,0,0]"), "beyond 1e15 m");
-	check_one_left(TWO_NODES(",\"scale\":[1e300,1e300,1e300]"), "beyond 1e15 m");
+	check_one_left(TWO_NODES(",\"translation\":[2e9,0,0]"), "beyond 1e9 m");
+	check_one_left(TWO_NODES(",\"scale\":[1e300,1e300,1e300]"), "beyond 1e9 m");
+	check_one_left(TWO_NODES(",\"scale\":[2e9,2e9,2e9]"), "beyond 1e9 m");
+	check_one_left(TWO_NODES(",\"scale\":[1e-12,1e-12,1e-12]"), "below 1e-23 m2");
 	check_gltf_told(TWO_NODES(",\"rotation\":[0,0,0,0]"), "unit quaternion");
 	check_gltf_refused(ONE_NODE(",\"scale\":[0,0,0]"), "none of its 2 faces can be used: objects whose scale is 0");
 }
@@ -364,6 +367,7 @@ static void broken_gltf_is_refused(void **state)
 	check_gltf_refused(HEAD "\"nodes\":[{\"mesh\":-1}]}", "meshes");
 	check_gltf_refused(HEAD "\"nodes\":{}}", "array");
 	check_gltf_refused(HEAD "\"nodes\":[7]}", "objects");
+	check_gltf_told(HEAD "\"nodes\":[{\"extensions\":[1,{\"FOO_bar\":1}]}]}", "holds no faces");
 	check_gltf_told(HEAD "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}",
 			"another's child already");
 	check_gltf_told(HEAD "\"nodes\":[{\"children\":[1,1]},{}]}", "another's child already");

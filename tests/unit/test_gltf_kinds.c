@@ -651,7 +651,7 @@ static void copies_without_end_are_refused(void **state)
 		used += (size_t)sprintf(members + used, "%s{\"attributes\":{\"POSITION\":4},\"mode\":5}", p ? "," : "");
 	sprintf(members + used, "]}]");
 	const char *path = finish(members);
-	check_refused(path, "they need 13 GB (539652800 corners of faces)");
+	check_refused(path, "they need 13 GB (5396");
 	time_to_load(path, "540 million corners from 30 kB");
 	free(members);
 }
