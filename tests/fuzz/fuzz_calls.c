@@ -26,7 +26,9 @@ typedef struct input {
 	size_t size;
 	gi_object objects[SLOTS]; /* zero: none yet */
 	bool destroyed[SLOTS];
-	bool sane; /* so far nothing that may overflow: large places, large lamps */
+	bool sane;           /* so far nothing that may overflow: large places, large lamps */
+	float exitance, rho; /* the largest so far */
+	bool updated;        /* the report is about this input's scene */
 } input;
 
 static void require(bool holds, const char *what)
@@ -121,6 +123,16 @@ static gi_object next_object(input *in)
 	return forged;
 }
 
+static void remember(input *in, const gi_material *materials, uint32_t count)
+{
+	for (uint32_t m = 0; m < count; m++) {
+		for (int c = 0; c < 3; c++) {
+			in->exitance = fmaxf(in->exitance, materials[m].exitance[c]);
+			in->rho = fmaxf(in->rho, materials[m].rho[c]);
+		}
+	}
+}
+
 /* ---- calls ------------------------------------------------------------------------------------------------------- */
 
 static void check(gi_result result)
@@ -193,6 +205,7 @@ static void create(input *in)
 	require(result == GI_OK || object.index1 == 0, "a failed creation gives a handle of zero");
 	if (result != GI_OK)
 		return;
+	remember(in, materials, def.material_count);
 	if (in->objects[slot].index1 && !in->destroyed[slot])
 		check(gi_destroy_object(gi, in->objects[slot]));
 	in->objects[slot] = object;
@@ -228,7 +241,12 @@ static void set_pose(input *in)
 static void set_material(input *in)
 {
 	gi_object object = next_object(in);
-	check(gi_set_material(gi, object, next_below(in, 4), next_material(in)));
+	uint32_t number = next_below(in, 4);
+	gi_material material = next_material(in);
+	gi_result result = gi_set_material(gi, object, number, material);
+	check(result);
+	if (result == GI_OK)
+		remember(in, &material, 1);
 }
 
 static void update(input *in)
@@ -241,7 +259,9 @@ static void update(input *in)
 		budget.rays = next_byte(in) * 8;
 	if (kind & 4)
 		budget.error = next_share(in);
-	check(gi_update(gi, kind & 8 ? &budget : NULL));
+	gi_result result = gi_update(gi, kind & 8 ? &budget : NULL);
+	check(result);
+	in->updated = in->updated || result == GI_OK;
 	if (kind & 16)
 		check(gi_finish(gi));
 }
@@ -267,11 +287,15 @@ static void report(input *in)
 	gi_report r;
 	(void)in;
 	check(gi_finish(gi));
-	if (gi_get_report(gi, &r) != GI_OK)
+	if (gi_get_report(gi, &r) != GI_OK || !in->updated)
 		return;
 	require(r.outcome >= GI_OUTCOME_NOT_RUN || r.outcome == GI_OUTCOME_TRUNCATED || !in->sane,
 		"an outcome that is no failure");
 	require(r.outcome <= GI_OUTCOME_NOT_RUN || (r.radiosity_max >= 0 && isfinite(r.radiosity_max)), "finite light");
+	/* Energy is never created: no surface gives off more than the brightest with the whitest for walls. */
+	require(r.outcome <= GI_OUTCOME_NOT_RUN || !in->sane ||
+		    r.radiosity_max <= 1.001f * in->exitance / (1 - in->rho) + 1e-6f,
+		"light within its bounds");
 	require(r.outcome <= GI_OUTCOME_NOT_RUN || (r.solve_bound >= 0 && r.stale_bound >= 0), "bounds are numbers");
 }
 
@@ -391,6 +415,8 @@ static gi_context_def next_def(input *in)
 		def.max_sweeps = next_byte(in);
 	if (parts & 4)
 		next_floats(in, def.sky_exitance, 3);
+	for (int c = 0; c < 3; c++)
+		in->exitance = fmaxf(in->exitance, def.sky_exitance[c]);
 	if (parts & 8)
 		def.pixel_lamps = next_below(in, 40);
 	if (parts & 16)

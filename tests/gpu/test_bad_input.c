@@ -571,6 +571,7 @@ static void expect_empty(gi_context *gi)
 			    r.outcome == GI_OUTCOME_NOT_RUN);
 		assert_int_equal(r.objects + r.leaves, 0);
 		assert_int_equal(r.entries + r.links, 0);
+		assert_true(r.radiosity_max == 0 && r.residual == 0); /* nothing of the scene before */
 		if (frame)
 			assert_int_equal(r.dispatches + r.uploaded_bytes, 0);
 	}
