@@ -181,6 +181,13 @@ typedef enum gi_boundary {
 	GI_BOUNDARY_EDGE_ONLY,       /* corners are rounded */
 } gi_boundary;
 
+/* A straight line along which the leaves of a face are cut, where another surface stands on it or ends close above it:
+ * a leaf that is partly under a wall has one B for both sides of it. */
+typedef struct gi_leaf_cut {
+	uint32_t face;
+	float from[3], to[3]; /* object space as gi_object_def.positions; what is off the face's plane is projected to it */
+} gi_leaf_cut;
+
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
 typedef struct gi_object_def {
@@ -202,7 +209,15 @@ typedef struct gi_object_def {
 	gi_scheme scheme;
 	gi_boundary boundary;
 	uint32_t levels;      /* refinement steps, 0..8, default 0 */
-	float leaf_size;      /* > 0: instead of levels, refine until the mean leaf edge is at most this, metres; default 0 */
+	/* > 0: instead of levels, edges of leaves are about this long at most, metres; default 0. Each face of a bilinear cage
+	 * is split for itself: quads into grids of n x m cells, triangles at their longest edges. Smooth schemes refine alike
+	 * everywhere, until the mean leaf edge is at most this, 8 times at most. More leaves than the renderer holds are
+	 * GI_ERROR_INVALID_GEOMETRY, before any work. */
+	float leaf_size;
+	const float *leaf_sizes;      /* with leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size; NULL: none */
+	const gi_leaf_cut *leaf_cuts; /* likewise: leaf_cut_count; flat convex faces are cut along them; gi_choose_leaves finds
+				       * such lines */
+	uint32_t leaf_cut_count;
 	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where
 			       * that would be more than 200,000 faces, 8 steps in all, or than there is memory for */
 
