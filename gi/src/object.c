@@ -367,15 +367,58 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
+gi_result scene_check_def(const gi_context *gi, const gi_object_def *def)
+{
+	const char *name = def->name ? def->name : "unnamed";
+	gi_pose pose = def->pose;
+	gi_result result = check_def(gi, def, name);
+	if (!result && !scene_normalise_pose(gi, &pose, name))
+		result = GI_ERROR_INVALID_POSE;
+	return result;
+}
+
+/* A face of n corners becomes n quads, then four each. */
+static double leaves_at_level(const gi_refine_cage *cage, uint32_t levels)
+{
+	return levels ? ldexp(cage->index_count, 2 * ((int)levels - 1)) : cage->face_count;
+}
+
+static gi_split_def split_def_of(const gi_object_def *def)
+{
+	return (gi_split_def){def->leaf_size, def->leaf_sizes, def->leaf_cuts, def->leaf_cut_count};
+}
+
+double scene_estimate_leaves(const gi_object_def *def)
+{
+	const gi_refine_cage cage = cage_of(def);
+	const gi_split_def split = split_def_of(def);
+	return (def->double_sided ? 2 : 1) *
+	       (is_split(def) ? gi_split_estimate(&cage, &split) : leaves_at_level(&cage, levels_of(def)));
+}
+
+bool scene_count_leaves(const gi_object_def *def, uint64_t *count)
+{
+	const gi_refine_cage cage = cage_of(def);
+	const gi_split_def split = split_def_of(def);
+	gi_refined refined;
+	char message[256];
+	*count = (uint64_t)scene_estimate_leaves(def);
+	if (!is_split(def))
+		return true;
+	if (!gi_split(&cage, &split, &refined, message, sizeof message))
+		return false;
+	*count = (def->double_sided ? 2 : 1) * (uint64_t)refined.levels[refined.level_count - 1].face_count;
+	gi_refined_free(&refined);
+	return true;
+}
+
 static gi_result refine_levels(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 			       gi_refined *refined)
 {
 	const gi_log *log = &gi->gpu.log;
 	char message[256];
 	const uint32_t levels = levels_of(def);
-	/* A face of n corners becomes n quads, then four each. */
-	const uint64_t leaves = levels ? (uint64_t)cage->index_count << (2 * (levels - 1)) : cage->face_count;
-	if (!rows_can_hold(gi, leaves, 1))
+	if (!rows_can_hold(gi, (uint64_t)leaves_at_level(cage, levels), 1))
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
 			       name, cage->face_count, levels);
 	if (!gi_refine(cage, levels, refined, message, sizeof message))
@@ -403,8 +446,7 @@ static bool make_split_def(const gi_object_def *def, gi_split_def *out, float **
 	return true;
 }
 
-/* Two digits are enough to say a size. */
-static double rounded_up(double size)
+double scene_rounded_size(double size)
 {
 	const double unit = pow(10, floor(log10(size)) - 1);
 	return ceil(size / unit) * unit;
@@ -427,7 +469,7 @@ static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_
 				    "object '%s': leaves of %g would be about %.3g, more than this renderer holds: "
 				    "raise leaf_size, to %.2g or more for 100,000 of them",
 				    name, (double)def->leaf_size, leaves,
-				    rounded_up((double)def->leaf_size * sqrt(leaves / 1e5)));
+				    scene_rounded_size((double)def->leaf_size * sqrt(leaves / 1e5)));
 		else
 			result = gi_split(cage, &split, refined, message, sizeof message)
 				     ? GI_OK

@@ -243,6 +243,43 @@ gi_object_def gi_object_def_default(void);
 /* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. */
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 
+/* How fine a whole scene is cut, where the host has no sizes of its own. */
+typedef struct gi_leaf_choice_def {
+	uint32_t leaves;      /* about so many in all; default 0: 4,000 on a software renderer, 20,000 on others */
+	float leaf_size;      /* > 0: this size on large objects instead, metres; default 0 */
+	uint32_t most_leaves; /* more are refused; default 100,000 */
+	float finest;         /* small objects and lamps get leaves smaller by up to this factor; (0, 1], default 0.25 */
+	float contact;        /* faces are cut below edges that end closer above them than this share of a leaf; [0, 1],
+			       * default 0.5 */
+	uint32_t internal;
+} gi_leaf_choice_def;
+
+gi_leaf_choice_def gi_leaf_choice_def_default(void);
+
+/* What was chosen. */
+typedef struct gi_leaf_choice {
+	uint32_t leaves;   /* of all objects given */
+	float leaf_size;   /* of the largest, metres */
+	float least_size;  /* of the smallest and of lamps, metres */
+	uint32_t cuts;     /* lines along which faces are cut */
+	void *memory;      /* what the definitions' leaf_sizes and leaf_cuts point to */
+} gi_leaf_choice;
+
+/* Chooses leaf sizes for a scene from its bounds, areas and lamps: sets leaf_size, leaf_sizes, leaf_cuts and leaf_cut_count of every
+ * definition whose levels and leaf_size are 0; others keep theirs and are counted. An object, or a part of a mesh that
+ * shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of bilinear cages cross, touch
+ * or come close to one another in the poses given, moving objects at rest, they are cut along the lines of contact: one
+ * leaf on both sides of a wall would light the dark one.
+ *
+ * Create the objects next, then gi_free_leaf_choice. GI_ERROR_INVALID_ARGUMENT, before any work, with a line that says
+ * how many leaves there would be and which size fits, where they are more than most_leaves; whatever gi_create_object
+ * would say of a definition. On failure *out is zero and the definitions are as they were. */
+gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
+			   gi_leaf_choice *out);
+
+/* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
+void gi_free_leaf_choice(gi_leaf_choice *choice);
+
 /* The object is gone after the next gi_commit. */
 gi_result gi_destroy_object(gi_context *gi, gi_object object);
 
