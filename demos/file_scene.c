@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A leaf size that splits no face, metres. */
+static const float WHOLE_FACES = 1e9f;
+
 static const float PI = 3.14159265358979f;
 
 /* ---- where things are
@@ -374,6 +377,9 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 		return false;
 	}
 	define(f, object, out, def);
+	/* A cage that was made as fine as it should be has a leaf a face. */
+	if (simplified && !(f->leaf_size > 0))
+		def->leaf_size = WHOLE_FACES;
 	return true;
 }
 

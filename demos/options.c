@@ -61,7 +61,10 @@ static const struct argp_option table[] = {
     {"leaves", KEY_LEAVES, "N", 0,
      "about so many are chosen where the scene gives no levels, 100..100000 (4000 without a GPU, 20000 with one)", 1},
     {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
-    {"estimate", KEY_ESTIMATE, "N", 0, "leaves looked at to estimate the error of the rows, 0..65536 (0)", 1},
+    {"estimate", KEY_ESTIMATE, "N", 0,
+     "leaves looked at to estimate the error of the rows, 0..65536; 0: none (256 where a few pictures are recorded, "
+     "64 a frame where many are)",
+     1},
     {"cage-faces", KEY_CAGE_FACES, "N", 0, "triangles of the cage that lights a detailed mesh", 1},
     {"budget-fps", KEY_BUDGET_FPS, "R", 0,
      "keep so many frames a second: an update gets the time that drawing leaves, what does not fit waits until all "
@@ -224,6 +227,7 @@ static void parse_fineness(options *o, int key, const char *text)
 		break;
 	case KEY_ESTIMATE:
 		o->estimate = options_count(o->program, "--estimate", text, 0, 65536);
+		o->estimate_given = true;
 		break;
 	case KEY_CAGE_FACES:
 		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);

@@ -18,6 +18,14 @@
 #define SHORTEST 0.05
 /* An edge that rises steeper over a face has no shadow's border below it. */
 #define STEEPEST 0.5
+/* Strips begin this many heights below an edge, or at this part of a leaf, and grow by this factor up to this part of a
+ * leaf. */
+#define STRIP_HEIGHTS 2
+#define THINNEST_STRIP (1 / 16.0)
+#define STRIP_GROWTH 4
+#define WIDEST_STRIP 0.7
+/* Within 35 degrees. */
+#define ALONG_COSINE 0.82
 /* Faces whose normals are farther apart have a sharp edge between them: 40 degrees, as light vertices take it. */
 #define SHARP_COSINE 0.766
 /* Heights over the longest edge: flatter faces are planes. */
@@ -31,9 +39,9 @@ typedef struct face {
 	bool two_sided;
 } face;
 
-/* A sharp edge or a border. `face`: one that has it. */
+/* A sharp edge or a border, and the faces that have it; the second is GI_NONE at a border. */
 typedef struct edge {
-	uint32_t from, to, face;
+	uint32_t from, to, face, other;
 } edge;
 
 typedef struct finder {
@@ -190,12 +198,13 @@ static int compare_edge_faces(const void *a, const void *b)
 }
 
 /* Of all edges of one place, [first, end): has it one face, or two that look apart? */
-static bool is_sharp(const finder *f, const edge *edges, uint32_t first, uint32_t end)
+static bool is_sharp(const finder *f, const edge *edges, uint32_t first, uint32_t end, uint32_t *other)
 {
-	for (uint32_t k = first + 1; k < end; k++)
+	*other = GI_NONE;
+	for (uint32_t k = first + 1; k < end && *other == GI_NONE; k++)
 		if (gi_vec3d_dot(f->faces[edges[k].face].normal, f->faces[edges[first].face].normal) < SHARP_COSINE)
-			return true;
-	return end - first == 1;
+			*other = edges[k].face;
+	return end - first == 1 || *other != GI_NONE;
 }
 
 static bool find_edges(finder *f)
@@ -209,15 +218,18 @@ static bool find_edges(finder *f)
 		for (uint32_t i = 0; i < f->faces[k].count; i++) {
 			const uint32_t a = f->places[f->faces[k].first + i],
 				       b = f->places[f->faces[k].first + (i + 1) % f->faces[k].count];
-			f->edges[f->faces[k].first + i] = (edge){a < b ? a : b, a < b ? b : a, k};
+			f->edges[f->faces[k].first + i] = (edge){a < b ? a : b, a < b ? b : a, k, GI_NONE};
 		}
 	qsort(f->edges, f->corner_count, sizeof *f->edges, compare_edges);
 	for (uint32_t k = 0, end; k < f->corner_count; k = end) {
 		for (end = k + 1; end < f->corner_count && f->edges[end].from == f->edges[k].from &&
 				  f->edges[end].to == f->edges[k].to;)
 			end++;
-		if (f->edges[k].from != f->edges[k].to && is_sharp(f, f->edges, k, end))
-			f->edges[f->edge_count++] = f->edges[k];
+		uint32_t other;
+		if (f->edges[k].from == f->edges[k].to || !is_sharp(f, f->edges, k, end, &other))
+			continue;
+		f->edges[f->edge_count] = f->edges[k];
+		f->edges[f->edge_count++].other = other;
 	}
 	qsort(f->edges, f->edge_count, sizeof *f->edges, compare_edge_faces);
 	for (uint32_t k = 0; k < f->edge_count; k++)
@@ -253,6 +265,14 @@ static double height_over(const finder *f, const face *on, gi_vec3d p)
 static gi_vec3d mix(gi_vec3d a, gi_vec3d b, double t)
 {
 	return gi_vec3d_add(gi_vec3d_scale(a, 1 - t), gi_vec3d_scale(b, t));
+}
+
+static gi_vec3d face_centre(const finder *f, const face *of)
+{
+	gi_vec3d sum = {0, 0, 0};
+	for (uint32_t k = of->first; k < of->first + of->count; k++)
+		sum = gi_vec3d_add(sum, f->corners[k]);
+	return gi_vec3d_scale(sum, 1.0 / of->count);
 }
 
 /* Where a face runs through the plane of another: between the ends of its way across. */
@@ -291,6 +311,41 @@ static bool cross_face(finder *f, const face *on, const face *through)
 	       add_cut(&f->objects[on->object], on->number, ends[0], ends[1]);
 }
 
+/* Light that comes in below an edge at some height falls off within a few heights, on the face and on the one above it:
+ * each gets strips along the edge, or the leaves at the border would hand their mean on to what lies deep below. */
+static bool add_strips(finder *f, const face *on, const face *above, gi_vec3d from, gi_vec3d to)
+{
+	const double height = fabs(height_over(f, on, mix(from, to, 0.5)));
+	gi_vec3d inward = gi_vec3d_cross(above->normal, unit(gi_vec3d_sub(to, from)));
+	if (gi_vec3d_dot(inward, gi_vec3d_sub(face_centre(f, above), from)) < 0)
+		inward = gi_vec3d_scale(inward, -1);
+	bool enough = true;
+	double width = fmax(STRIP_HEIGHTS * height, THINNEST_STRIP * on->size);
+	for (; enough && height > TOUCH * on->size && width < WIDEST_STRIP * on->size; width *= STRIP_GROWTH) {
+		const gi_vec3d shift = gi_vec3d_scale(inward, width), a = gi_vec3d_add(from, shift),
+			       b = gi_vec3d_add(to, shift);
+		enough = add_cut(&f->objects[on->object], on->number, a, b) &&
+			 (!(above->size > 0) || add_cut(&f->objects[above->object], above->number, a, b));
+	}
+	return enough;
+}
+
+/* The face of an edge that lies along another, if one does. */
+static const face *lies_along(const finder *f, const face *on, uint32_t number)
+{
+	const face *of = number == GI_NONE ? NULL : &f->faces[number];
+	return of && fabs(gi_vec3d_dot(on->normal, of->normal)) > ALONG_COSINE ? of : NULL;
+}
+
+static bool add_lines(finder *f, const face *on, const edge *e, gi_vec3d from, gi_vec3d to)
+{
+	const face *above[2] = {lies_along(f, on, e->face), lies_along(f, on, e->other)};
+	bool enough = add_cut(&f->objects[on->object], on->number, from, to);
+	for (int k = 0; k < 2 && enough; k++)
+		enough = !above[k] || add_strips(f, on, above[k], from, to);
+	return enough;
+}
+
 /* Below the part of an edge that is close above the face. */
 static bool project_edge(finder *f, const face *on, const edge *e)
 {
@@ -309,8 +364,7 @@ static bool project_edge(finder *f, const face *on, const edge *e)
 	} else if (from < lowest || from > highest) {
 		return true;
 	}
-	return (t[1] - t[0]) * length < SHORTEST * on->size ||
-	       add_cut(&f->objects[on->object], on->number, mix(a, b, t[0]), mix(a, b, t[1]));
+	return (t[1] - t[0]) * length < SHORTEST * on->size || add_lines(f, on, e, mix(a, b, t[0]), mix(a, b, t[1]));
 }
 
 /* ---- pairs ---- */

@@ -517,6 +517,39 @@ class Programs(unittest.TestCase):
             self.assertGreater(lit, 0.3)
             self.assertEqual(dark, 0)
 
+    def test_detailed_meshes_get_cages(self):
+        """A ball of 5,000 faces, which is no cage: as many as its share of the leaves, or as many as asked for."""
+        rings, around = 50, 100
+        lines = ["v %g %g %g" % (math.sin(math.pi * j / rings) * math.cos(2 * math.pi * i / around),
+                                 math.cos(math.pi * j / rings),
+                                 math.sin(math.pi * j / rings) * math.sin(2 * math.pi * i / around))
+                 for j in range(rings + 1) for i in range(around)]
+        number = lambda i, j: j * around + i % around + 1
+        lines += ["f %d %d %d %d" % (number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1))
+                  for j in range(rings) for i in range(around)]
+        ball = self.path("ball.obj", "\n".join(lines) + "\n")
+        for options, most in (([], 2000), (["--cage-faces", "300"], 300), (["--leaves", "2000"], 1000)):
+            done = self.good("gi_play", ball, "--sky", "1", "--report", self.path("r.csv"), "--field", self.path("f%d.ply"),
+                             *options, *TINY)
+            self.assertIn("cage of", done.stderr)
+            leaves = int(read_csv(self.path("r.csv"))[0]["leaves"])
+            self.assertTrue(0.8 * most < leaves <= most, (options, leaves))
+            print("%s: %d leaves" % (options, leaves), end=" ")
+
+    def test_error_is_estimated(self):
+        """Of pictures that are kept, unless it is turned off."""
+        self.path("hall.mtl", HALL_MATERIALS)
+        hall = self.path("hall.obj", HALL)
+        report = ["--report", self.path("r.csv")]
+        for options, wanted in ((["--images", self.path("p%d.png")], True), ([], False),
+                                (["--images", self.path("p%d.png"), "--estimate", "0"], False)):
+            done = self.good("gi_play", hall, "--frames", "1", "--leaves", "300", *report, *options, *TINY)
+            self.assertEqual(int(read_csv(self.path("r.csv"))[0]["sampling_rays"]) > 0, wanted)
+            self.assertNotIn("off by", done.stderr)
+        done = self.good("gi_play", hall, "--frames", "1", "--leaf-size", "1", "--row-tolerance", "1", "--estimate", "1024",
+                         "--images", self.path("p%d.png"), *TINY)
+        self.assertIn("off by", done.stderr)
+
     def test_too_many_leaves_are_refused(self):
         self.path("hall.mtl", HALL_MATERIALS)
         hall = self.path("hall.obj", HALL)
