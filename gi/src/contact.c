@@ -47,6 +47,7 @@ typedef struct edge {
 typedef struct finder {
 	gi_contact_object *objects;
 	double reach;
+	bool strips;
 	gi_vec3d *corners; /* world, those of a face one after another */
 	uint32_t *places;  /* of each corner: the first corner of its object in the same place */
 	face *faces;
@@ -341,7 +342,7 @@ static bool add_lines(finder *f, const face *on, const edge *e, gi_vec3d from, g
 {
 	const face *above[2] = {lies_along(f, on, e->face), lies_along(f, on, e->other)};
 	bool enough = add_cut(&f->objects[on->object], on->number, from, to);
-	for (int k = 0; k < 2 && enough; k++)
+	for (int k = 0; k < 2 && enough && f->strips; k++)
 		enough = !above[k] || add_strips(f, on, above[k], from, to);
 	return enough;
 }
@@ -448,9 +449,9 @@ static bool place_all(finder *f, uint32_t count)
 	return enough;
 }
 
-bool gi_find_contacts(gi_contact_object *objects, uint32_t count, double reach)
+bool gi_find_contacts(gi_contact_object *objects, uint32_t count, double reach, bool strips)
 {
-	finder f = {.objects = objects, .reach = reach};
+	finder f = {.objects = objects, .reach = reach, .strips = strips};
 	const bool done = place_all(&f, count) && find_places(&f) && find_edges(&f) && build_tree(&f) && find_pairs(&f);
 	free(f.corners);
 	free(f.places);

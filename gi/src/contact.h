@@ -23,7 +23,8 @@ typedef struct gi_contact_object {
 } gi_contact_object;
 
 /* Finds the cuts of all objects. `reach`: edges that end closer above a face than this share of its leaves' size are in
- * contact with it. False when memory ran out; what was found so far is there to be freed. */
-bool gi_find_contacts(gi_contact_object *objects, uint32_t count, double reach);
+ * contact with it. `strips`: along such edges both surfaces are cut into strips as well, where light falls off from one
+ * to the next. False when memory ran out; what was found so far is there to be freed. */
+bool gi_find_contacts(gi_contact_object *objects, uint32_t count, double reach, bool strips);
 
 #endif

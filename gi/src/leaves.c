@@ -18,6 +18,15 @@ static const double LAMP_SIDE = 3;
 /* Cuts may take the leaves this far above what was asked for. */
 static const double OVERSHOOT = 1.15;
 
+/* How much is cut: with strips and at the reach asked for, less where that would more than double the leaves of a scene
+ * and add more than a few hundred: piles of things that nearly touch everywhere. */
+static const struct {
+	double reach;
+	bool strips;
+} EFFORTS[] = {{1, true}, {1, false}, {0.25, false}, {0, false}};
+enum { LEAST_EFFORT = 3 };
+static const double MOST_ADDED = 500;
+
 typedef struct choice_memory {
 	uint32_t count;
 	float **sizes; /* of each object's faces; NULL: the definition keeps its own fineness */
@@ -33,6 +42,7 @@ typedef struct chooser {
 	choice_memory *memory;
 	double largest; /* diagonal of the largest part, metres */
 	double size;
+	int effort; /* of EFFORTS */
 } chooser;
 
 gi_leaf_choice_def gi_leaf_choice_def_default(void)
@@ -248,7 +258,9 @@ static bool find_cuts(chooser *c)
 			contacts[flat] = (gi_contact_object){&c->objects[k], c->memory->sizes[k], NULL, 0};
 			places[flat++] = k;
 		}
-	const bool done = contacts && places && gi_find_contacts(contacts, flat, (double)c->def->contact);
+	const bool done = contacts && places &&
+			  gi_find_contacts(contacts, flat, EFFORTS[c->effort].reach * (double)c->def->contact,
+					   EFFORTS[c->effort].strips);
 	for (uint32_t k = 0; contacts && places && k < flat; k++) {
 		c->memory->cuts[places[k]] = contacts[k].cuts;
 		c->objects[places[k]].leaf_cuts =
@@ -273,13 +285,25 @@ static bool count_leaves(const chooser *c, uint64_t *count)
 	return true;
 }
 
+/* Cuts as much as is worth it at the present size. */
+static bool cut_and_count(chooser *c, uint64_t *count)
+{
+	const double uncut = estimate(c, c->size);
+	for (;; c->effort++) {
+		if (!find_cuts(c) || !count_leaves(c, count))
+			return false;
+		if (c->effort == LEAST_EFFORT || (double)*count <= 2 * uncut + MOST_ADDED)
+			return true;
+	}
+}
+
 /* Cuts add leaves: the size grows by as much, unless it was given. */
-static bool cut_and_count(chooser *c, double leaves, uint64_t *count)
+static bool cut_and_mend(chooser *c, double leaves, uint64_t *count)
 {
 	enum { TURNS = 3 };
 	const double wanted = fmax(leaves, estimate(c, c->size));
 	for (int turn = 0;; turn++) {
-		if (!find_cuts(c) || !count_leaves(c, count))
+		if (!cut_and_count(c, count))
 			return false;
 		if (c->def->leaf_size > 0 || (double)*count <= OVERSHOOT * wanted || turn == TURNS)
 			return true;
@@ -342,7 +366,7 @@ static gi_result choose(const gi_context *gi, chooser *c, gi_leaf_choice *out)
 	const double rough = estimate(c, size);
 	if (rough > c->def->most_leaves)
 		return refuse(gi, c, rough);
-	if (!cut_and_count(c, leaves, &count))
+	if (!cut_and_mend(c, leaves, &count))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory for choosing leaves");
 	if (count > c->def->most_leaves)
 		return refuse(gi, c, (double)count);
