@@ -368,8 +368,8 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 		return false;
 	}
 	if (simplified)
-		fprintf(stderr, "%s: %s has %u faces; it is lit through a cage of %u (--cage-faces)\n", f->program,
-			object->name, object->mesh.face_count, out->cage.face_count);
+		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
+			    object->mesh.face_count, out->cage.face_count);
 	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
 	def->material_count = out->materials ? take_materials(&f->scene, &out->cage, out->materials) : 0;
 	if (!def->material_count) {
@@ -386,11 +386,11 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 static void tell_choice(const file_scene *f, const gi_leaf_choice *choice)
 {
 	if (choice->least_size < 0.99f * choice->leaf_size)
-		fprintf(stderr, "%s: %u leaves of %.2g, %.2g on what is small (--leaf-size, --leaves)\n", f->program,
-			choice->leaves, (double)choice->leaf_size, (double)choice->least_size);
+		options_say(f->program, "%u leaves of %.2g, %.2g on what is small (--leaf-size, --leaves)",
+			    choice->leaves, (double)choice->leaf_size, (double)choice->least_size);
 	else
-		fprintf(stderr, "%s: %u leaves of %.2g (--leaf-size, --leaves)\n", f->program, choice->leaves,
-			(double)choice->leaf_size);
+		options_say(f->program, "%u leaves of %.2g (--leaf-size, --leaves)", choice->leaves,
+			    (double)choice->leaf_size);
 }
 
 /* Chooses sizes for what has none and creates all. */

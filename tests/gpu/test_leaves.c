@@ -177,7 +177,7 @@ static double worst_below(const stage *s, const measured *m, box in, double *mea
 			continue;
 		const double h = (double)l->irradiance[1],
 			     r = .5 * ((double)m->truth[0][3 * k + 1] + (double)m->truth[1][3 * k + 1]);
-		worst = fmax(worst, fabs(h - r) - .25 * r);
+		worst = fmax(worst, fabs(h - r) / fmax(.02, .25 * r));
 		sum += h * (double)l->area;
 		sum_truth += r * (double)l->area;
 		area += (double)l->area;
@@ -201,8 +201,7 @@ static void expect_block(float height, float leaf_size, const float turn[4])
 	double mean, truth;
 	const double worst = worst_below(&s, &m, below, &mean, &truth);
 	printf("block %.2f m above the floor%s, %u leaves of %.3g, %.3g, %u cuts: H below %.4f, truth %.4f, one leaf "
-	       "at most "
-	       "%.3f W/m2 beyond a quarter of its truth; scene %.2f %% RMS (noise %.2f)\n",
+	       "%.1f times 0.02 W/m2 or 25 %% off; scene %.2f %% RMS (noise %.2f)\n",
 	       (double)height, turn[3] != 0 ? ", turned" : "", m.count, (double)m.choice.leaf_size,
 	       (double)m.choice.least_size, m.choice.cuts, mean, truth, worst, 100 * m.rms, 100 * m.noise);
 	assert_true(fabs(mean - truth) <= fmax(.02, .25 * truth));
