@@ -344,10 +344,11 @@ static void warn_of_error(const player *p)
 	static const double MUCH = 10;
 	const double percent = report_estimate_percent(&p->report);
 	if (percent > MUCH)
-		options_say(p->o->program,
-			    "the light is off by %.0f %% of its mean, as estimated: a smaller --row-tolerance or --leaf-size "
-			    "lowers that",
-			    percent);
+		options_say(
+		    p->o->program,
+		    "the light is off by %.0f %% of its mean, as estimated: a smaller --row-tolerance or --leaf-size "
+		    "lowers that",
+		    percent);
 }
 
 int player_run(const options *o, const player_scene *scene)

@@ -471,10 +471,12 @@ static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_
 				    name, (double)def->leaf_size, leaves,
 				    scene_rounded_size((double)def->leaf_size * sqrt(leaves / 1e5)));
 		else
-			result = gi_split(cage, &split, refined, message, sizeof message)
-				     ? GI_OK
-				     : gi_fail(log, refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
-					       "object '%s': %s", name, message);
+			result =
+			    gi_split(cage, &split, refined, message, sizeof message)
+				? GI_OK
+				: gi_fail(log,
+					  refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
+					  "object '%s': %s", name, message);
 	} else {
 		gi_fail(log, result, "object '%s': out of memory", name);
 	}

@@ -749,19 +749,22 @@ bool gi_split(const gi_refine_cage *cage, const gi_split_def *def, gi_refined *o
 	numbered.face_materials = numbers;
 	gi_refined base = {0};
 	snprintf(message, message_size, "out of memory");
-	bool done = numbers && gi_refine(&numbered, 0, &base, message, message_size);
-	if (done) {
+	const bool refined = numbers && gi_refine(&numbered, 0, &base, message, message_size);
+	bool done = refined, memory = !numbers || base.out_of_memory;
+	if (refined) {
 		splitter s = {.def = def};
 		done = split(&s, cage, &base, out);
+		memory = s.leaf_count < MOST_LEAVES;
 		if (!done)
-			snprintf(message, message_size,
-				 s.leaf_count >= MOST_LEAVES ? "there would be more than %d leaves" : "out of memory",
+			snprintf(message, message_size, memory ? "out of memory" : "there would be more than %d leaves",
 				 MOST_LEAVES);
 		free_splitter(&s);
 	}
 	gi_refined_free(&base);
 	free(numbers);
-	if (!done)
+	if (!done) {
 		gi_refined_free(out);
+		out->out_of_memory = memory;
+	}
 	return done;
 }
