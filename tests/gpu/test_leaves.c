@@ -228,11 +228,63 @@ static void a_block_hovers(void **state)
 	expect_block(.05f, .5f, TURNED);
 }
 
+/* Behind a wall of one box that goes through floor, sides and ceiling of one box. */
+static void a_wall_parts_a_room(void **state)
+{
+	(void)state;
+	stage s = {0};
+	measured m = {0};
+	put_room(&s, 30);
+	put_box(&s, (box){{-2.1f, -.1f, 1.03f}, {2.1f, 2.6f, 1.17f}}, false, GREY);
+	gi_context *gi = measure(&s, .25f, &m);
+	double dark = 0;
+	for (uint32_t k = 0; k < m.count; k++) {
+		double c[3];
+		centre_of(&s, &m.leaves[k], c);
+		dark = c[2] > 1.17 ? fmax(dark, (double)m.leaves[k].irradiance[1]) : dark;
+	}
+	printf("a wall through a room, %u leaves: behind it H is %g at most; scene %.2f %% RMS (noise %.2f)\n", m.count,
+	       dark, 100 * m.rms, 100 * m.noise);
+	assert_true(dark == 0);
+	assert_true(m.rms <= .02);
+	end(gi, &s, &m);
+}
+
+/* A ball of flat faces, half in the floor: its rim and the floor are cut where they meet. */
+static void a_ball_is_sunk(void **state)
+{
+	(void)state;
+	stage s = {0};
+	measured m = {0};
+	engine_mesh ball;
+	put_room(&s, 30);
+	assert_true(shape_sphere(.5f, 3, &ball));
+	put(&s, &ball, GREY, 0);
+	s.defs[2].pose.position[1] = .07f;
+	gi_context *gi = measure(&s, .25f, &m);
+	double error = 0, all = 0;
+	for (uint32_t k = 0; k < m.count; k++) {
+		const float *h = m.leaves[k].irradiance, *r1 = m.truth[0] + 3 * k, *r2 = m.truth[1] + 3 * k;
+		if (m.leaves[k].object.index1 != s.handles[2].index1)
+			continue;
+		error += (double)m.leaves[k].area * ((double)h[1] - (double)r1[1]) * ((double)h[1] - (double)r2[1]);
+		all += (double)m.leaves[k].area * (double)r1[1] * (double)r2[1];
+	}
+	const double on_ball = sqrt(fmax(error, 0) / all);
+	printf("a ball sunk into the floor, %u leaves: %.2f %% RMS on it; scene %.2f %% RMS (noise %.2f)\n", m.count,
+	       100 * on_ball, 100 * m.rms, 100 * m.noise);
+	assert_true(on_ball <= .03);
+	assert_true(m.rms <= .02);
+	end(gi, &s, &m);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(a_block_stands),
 	    cmocka_unit_test(a_block_hovers),
+	    cmocka_unit_test(a_wall_parts_a_room),
+	    cmocka_unit_test(a_ball_is_sunk),
 	};
 	return cmocka_run_group_tests_name("leaves", tests, harness_open, harness_close);
 }
