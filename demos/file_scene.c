@@ -3,7 +3,9 @@
 #include "figure.h"
 #include "file_inside.h"
 #include "file_sides.h"
+#include "fineness.h"
 #include "options.h"
+#include "progress.h"
 
 #include <cglm/cglm.h>
 
@@ -12,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* More faces than this and no refinement asked for: a scan, not a cage. */
-enum { SCAN_FACES = 20000 };
+/* A leaf size that splits no face, metres. */
+static const float WHOLE_FACES = 1e9f;
 
 static const float PI = 3.14159265358979f;
 
@@ -252,7 +254,8 @@ static void choose_view(file_scene *f, const char *path)
 	file_scene_view(f, 0, &start);
 	if (f->scene.has_camera && file_inside_sees_backs(&f->scene, &start))
 		options_say(f->program,
-			    "%s: the file's camera sees backs of faces, which are not drawn; --two-sided draws them", path);
+			    "%s: the file's camera sees backs of faces, which are not drawn; --two-sided draws them",
+			    path);
 }
 
 bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size)
@@ -324,78 +327,125 @@ static gi_pose to_pose(const engine_pose *pose)
 	return out;
 }
 
-static void define(const file_scene *f, const engine_scene_object *object, const engine_mesh *mesh, gi_object_def *def)
+/* An object on its way to the library: what its definition points to. */
+typedef struct prepared {
+	engine_mesh cage, drawn; /* drawn: empty where the cage is */
+	gi_material *materials;
+} prepared;
+
+static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
 {
 	static const gi_scheme schemes[] = {[ENGINE_SCHEME_BILINEAR] = GI_SCHEME_BILINEAR,
 					    [ENGINE_SCHEME_CATMULL_CLARK] = GI_SCHEME_CATMULL_CLARK,
 					    [ENGINE_SCHEME_LOOP] = GI_SCHEME_LOOP};
 	def->name = object->name;
-	def->positions = mesh->positions;
-	def->vertex_count = mesh->vertex_count;
-	def->face_counts = mesh->face_counts;
-	def->face_count = mesh->face_count;
-	def->indices = mesh->indices;
-	def->index_count = mesh->index_count;
-	def->face_materials = mesh->face_materials;
+	def->positions = p->cage.positions;
+	def->vertex_count = p->cage.vertex_count;
+	def->face_counts = p->cage.face_counts;
+	def->face_count = p->cage.face_count;
+	def->indices = p->cage.indices;
+	def->index_count = p->cage.index_count;
+	def->face_materials = p->cage.face_materials;
+	def->materials = p->materials;
+	def->draw_positions = p->drawn.positions;
+	def->draw_vertex_count = p->drawn.vertex_count;
+	def->draw_indices = p->drawn.indices;
+	def->draw_index_count = p->drawn.index_count;
 	def->scheme = schemes[object->scheme];
-	def->levels = object->levels;
-	def->leaf_size = f->leaf_size;
+	def->levels = f->leaf_size > 0 ? 0 : object->levels;
 	def->double_sided = object->double_sided;
 	memcpy(def->scale, object->rest.scale, sizeof def->scale);
 	def->pose = to_pose(&object->rest);
 }
 
-static gi_result create_object(const file_scene *f, gi_context *gi, const engine_scene_object *object,
-			       engine_mesh *mesh, const engine_mesh *drawn, gi_object *out)
+/* How many faces a mesh may have before it is simplified, UINT32_MAX: it is a cage. */
+static uint32_t most_faces(const file_scene *f, const engine_scene_object *object, const fineness *fine)
 {
-	gi_material *materials = malloc(sizeof *materials * (f->scene.material_count + 1));
-	gi_object_def def = gi_object_def_default();
-	def.materials = materials;
-	def.material_count = materials ? take_materials(&f->scene, mesh, materials) : 0;
-	if (!def.material_count) {
-		free(materials);
-		return GI_ERROR_OUT_OF_MEMORY;
-	}
-	define(f, object, mesh, &def);
-	if (drawn) {
-		def.draw_positions = drawn->positions;
-		def.draw_vertex_count = drawn->vertex_count;
-		def.draw_indices = drawn->indices;
-		def.draw_index_count = drawn->index_count;
-	}
-	const gi_result result = gi_create_object(gi, &def, out);
-	free(materials);
-	return result;
+	if (object->scheme != ENGINE_SCHEME_BILINEAR || object->levels)
+		return UINT32_MAX;
+	return f->cage_faces ? f->cage_faces : fineness_most_faces(fine, object);
 }
 
-static bool create_one(file_scene *f, gi_context *gi, uint32_t k, char *message, size_t message_size)
+static bool prepare(const file_scene *f, const engine_scene_object *object, const fineness *fine, prepared *out,
+		    gi_object_def *def, char *message, size_t message_size)
 {
-	const engine_scene_object *object = f->scene.objects + k;
-	const bool scan =
-	    object->mesh.face_count > SCAN_FACES && object->scheme == ENGINE_SCHEME_BILINEAR && !object->levels;
-	engine_mesh drawn = {0}, cage = {0};
-	char why[512];
-	if (scan ? !figure_make(&object->mesh, f->cage_faces, &drawn, &cage, why, sizeof why)
-		 : !engine_mesh_copy(&object->mesh, &cage)) {
-		snprintf(message, message_size, "%s: %s", object->name, scan ? why : "out of memory");
+	const uint32_t most = most_faces(f, object, fine);
+	const bool simplified = object->mesh.face_count > most;
+	char why[512] = "out of memory";
+	*def = gi_object_def_default();
+	if (simplified)
+		progress_show(&(progress){.program = f->program}, "simplifying a mesh", 0, 0);
+	if (simplified ? !figure_make(&object->mesh, most, &out->drawn, &out->cage, why, sizeof why)
+		       : !engine_mesh_copy(&object->mesh, &out->cage)) {
+		snprintf(message, message_size, "%s: %s", object->name, why);
 		return false;
 	}
-	if (scan)
+	if (simplified)
 		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
-			    object->mesh.face_count, cage.face_count);
-	const gi_result result = create_object(f, gi, object, &cage, scan ? &drawn : NULL, &f->handles[k]);
-	engine_mesh_free(&drawn);
-	engine_mesh_free(&cage);
-	if (result && !message[0])
-		snprintf(message, message_size, "%s: %s", object->name, gi_result_text(result));
-	return result == GI_OK;
+			    object->mesh.face_count, out->cage.face_count);
+	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
+	def->material_count = out->materials ? take_materials(&f->scene, &out->cage, out->materials) : 0;
+	if (!def->material_count) {
+		snprintf(message, message_size, "out of memory");
+		return false;
+	}
+	define(f, object, out, def);
+	/* A cage that was made as fine as it should be has a leaf a face. */
+	if (simplified && !(f->leaf_size > 0))
+		def->leaf_size = WHOLE_FACES;
+	return true;
+}
+
+static void tell_choice(const file_scene *f, const gi_leaf_choice *choice)
+{
+	if (choice->least_size < 0.99f * choice->leaf_size)
+		options_say(f->program, "%u leaves of %.2g, %.2g on what is small (--leaf-size, --leaves)",
+			    choice->leaves, (double)choice->leaf_size, (double)choice->least_size);
+	else
+		options_say(f->program, "%u leaves of %.2g (--leaf-size, --leaves)", choice->leaves,
+			    (double)choice->leaf_size);
+}
+
+/* Chooses sizes for what has none and creates all. */
+static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs)
+{
+	gi_leaf_choice_def def = gi_leaf_choice_def_default();
+	gi_leaf_choice choice;
+	def.leaves = f->leaves;
+	def.leaf_size = f->leaf_size;
+	gi_result result = gi_choose_leaves(gi, &def, defs, f->scene.object_count, &choice);
+	if (!result && choice.leaf_size > 0 && f->scene.object_count)
+		tell_choice(f, &choice);
+	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
+		result = gi_create_object(gi, &defs[k], &f->handles[k]);
+	gi_free_leaf_choice(&choice);
+	return result;
 }
 
 bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t message_size)
 {
-	bool created = true;
-	for (uint32_t k = 0; created && k < f->scene.object_count; k++)
-		created = create_one(f, gi, k, message, message_size);
+	const uint32_t count = f->scene.object_count;
+	prepared *objects = calloc((size_t)count + 1, sizeof *objects);
+	gi_object_def *defs = calloc((size_t)count + 1, sizeof *defs);
+	const fineness fine = fineness_of(&f->scene, f->leaves);
+	bool created = objects && defs;
+	if (!created)
+		snprintf(message, message_size, "out of memory");
+	for (uint32_t k = 0; created && k < count; k++)
+		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+	if (created) {
+		const gi_result result = create_all(f, gi, defs);
+		if (result && !message[0])
+			snprintf(message, message_size, "%s", gi_result_text(result));
+		created = result == GI_OK;
+	}
+	for (uint32_t k = 0; objects && k < count; k++) {
+		engine_mesh_free(&objects[k].cage);
+		engine_mesh_free(&objects[k].drawn);
+		free(objects[k].materials);
+	}
+	free(objects);
+	free(defs);
 	return created;
 }
 

@@ -16,8 +16,9 @@ typedef struct file_scene {
 	const char *program; /* for warnings */
 	bool lit;            /* by a sky, whatever the file holds */
 	options_sides two_sided;
-	float leaf_size;     /* 0: the levels that the file gives */
-	uint32_t cage_faces; /* of the cages of detailed meshes */
+	float leaf_size;     /* 0: the levels that the file gives, and what is chosen for objects without */
+	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */
+	uint32_t cage_faces; /* of the cages of detailed meshes; 0: chosen */
 	gi_object *handles;  /* scene.object_count */
 	const char **names;
 	float lower[3], upper[3]; /* of everything at rest, world */
@@ -28,8 +29,9 @@ typedef struct file_scene {
 bool file_scene_load(file_scene *f, const char *path, char *message, size_t message_size);
 void file_scene_free(file_scene *f);
 
-/* Creates the objects in the order of the file. A mesh of more faces than any cage needs is drawn in full and lit
- * through a simplified one. False with one line in message.
+/* Creates the objects in the order of the file, as fine as suits the scene; one line on stderr says how fine. A mesh of
+ * more faces than its share of the leaves is drawn in full and lit through a simplified one. False with one line in
+ * message.
  */
 bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t message_size);
 

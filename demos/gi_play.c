@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CAGE_FACES = 4000 };
-
 typedef struct gi_play {
 	options options;
 	const char *path;
@@ -91,7 +89,8 @@ int main(int argc, char **argv)
 				 .lit = o->sky > 0,
 				 .two_sided = o->two_sided,
 				 .leaf_size = o->leaf_size,
-				 .cage_faces = o->cage_faces ? o->cage_faces : CAGE_FACES};
+				 .leaves = o->leaves,
+				 .cage_faces = o->cage_faces};
 	char message[1024];
 	progress_show(&(progress){.program = o->program}, "reading the file", 0, 0);
 	if (!file_scene_load(&play.file, play.path, message, sizeof message)) {

@@ -58,6 +58,17 @@ static bool open_context(player *p)
 	return p->context != NULL;
 }
 
+/* Pictures that are kept are told from what they are off by; 64 leaves are little beside an update, and their noise
+ * averages out over frames. */
+static uint32_t estimate_leaves(const player *p)
+{
+	if (p->o->estimate_given)
+		return p->o->estimate;
+	if (!p->recording || !(p->o->images || p->scene->gallery))
+		return 0;
+	return p->frames < 4 ? 256 : 64;
+}
+
 static bool open_gi(player *p)
 {
 	gi_context_def def = gi_context_def_default();
@@ -70,7 +81,7 @@ static bool open_gi(player *p)
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
 	def.pixel_lamps = p->o->pixel_lamps;
-	def.estimate_leaves = p->o->estimate;
+	def.estimate_leaves = estimate_leaves(p);
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;
@@ -108,11 +119,11 @@ static bool begin(player *p)
 		return false;
 	p->progress.context = p->context;
 	p->progress.hud = p->hud;
+	choose_frames(p);
 	if (!open_gi(p))
 		return false;
 	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !succeeded(p, gi_commit(p->gi)))
 		return false;
-	choose_frames(p);
 	p->last_clock_ms = player_clock_ms();
 	return player_budget_open(p) && player_open_files(p);
 }
@@ -328,6 +339,18 @@ static bool play(player *p)
 	return player_close_files(p);
 }
 
+static void warn_of_error(const player *p)
+{
+	static const double MUCH = 10;
+	const double percent = report_estimate_percent(&p->report);
+	if (percent > MUCH)
+		options_say(
+		    p->o->program,
+		    "the light is off by %.0f %% of its mean, as estimated: a smaller --row-tolerance or --leaf-size "
+		    "lowers that",
+		    percent);
+}
+
 int player_run(const options *o, const player_scene *scene)
 {
 	player *p = calloc(1, sizeof *p);
@@ -349,6 +372,8 @@ int player_run(const options *o, const player_scene *scene)
 			fputc('\n', stderr);
 		options_say(o->program, "%s", p->message);
 	}
+	if (played)
+		warn_of_error(p);
 	const bool sound = p->failed_frames == 0;
 	if (played && !sound)
 		options_say(o->program, "the light of %u of %u frames is wrong: %s", p->failed_frames, p->frame,

@@ -314,6 +314,14 @@ void report_print(const report *r, FILE *to)
 	}
 }
 
+double report_estimate_percent(const report *r)
+{
+	double sum = 0;
+	for (uint32_t f = 0; f < r->count; f++)
+		sum += pow((double)r->values[f][REPORT_ESTIMATE_PERCENT], 2);
+	return r->count ? sqrt(sum / r->count) : 0;
+}
+
 void report_free(report *r)
 {
 	free(r->values);

@@ -71,6 +71,9 @@ void report_abandon(report *r);
 /* Prints the table of the run: the first frame apart, median, least and most of the others. */
 void report_print(const report *r, FILE *to);
 
+/* The estimated error of all frames together, %: the root of the mean of their squares. 0 without estimates. */
+double report_estimate_percent(const report *r);
+
 /* Frees what the table was made of. */
 void report_free(report *r);
 

@@ -1,7 +1,8 @@
 /* What a gi_context is made of. Each part belongs to one module; gi.c holds the public functions that join them.
  *
  *   gi.c, frame.c
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, bvh.c, skin.c
+ *     -> leaves.c, contact.c                      how fine objects are cut
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c, bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
@@ -168,6 +169,13 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *material, 
 #define SCENE_MAX_EXITANCE 1e12f
 /* Products of three lengths end here at the lower end. */
 #define SCENE_MIN_AREA 1e-24f
+/* Whether the library takes the definition, but for what refining it shows. */
+gi_result scene_check_def(const gi_context *gi, const gi_object_def *def);
+/* About how many leaves an object would have; or exactly, by splitting its faces, false: memory ran out. */
+double scene_estimate_leaves(const gi_object_def *def);
+bool scene_count_leaves(const gi_object_def *def, uint64_t *count);
+/* A size in two digits, not less than it. */
+double scene_rounded_size(double size);
 bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
 
 /* scene.c */

@@ -10,6 +10,7 @@
 #include "hierarchy.h"
 
 #include "quad_cover.h"
+#include "split.h"
 #include "vec3d.h"
 
 #include <stdio.h>
@@ -38,7 +39,7 @@
  * not decide them, or the same cage at another scale would be another tree. */
 #define KEY_STEPS 1048576.0
 
-#define MAX_LEVELS 9
+#define MAX_LEVELS GI_SPLIT_MAX_LEVELS
 
 /* Sums over the leaves below a face. */
 typedef struct face_sum {
@@ -462,9 +463,22 @@ static void emit_leaf(builder *b, uint32_t face, uint32_t node)
 	h->leaf_material[leaf] = b->refined->levels[b->finest].material[face];
 }
 
+/* Follows a face that was not refined further, an only child on every level below, to the finest. */
+static uint32_t skip_only_children(const builder *b, uint32_t level, uint32_t *face)
+{
+	for (; level < b->finest; level++) {
+		const uint32_t *first = b->lists[level].first + *face;
+		if (first[1] - first[0] != 1)
+			break;
+		*face = b->lists[level].children[first[0]];
+	}
+	return level;
+}
+
 /* At most MAX_LEVELS deep. */
 static void emit_face(builder *b, uint32_t level, uint32_t face)
 {
+	level = skip_only_children(b, level, &face);
 	const uint32_t node = open_node(b->out, b->refined->levels[level].corners[face]);
 	if (level == b->finest) {
 		emit_leaf(b, face, node);
@@ -691,7 +705,7 @@ static const char *build(builder *b)
 bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *message, size_t message_size)
 {
 	*out = (gi_hierarchy){0};
-	const char *problem = "the refined cage has no levels, or more than nine";
+	const char *problem = "the refined cage has no levels, or too many";
 	if (refined->level_count > 0 && refined->level_count <= MAX_LEVELS) {
 		builder b = {.refined = refined, .finest = refined->level_count - 1, .out = out};
 		problem = build(&b);

@@ -2,6 +2,8 @@
  */
 #include "context.h"
 
+#include "split.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -174,6 +176,12 @@ static double mean_edge(const gi_object_def *def)
 	return sqrt(area / def->face_count);
 }
 
+/* Smooth schemes are refined as a whole; faces of bilinear cages are split each for itself. */
+static bool is_split(const gi_object_def *def)
+{
+	return def->leaf_size > 0.0f && def->scheme == GI_SCHEME_BILINEAR;
+}
+
 static uint32_t levels_of(const gi_object_def *def)
 {
 	if (!(def->leaf_size > 0.0f))
@@ -225,6 +233,13 @@ static const char *broken_geometry(const gi_object_def *def)
 	for (uint32_t k = 0; k < def->draw_index_count; k++)
 		if (def->draw_indices[k] >= def->draw_vertex_count)
 			return "an index of the draw mesh is out of range";
+	for (uint32_t k = 0; k < def->leaf_cut_count; k++)
+		if (!def->leaf_cuts || def->leaf_cuts[k].face >= def->face_count ||
+		    !all_finite(def->leaf_cuts[k].from, 3) || !all_finite(def->leaf_cuts[k].to, 3))
+			return "a leaf cut is on a face that is not there, or not finite";
+	for (uint32_t k = 0; def->leaf_sizes && k < def->face_count; k++)
+		if (!(def->leaf_sizes[k] >= 0.0f && isfinite(def->leaf_sizes[k])))
+			return "a face's leaf size is negative or not finite";
 	if (def->draw_index_count && !all_finite(def->draw_positions, 3 * (size_t)def->draw_vertex_count))
 		return "a position of the draw mesh is not finite";
 	return NULL;
@@ -352,22 +367,134 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
+gi_result scene_check_def(const gi_context *gi, const gi_object_def *def)
+{
+	const char *name = def->name ? def->name : "unnamed";
+	gi_pose pose = def->pose;
+	gi_result result = check_def(gi, def, name);
+	if (!result && !scene_normalise_pose(gi, &pose, name))
+		result = GI_ERROR_INVALID_POSE;
+	return result;
+}
+
+/* A face of n corners becomes n quads, then four each. */
+static double leaves_at_level(const gi_refine_cage *cage, uint32_t levels)
+{
+	return levels ? ldexp(cage->index_count, 2 * ((int)levels - 1)) : cage->face_count;
+}
+
+static gi_split_def split_def_of(const gi_object_def *def)
+{
+	return (gi_split_def){def->leaf_size, def->leaf_sizes, def->leaf_cuts, def->leaf_cut_count};
+}
+
+double scene_estimate_leaves(const gi_object_def *def)
+{
+	const gi_refine_cage cage = cage_of(def);
+	const gi_split_def split = split_def_of(def);
+	return (def->double_sided ? 2 : 1) *
+	       (is_split(def) ? gi_split_estimate(&cage, &split) : leaves_at_level(&cage, levels_of(def)));
+}
+
+bool scene_count_leaves(const gi_object_def *def, uint64_t *count)
+{
+	const gi_refine_cage cage = cage_of(def);
+	const gi_split_def split = split_def_of(def);
+	gi_refined refined;
+	char message[256];
+	*count = (uint64_t)scene_estimate_leaves(def);
+	if (!is_split(def))
+		return true;
+	if (!gi_split(&cage, &split, &refined, message, sizeof message))
+		return false;
+	*count = (def->double_sided ? 2 : 1) * (uint64_t)refined.levels[refined.level_count - 1].face_count;
+	gi_refined_free(&refined);
+	return true;
+}
+
+static gi_result refine_levels(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+			       gi_refined *refined)
+{
+	const gi_log *log = &gi->gpu.log;
+	char message[256];
+	const uint32_t levels = levels_of(def);
+	if (!rows_can_hold(gi, (uint64_t)leaves_at_level(cage, levels), 1))
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
+			       name, cage->face_count, levels);
+	if (!gi_refine(cage, levels, refined, message, sizeof message))
+		return gi_fail(log, refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': %s", name, message);
+	return GI_OK;
+}
+
+/* Of leaf sizes and cuts, those of the second side too. */
+static bool make_split_def(const gi_object_def *def, gi_split_def *out, float **sizes, gi_leaf_cut **cuts)
+{
+	const uint32_t faces = def->face_count, n = def->leaf_cut_count;
+	*sizes = malloc(sizeof **sizes * 2 * faces);
+	*cuts = malloc(sizeof **cuts * (2 * (size_t)n + 1));
+	if (!*sizes || !*cuts)
+		return false;
+	for (uint32_t k = 0; k < faces; k++)
+		(*sizes)[k] = (*sizes)[faces + k] =
+		    def->leaf_sizes && def->leaf_sizes[k] > 0 ? def->leaf_sizes[k] : def->leaf_size;
+	for (uint32_t k = 0; k < n; k++) {
+		(*cuts)[k] = (*cuts)[n + k] = def->leaf_cuts[k];
+		(*cuts)[n + k].face += faces;
+	}
+	*out = (gi_split_def){def->leaf_size, *sizes, *cuts, def->double_sided ? 2 * n : n};
+	return true;
+}
+
+double scene_rounded_size(double size)
+{
+	const double unit = pow(10, floor(log10(size)) - 1);
+	return ceil(size / unit) * unit;
+}
+
+static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+			     gi_refined *refined)
+{
+	const gi_log *log = &gi->gpu.log;
+	char message[256] = "out of memory";
+	float *sizes;
+	gi_leaf_cut *cuts;
+	gi_split_def split;
+	gi_result result = GI_ERROR_OUT_OF_MEMORY;
+	if (make_split_def(def, &split, &sizes, &cuts)) {
+		const double leaves = gi_split_estimate(cage, &split);
+		if (!(leaves < 1e18) || !rows_can_hold(gi, (uint64_t)leaves, 1))
+			result =
+			    gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+				    "object '%s': leaves of %g would be about %.3g, more than this renderer holds: "
+				    "raise leaf_size, to %.2g or more for 100,000 of them",
+				    name, (double)def->leaf_size, leaves,
+				    scene_rounded_size((double)def->leaf_size * sqrt(leaves / 1e5)));
+		else
+			result =
+			    gi_split(cage, &split, refined, message, sizeof message)
+				? GI_OK
+				: gi_fail(log,
+					  refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
+					  "object '%s': %s", name, message);
+	} else {
+		gi_fail(log, result, "object '%s': out of memory", name);
+	}
+	free(sizes);
+	free(cuts);
+	return result;
+}
+
 static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 		       scene_object *o)
 {
 	const gi_log *log = &gi->gpu.log;
 	char message[256] = "out of memory";
-	const uint32_t levels = levels_of(def);
-	/* A face of n corners becomes n quads, then four each. */
-	const uint64_t leaves = levels ? (uint64_t)cage->index_count << (2 * (levels - 1)) : cage->face_count;
-	if (!rows_can_hold(gi, leaves, 1))
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
-			       name, cage->face_count, levels);
 	gi_refined refined;
-	if (!gi_refine(cage, levels, &refined, message, sizeof message))
-		return gi_fail(log, refined.out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
-			       "object '%s': %s", name, message);
-	gi_result result = GI_OK;
+	gi_result result =
+	    is_split(def) ? split_faces(gi, def, cage, name, &refined) : refine_levels(gi, def, cage, name, &refined);
+	if (result)
+		return result;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
 		result = gi_fail(log, o->hierarchy.out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
 				 "object '%s': %s", name, message);

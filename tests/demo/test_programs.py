@@ -74,6 +74,76 @@ f 4 3 5
 f 1 4 5
 """
 
+# A hall with a wall through it, off its middle and a bit askew; a lamp on one side.
+HALL = """mtllib hall.mtl
+v -3 0 -1
+v 3 0 -1
+v 3 0 1.5
+v -3 0 1.5
+v -3 2.4 -1
+v 3 2.4 -1
+v 3 2.4 1.5
+v -3 2.4 1.5
+o hall
+usemtl wall
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+v 1.5 -0.2 -1.3
+v 1.55 -0.2 -1.3
+v 1.65 -0.2 1.7
+v 1.6 -0.2 1.7
+v 1.5 2.5 -1.3
+v 1.55 2.5 -1.3
+v 1.65 2.5 1.7
+v 1.6 2.5 1.7
+o wall
+usemtl wall
+f 9 10 11 12
+f 16 15 14 13
+f 13 14 10 9
+f 14 15 11 10
+f 15 16 12 11
+f 16 13 9 12
+v -1 2 0
+v 0 2 0
+v 0 2 0.5
+v -1 2 0.5
+o lamp
+usemtl lamp
+f 17 18 19 20
+"""
+
+
+def box(corners, lower, upper, inward=False):
+    """Faces of a box, whose corners are added to the list."""
+    first = len(corners) + 1
+    corners += [[(upper if k >> i & 1 else lower)[i] for i in range(3)] for k in range(8)]
+    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    return ["f %d %d %d %d" % tuple(first + k for k in (face[::-1] if inward else face)) for face in faces]
+
+
+def slats():
+    """A room lit through twenty slats before a wall that shines: hard for rows that are coarse."""
+    corners = []
+    lines = ["o room", "usemtl wall"] + box(corners, (-2, -1, -1), (2, 1, 1), True) + ["o slats"]
+    for k in range(20):
+        lines += box(corners, (-1, -0.9 + 0.09 * k, -0.95), (-0.7, -0.88 + 0.09 * k, 0.95))
+    lines += ["o lamp", "usemtl lamp", "f -4 -3 -2 -1"]
+    corners += [[-1.9, -0.8, -0.8], [-1.9, 0.8, -0.8], [-1.9, 0.8, 0.8], [-1.9, -0.8, 0.8]]
+    return "\n".join(["mtllib hall.mtl"] + ["v %g %g %g" % tuple(at) for at in corners] + lines) + "\n"
+
+
+HALL_MATERIALS = """newmtl wall
+Kd 0.7 0.7 0.7
+newmtl lamp
+Kd 0 0 0
+Ke 5 5 5
+"""
+
 # A room of 1 m, seen from inside: each wall an object of one face.
 ROOM = """mtllib room.mtl
 v 0 0 0
@@ -137,6 +207,7 @@ class Programs(unittest.TestCase):
         self.assertIn(says, done.stderr)
         self.assertEqual(done.stdout, "")
         self.assertEqual(sorted(os.listdir(self.folder)), before)
+        return done
 
     def test_buddha_records(self):
         out = self.path("out/deep")
@@ -236,7 +307,7 @@ class Programs(unittest.TestCase):
 
     def test_obj_room_is_true(self):
         self.path("room.mtl", ROOM_MATERIALS)
-        self.good("gi_play", self.path("room.obj", ROOM), "--field", self.path("f%d.ply"),
+        self.good("gi_play", self.path("room.obj", ROOM), "--leaf-size", "10", "--field", self.path("f%d.ply"),
                   "--form-factors", self.path("F.csv"), "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005", *CONTEXT)
         faces = read_ply(self.path("f0.ply"))[1]
         names = [row["from"] for row in read_csv(self.path("F.csv")) if row["to"] == "*"]
@@ -249,7 +320,8 @@ class Programs(unittest.TestCase):
         self.assertAlmostEqual(across[0], ACROSS, delta=0.005 * ACROSS)
 
     def test_sky_lights_what_is_convex(self):
-        self.good("gi_play", self.path("pyramid.obj", PYRAMID), "--sky", "2", "--field", self.path("f%d.ply"), *CONTEXT)
+        self.good("gi_play", self.path("pyramid.obj", PYRAMID), "--sky", "2", "--leaf-size", "4", "--field",
+                  self.path("f%d.ply"), *CONTEXT)
         faces = read_ply(self.path("f0.ply"))[1]
         self.assertEqual(sorted(len(face["corners"]) for face in faces), [3, 3, 3, 3, 4])
         for face in faces: # each sees sky alone: B = rho * 2
@@ -451,6 +523,68 @@ class Programs(unittest.TestCase):
     def test_too_fine(self):
         self.bad("moving_buddha", "--frames", "1", "--leaf-size", "1e-5", "--report", self.path("r.csv"), *TINY,
                  says="leaves")
+
+    def test_leaves_are_chosen(self):
+        """Two rooms of one polygon a wall, the floor going through under the wall between them, and no options."""
+        self.path("hall.mtl", HALL_MATERIALS)
+        hall = self.path("hall.obj", HALL)
+        for options in ([], ["--leaf-size", "0.5"], ["--leaf-size", "0.27"], ["--leaves", "500"]):
+            done = self.good("gi_play", hall, "--field", self.path("f%d.ply"), "--report", self.path("r.csv"), *options, *CONTEXT)
+            leaves = int(read_csv(self.path("r.csv"))[0]["leaves"])
+            self.assertIn("%d leaves of" % leaves, done.stderr)
+            self.assertIn("--leaf-size", done.stderr)
+            if not options or "--leaves" in options:
+                wanted = int(options[1]) if options else 4000
+                self.assertTrue(0.7 * wanted < leaves < 1.3 * wanted, (leaves, wanted))
+            vertices, faces = read_ply(self.path("f0.ply"))
+            middles = [[sum(vertices[i][k] for i in face["corners"]) / len(face["corners"]) for k in (0, 1, 2)] for face in faces]
+            lit = max(face["b_g"] for face, at in zip(faces, middles) if at[0] < 1.5 and face["e_g"] == 0)
+            dark = max(face["b_g"] for face, at in zip(faces, middles) if at[0] > 1.7)
+            print("%s: %d leaves, lit room at most %.3g, dark room %.3g W/m2" % (options, leaves, lit, dark), end=" ")
+            self.assertGreater(lit, 0.3)
+            self.assertEqual(dark, 0)
+
+    def test_detailed_meshes_get_cages(self):
+        """A ball of 5,000 faces, which is no cage: as many as its share of the leaves, or as many as asked for."""
+        rings, around = 50, 100
+        lines = ["v %g %g %g" % (math.sin(math.pi * j / rings) * math.cos(2 * math.pi * i / around),
+                                 math.cos(math.pi * j / rings),
+                                 math.sin(math.pi * j / rings) * math.sin(2 * math.pi * i / around))
+                 for j in range(rings + 1) for i in range(around)]
+        number = lambda i, j: j * around + i % around + 1
+        lines += ["f %d %d %d %d" % (number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1))
+                  for j in range(rings) for i in range(around)]
+        ball = self.path("ball.obj", "\n".join(lines) + "\n")
+        for options, most in (([], 2000), (["--cage-faces", "300"], 300), (["--leaves", "2000"], 1000)):
+            done = self.good("gi_play", ball, "--sky", "1", "--report", self.path("r.csv"), "--field", self.path("f%d.ply"),
+                             *options, *TINY)
+            self.assertIn("cage of", done.stderr)
+            leaves = int(read_csv(self.path("r.csv"))[0]["leaves"])
+            self.assertTrue(0.8 * most < leaves <= most, (options, leaves))
+            print("%s: %d leaves" % (options, leaves), end=" ")
+
+    def test_error_is_estimated(self):
+        """Of pictures that are kept, unless it is turned off."""
+        self.path("hall.mtl", HALL_MATERIALS)
+        hall = self.path("hall.obj", HALL)
+        report = ["--report", self.path("r.csv")]
+        for options, wanted in ((["--images", self.path("p%d.png")], True), ([], False),
+                                (["--images", self.path("p%d.png"), "--estimate", "0"], False)):
+            done = self.good("gi_play", hall, "--frames", "1", "--leaves", "300", *report, *options, *TINY)
+            self.assertEqual(int(read_csv(self.path("r.csv"))[0]["sampling_rays"]) > 0, wanted)
+            self.assertNotIn("off by", done.stderr)
+        done = self.good("gi_play", self.path("slats.obj", slats()), "--frames", "1", "--leaf-size", "2",
+                         "--row-tolerance", "1", "--images", self.path("p%d.png"), *TINY)
+        self.assertIn("off by", done.stderr)
+
+    def test_too_many_leaves_are_refused(self):
+        self.path("hall.mtl", HALL_MATERIALS)
+        hall = self.path("hall.obj", HALL)
+        began = time.monotonic()
+        self.bad("gi_play", hall, "--frames", "1", "--leaf-size", "0.0005", *TINY, says="would be 40")
+        print("%.1f s" % (time.monotonic() - began), end=" ")
+        fitting = self.bad("gi_play", hall, "--frames", "1", "--leaf-size", "0.0005", *TINY, says="fits").stderr.split()[-2]
+        self.assertTrue(0.01 < float(fitting) < 0.1, fitting)
 
 
 def main():

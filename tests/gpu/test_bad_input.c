@@ -287,6 +287,11 @@ static void bad_values(gi_context *gi)
 	expect_bad_field(gi, leaf_size, -1, GI_ERROR_INVALID_ARGUMENT);
 	expect_bad_field(gi, leaf_size, NAN, GI_ERROR_INVALID_ARGUMENT);
 	expect_bad_field(gi, leaf_size, INFINITY, GI_ERROR_INVALID_ARGUMENT);
+	expect_bad_field(gi, leaf_size, 1e-5f, GI_ERROR_INVALID_GEOMETRY); /* 1e10 leaves */
+	expect_bad_field(gi, leaf_size, 1e-30f, GI_ERROR_INVALID_GEOMETRY);
+	expect_bad_field(gi, leaf_sizes, &blunt[0], GI_ERROR_INVALID_GEOMETRY);
+	expect_bad_field(gi, leaf_sizes, &sharp_nan[0], GI_ERROR_INVALID_GEOMETRY);
+	expect_bad_field(gi, leaf_cut_count, 1, GI_ERROR_INVALID_GEOMETRY);
 	expect_bad_field(gi, materials, NULL, GI_ERROR_INVALID_ARGUMENT);
 	expect_bad_field(gi, scale[0], 0, GI_ERROR_INVALID_GEOMETRY);
 	expect_bad_field(gi, scale[1], -1, GI_ERROR_INVALID_GEOMETRY);
@@ -326,6 +331,13 @@ static void bad_cages(gi_context *gi)
 static void bad_creases_and_draw_meshes(gi_context *gi)
 {
 	gi_object_def def = square_def();
+	gi_leaf_cut cut = {.face = 1};
+	def.leaf_cuts = &cut;
+	def.leaf_cut_count = 1;
+	expect_bad_object(gi, &def, GI_ERROR_INVALID_GEOMETRY, "a leaf cut on no face");
+	cut = (gi_leaf_cut){.to = {0, NAN, 0}};
+	expect_bad_object(gi, &def, GI_ERROR_INVALID_GEOMETRY, "a leaf cut to nowhere");
+	def = square_def();
 	def.crease_count = 1;
 	expect_bad_object(gi, &def, GI_ERROR_INVALID_GEOMETRY, "creases without arrays");
 	def.crease_vertices = edge_beyond;

@@ -181,6 +181,13 @@ typedef enum gi_boundary {
 	GI_BOUNDARY_EDGE_ONLY,       /* corners are rounded */
 } gi_boundary;
 
+/* A straight line along which the leaves of a face are cut, where another surface stands on it or ends close above it:
+ * a leaf that is partly under a wall has one B for both sides of it. */
+typedef struct gi_leaf_cut {
+	uint32_t face;
+	float from[3], to[3]; /* object space as gi_object_def.positions; what is off the face's plane is projected to it */
+} gi_leaf_cut;
+
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
 typedef struct gi_object_def {
@@ -202,7 +209,15 @@ typedef struct gi_object_def {
 	gi_scheme scheme;
 	gi_boundary boundary;
 	uint32_t levels;      /* refinement steps, 0..8, default 0 */
-	float leaf_size;      /* > 0: instead of levels, refine until the mean leaf edge is at most this, metres; default 0 */
+	/* > 0: instead of levels, edges of leaves are about this long at most, metres; default 0. Each face of a bilinear cage
+	 * is split for itself: quads into grids of n x m cells, triangles at their longest edges. Smooth schemes refine alike
+	 * everywhere, until the mean leaf edge is at most this, 8 times at most. More leaves than the renderer holds are
+	 * GI_ERROR_INVALID_GEOMETRY, before any work. */
+	float leaf_size;
+	const float *leaf_sizes;      /* with leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size; NULL: none */
+	const gi_leaf_cut *leaf_cuts; /* likewise: leaf_cut_count; flat convex faces are cut along them; gi_choose_leaves finds
+				       * such lines */
+	uint32_t leaf_cut_count;
 	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where
 			       * that would be more than 200,000 faces, 8 steps in all, or than there is memory for */
 
@@ -227,6 +242,43 @@ gi_object_def gi_object_def_default(void);
 
 /* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. */
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
+
+/* How fine a whole scene is cut, where the host has no sizes of its own. */
+typedef struct gi_leaf_choice_def {
+	uint32_t leaves;      /* about so many in all; default 0: 4,000 on a software renderer, 20,000 on others */
+	float leaf_size;      /* > 0: this size on large objects instead, metres; default 0 */
+	uint32_t most_leaves; /* more are refused; default 100,000 */
+	float finest;         /* small objects and lamps get leaves smaller by up to this factor; (0, 1], default 0.25 */
+	float contact;        /* faces are cut below edges that end closer above them than this share of a leaf; [0, 1],
+			       * default 0.5 */
+	uint32_t internal;
+} gi_leaf_choice_def;
+
+gi_leaf_choice_def gi_leaf_choice_def_default(void);
+
+/* What was chosen. */
+typedef struct gi_leaf_choice {
+	uint32_t leaves;   /* of all objects given */
+	float leaf_size;   /* of the largest, metres */
+	float least_size;  /* of the smallest and of lamps, metres */
+	uint32_t cuts;     /* lines along which faces are cut */
+	void *memory;      /* what the definitions' leaf_sizes and leaf_cuts point to */
+} gi_leaf_choice;
+
+/* Chooses leaf sizes for a scene from its bounds, areas and lamps: sets leaf_size, leaf_sizes, leaf_cuts and leaf_cut_count of every
+ * definition whose levels and leaf_size are 0; others keep theirs and are counted. An object, or a part of a mesh that
+ * shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of bilinear cages cross, touch
+ * or come close to one another in the poses given, moving objects at rest, they are cut along the lines of contact: one
+ * leaf on both sides of a wall would light the dark one.
+ *
+ * Create the objects next, then gi_free_leaf_choice. GI_ERROR_INVALID_ARGUMENT, before any work, with a line that says
+ * how many leaves there would be and which size fits, where they are more than most_leaves; whatever gi_create_object
+ * would say of a definition. On failure *out is zero and the definitions are as they were. */
+gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
+			   gi_leaf_choice *out);
+
+/* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
+void gi_free_leaf_choice(gi_leaf_choice *choice);
 
 /* The object is gone after the next gi_commit. */
 gi_result gi_destroy_object(gi_context *gi, gi_object object);

@@ -1,0 +1,290 @@
+/* Scenes of one polygon a wall whose leaves gi_choose_leaves chose, against path tracing: blocks that hover close above
+ * a floor, ground that goes through under walls, a ball sunk into a floor, a room behind a wall.
+ *
+ * Figures are those of two halves of a path-traced reference, whose noise they are free of.
+ */
+#include "pieces.h"
+#include "scenes/shapes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 8 };
+
+typedef struct piece {
+	engine_mesh mesh;
+	gi_material material;
+} piece;
+
+/* Objects on their way to the library. */
+typedef struct stage {
+	piece pieces[MOST];
+	gi_object_def defs[MOST];
+	gi_object handles[MOST];
+	uint32_t count;
+	float turn[4]; /* the whole scene is turned by this */
+} stage;
+
+static const float GREY[3] = {.7f, .7f, .7f}, BLACK[3] = {0};
+
+static void put(stage *s, const engine_mesh *mesh, const float rho[3], float exitance)
+{
+	piece *p = &s->pieces[s->count];
+	p->mesh = *mesh;
+	for (int c = 0; c < 3; c++) {
+		p->material.rho[c] = rho[c];
+		p->material.exitance[c] = exitance;
+	}
+	gi_object_def *def = &s->defs[s->count++];
+	*def = gi_object_def_default();
+	def->positions = p->mesh.positions;
+	def->vertex_count = p->mesh.vertex_count;
+	def->face_counts = p->mesh.face_counts;
+	def->face_count = p->mesh.face_count;
+	def->indices = p->mesh.indices;
+	def->index_count = p->mesh.index_count;
+	def->materials = &p->material;
+	def->material_count = 1;
+	if (s->turn[3] != 0)
+		memcpy(def->pose.rotation, s->turn, sizeof s->turn);
+}
+
+static void put_box(stage *s, box b, bool inward, const float rho[3])
+{
+	engine_mesh mesh;
+	assert_true(shape_box(b.lower, b.upper, 1, inward, &mesh));
+	put(s, &mesh, rho, 0);
+}
+
+static void put_quad(stage *s, const float corner[3], const float u[3], const float v[3], const float rho[3],
+		     float exitance)
+{
+	engine_mesh mesh;
+	assert_true(shape_quad(corner, u, v, 1, 1, &mesh));
+	put(s, &mesh, rho, exitance);
+}
+
+/* A room of 4 x 2.5 x 5 m with a lamp of 1 x 1 m below its ceiling, all but black on its back. */
+static void put_room(stage *s, float exitance)
+{
+	put_box(s, (box){{-2, 0, -2.5f}, {2, 2.5f, 2.5f}}, true, GREY);
+	put_quad(s, (float[]){-.9f, 2.4f, -.7f}, (float[]){1, 0, 0}, (float[]){0, 0, 1}, BLACK, exitance);
+}
+
+typedef struct measured {
+	gi_leaf *leaves;
+	float *truth[2];
+	uint32_t count;
+	gi_leaf_choice choice;
+	double rms, noise; /* relative to the RMS of H */
+} measured;
+
+static double dot3(const float *a, const float *b)
+{
+	return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+
+static void compare(measured *m)
+{
+	double error = 0, all = 0, between = 0;
+	for (uint32_t k = 0; k < m->count; k++) {
+		const float *h = m->leaves[k].irradiance, *r1 = m->truth[0] + 3 * k, *r2 = m->truth[1] + 3 * k;
+		float d1[3], d2[3], d[3];
+		for (int c = 0; c < 3; c++) {
+			d1[c] = h[c] - r1[c];
+			d2[c] = h[c] - r2[c];
+			d[c] = .5f * (r1[c] - r2[c]);
+		}
+		error += (double)m->leaves[k].area * dot3(d1, d2);
+		all += (double)m->leaves[k].area * dot3(r1, r2);
+		between += (double)m->leaves[k].area * dot3(d, d);
+	}
+	m->rms = sqrt(fmax(error, 0) / all);
+	m->noise = sqrt(between / all);
+}
+
+/* Chooses, creates, solves, traces. */
+static gi_context *measure(stage *s, float leaf_size, measured *m)
+{
+	gi_context *gi = open_context(.01f);
+	gi_leaf_choice_def def = gi_leaf_choice_def_default();
+	def.leaf_size = leaf_size;
+	assert_gi(gi_choose_leaves(gi, &def, s->defs, s->count, &m->choice));
+	for (uint32_t k = 0; k < s->count; k++)
+		assert_gi(gi_create_object(gi, &s->defs[k], &s->handles[k]));
+	gi_free_leaf_choice(&(gi_leaf_choice){.memory = m->choice.memory});
+	assert_gi(gi_commit(gi));
+	solve(gi);
+	assert_gi(gi_read_leaves(gi, NULL, 0, &m->count));
+	assert_int_equal(m->count, m->choice.leaves);
+	m->leaves = malloc(sizeof *m->leaves * m->count);
+	assert_gi(gi_read_leaves(gi, m->leaves, m->count, &m->count));
+	for (uint32_t half = 0; half < 2; half++) {
+		uint32_t count;
+		const gi_path_options options = {.paths = 256, .seed = 7 + half};
+		m->truth[half] = malloc(sizeof(float) * 3 * m->count);
+		assert_gi(gi_trace_paths(gi, &options, m->truth[half], m->count, &count));
+	}
+	compare(m);
+	return gi;
+}
+
+static void end(gi_context *gi, stage *s, measured *m)
+{
+	gi_context_destroy(gi);
+	for (uint32_t k = 0; k < s->count; k++)
+		engine_mesh_free(&s->pieces[k].mesh);
+	free(m->leaves);
+	free(m->truth[0]);
+	free(m->truth[1]);
+}
+
+/* To the scene's own frame. */
+static void turn_back(const stage *s, const float in[3], double out[3])
+{
+	const double w = s->turn[3] != 0 ? (double)s->turn[3] : 1, q[3] = {-s->turn[0], -s->turn[1], -s->turn[2]};
+	double t[3];
+	for (int k = 0; k < 3; k++)
+		t[k] = 2 * (q[(k + 1) % 3] * (double)in[(k + 2) % 3] - q[(k + 2) % 3] * (double)in[(k + 1) % 3]);
+	for (int k = 0; k < 3; k++)
+		out[k] = (double)in[k] + w * t[k] + q[(k + 1) % 3] * t[(k + 2) % 3] - q[(k + 2) % 3] * t[(k + 1) % 3];
+}
+
+static void centre_of(const stage *s, const gi_leaf *l, double centre[3])
+{
+	float sum[3] = {0};
+	for (int k = 0; k < 4; k++)
+		for (int c = 0; c < 3; c++)
+			sum[c] += .25f * l->corners[k][c];
+	turn_back(s, sum, centre);
+}
+
+/* Leaves of the first object, on its floor, with their middles in a box: how far off at most, W/m2, beyond 25 % of the
+ * truth.
+ */
+static double worst_below(const stage *s, const measured *m, box in, double *mean, double *truth)
+{
+	double worst = 0, sum = 0, sum_truth = 0, area = 0;
+	for (uint32_t k = 0; k < m->count; k++) {
+		const gi_leaf *l = &m->leaves[k];
+		double c[3];
+		centre_of(s, l, c);
+		if (l->object.index1 != s->handles[0].index1 || c[0] < (double)in.lower[0] ||
+		    c[0] > (double)in.upper[0] || c[1] < (double)in.lower[1] || c[1] > (double)in.upper[1] ||
+		    c[2] < (double)in.lower[2] || c[2] > (double)in.upper[2])
+			continue;
+		const double h = (double)l->irradiance[1],
+			     r = .5 * ((double)m->truth[0][3 * k + 1] + (double)m->truth[1][3 * k + 1]);
+		worst = fmax(worst, fabs(h - r) / fmax(.02, .25 * r));
+		sum += h * (double)l->area;
+		sum_truth += r * (double)l->area;
+		area += (double)l->area;
+	}
+	*mean = sum / area;
+	*truth = sum_truth / area;
+	return worst;
+}
+
+/* A block above the floor: leaves below it against the truth, all leaves of the scene together. */
+static void expect_block(float height, float leaf_size, const float turn[4])
+{
+	stage s = {0};
+	measured m = {0};
+	const box b = {{-.3f, height, -.45f}, {.9f, height + .8f, .35f}};
+	memcpy(s.turn, turn, sizeof s.turn);
+	put_room(&s, 30);
+	put_box(&s, b, false, GREY);
+	gi_context *gi = measure(&s, leaf_size, &m);
+	const box below = {{b.lower[0], -.1f, b.lower[2]}, {b.upper[0], .1f, b.upper[2]}};
+	double mean, truth;
+	const double worst = worst_below(&s, &m, below, &mean, &truth);
+	printf("block %.2f m above the floor%s, %u leaves of %.3g, %.3g, %u cuts: H below %.4f, truth %.4f, one leaf "
+	       "%.1f times 0.02 W/m2 or 25 %% off; scene %.2f %% RMS (noise %.2f)\n",
+	       (double)height, turn[3] != 0 ? ", turned" : "", m.count, (double)m.choice.leaf_size,
+	       (double)m.choice.least_size, m.choice.cuts, mean, truth, worst, 100 * m.rms, 100 * m.noise);
+	assert_true(fabs(mean - truth) <= fmax(.02, .25 * truth));
+	assert_true(height > 0 || worst == 0); /* nothing comes in */
+	assert_true(m.rms <= .02);
+	end(gi, &s, &m);
+}
+
+static const float STRAIGHT[4] = {0, 0, 0, 0}, TURNED[4] = {.1f, .3f, .2f, .9273618f};
+
+static void a_block_stands(void **state)
+{
+	(void)state;
+	expect_block(0, .5f, STRAIGHT);
+	expect_block(0, .25f, TURNED);
+}
+
+static void a_block_hovers(void **state)
+{
+	(void)state;
+	expect_block(.01f, .25f, STRAIGHT);
+	expect_block(.05f, .25f, STRAIGHT);
+	expect_block(.01f, .5f, TURNED);
+	expect_block(.05f, .5f, TURNED);
+}
+
+/* Behind a wall of one box that goes through floor, sides and ceiling of one box. */
+static void a_wall_parts_a_room(void **state)
+{
+	(void)state;
+	stage s = {0};
+	measured m = {0};
+	put_room(&s, 30);
+	put_box(&s, (box){{-2.1f, -.1f, 1.03f}, {2.1f, 2.6f, 1.17f}}, false, GREY);
+	gi_context *gi = measure(&s, .25f, &m);
+	double dark = 0;
+	for (uint32_t k = 0; k < m.count; k++) {
+		double c[3];
+		centre_of(&s, &m.leaves[k], c);
+		dark = c[2] > 1.17 ? fmax(dark, (double)m.leaves[k].irradiance[1]) : dark;
+	}
+	printf("a wall through a room, %u leaves: behind it H is %g at most; scene %.2f %% RMS (noise %.2f)\n", m.count,
+	       dark, 100 * m.rms, 100 * m.noise);
+	assert_true(dark == 0);
+	assert_true(m.rms <= .02);
+	end(gi, &s, &m);
+}
+
+/* A ball of flat faces, half in the floor: its rim and the floor are cut where they meet. */
+static void a_ball_is_sunk(void **state)
+{
+	(void)state;
+	stage s = {0};
+	measured m = {0};
+	engine_mesh ball;
+	put_room(&s, 30);
+	assert_true(shape_sphere(.5f, 3, &ball));
+	put(&s, &ball, GREY, 0);
+	s.defs[2].pose.position[1] = .07f;
+	gi_context *gi = measure(&s, .25f, &m);
+	double error = 0, all = 0;
+	for (uint32_t k = 0; k < m.count; k++) {
+		const float *h = m.leaves[k].irradiance, *r1 = m.truth[0] + 3 * k, *r2 = m.truth[1] + 3 * k;
+		if (m.leaves[k].object.index1 != s.handles[2].index1)
+			continue;
+		error += (double)m.leaves[k].area * ((double)h[1] - (double)r1[1]) * ((double)h[1] - (double)r2[1]);
+		all += (double)m.leaves[k].area * (double)r1[1] * (double)r2[1];
+	}
+	const double on_ball = sqrt(fmax(error, 0) / all);
+	printf("a ball sunk into the floor, %u leaves: %.2f %% RMS on it; scene %.2f %% RMS (noise %.2f)\n", m.count,
+	       100 * on_ball, 100 * m.rms, 100 * m.noise);
+	assert_true(on_ball <= .03);
+	assert_true(m.rms <= .02);
+	end(gi, &s, &m);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(a_block_stands),
+	    cmocka_unit_test(a_block_hovers),
+	    cmocka_unit_test(a_wall_parts_a_room),
+	    cmocka_unit_test(a_ball_is_sunk),
+	};
+	return cmocka_run_group_tests_name("leaves", tests, harness_open, harness_close);
+}

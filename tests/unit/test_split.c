@@ -1,0 +1,219 @@
+/* Cages split face by face: every face has leaves of its size, areas stay, lines are not crossed, and the hierarchies
+ * above the pieces keep the validator's rules. */
+#include "cages.h"
+
+#include "split.h"
+
+#include <stdlib.h>
+
+typedef struct split_cage {
+	gi_refined refined;
+	gi_hierarchy h;
+} split_cage;
+
+static void split_open(const test_cage *t, const gi_split_def *def, split_cage *out)
+{
+	char message[256] = "";
+	if (!gi_split(&t->cage, def, &out->refined, message, sizeof message) ||
+	    !gi_hierarchy_build(&out->refined, &out->h, message, sizeof message))
+		fail_msg("%s", message);
+	const char *broken = gi_validate_hierarchy(&out->h);
+	if (broken)
+		fail_msg("%s", broken);
+}
+
+static void split_close(split_cage *s)
+{
+	gi_refined_free(&s->refined);
+	gi_hierarchy_free(&s->h);
+}
+
+static const float *leaf_corner(const gi_hierarchy *h, uint32_t leaf, uint32_t k)
+{
+	const gi_uvec4 c = h->topology[h->leaf_node[leaf]].corners;
+	const uint32_t v[4] = {c.x, c.y, c.z, c.w};
+	return &h->vertices[v[k]].x;
+}
+
+static double distance(const float a[3], const float b[3])
+{
+	return sqrt(pow((double)a[0] - b[0], 2) + pow((double)a[1] - b[1], 2) + pow((double)a[2] - b[2], 2));
+}
+
+static double longest_edge(const gi_hierarchy *h)
+{
+	double longest = 0;
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
+		for (uint32_t k = 0; k < 4; k++)
+			longest = fmax(longest, distance(leaf_corner(h, leaf, k), leaf_corner(h, leaf, (k + 1) % 4)));
+	return longest;
+}
+
+/* Two rectangles, 10 x 1 m and 0.3 x 0.2 m, in one cage. */
+static void two_rectangles(test_cage *t)
+{
+	static const float corners[8][2] = {{0, 0}, {10, 0}, {10, 1}, {0, 1}, {0, 2}, {.3f, 2}, {.3f, 2.2f}, {0, 2.2f}};
+	cage_begin(t, GI_REFINE_BILINEAR);
+	for (int k = 0; k < 8; k++)
+		cage_vertex(t, corners[k][0], corners[k][1], 0);
+	cage_face(t, 4, (uint32_t[]){0, 1, 2, 3});
+	cage_face(t, 4, (uint32_t[]){4, 5, 6, 7});
+}
+
+static void each_face_is_split_for_itself(void **state)
+{
+	(void)state;
+	test_cage t;
+	split_cage s;
+	two_rectangles(&t);
+	const gi_split_def def = {.leaf_size = .25f};
+	split_open(&t, &def, &s);
+	assert_int_equal(s.h.leaf_count, 40 * 4 + 2);
+	CHECK_NEAR(gi_split_estimate(&t.cage, &def), s.h.leaf_count, 0);
+	CHECK_NEAR(s.h.area, 10.06, 1e-6);
+	assert_true(longest_edge(&s.h) <= .2501);
+	split_close(&s);
+
+	const float sizes[2] = {0, .05f};
+	const gi_split_def own = {.leaf_size = 1, .leaf_sizes = sizes};
+	split_open(&t, &own, &s);
+	assert_int_equal(s.h.leaf_count, 10 + 6 * 4);
+	split_close(&s);
+}
+
+/* Leaves of neighbours meet corner to corner: a cube has as many vertices as it would have by refinement. */
+static void neighbours_share_their_corners(void **state)
+{
+	(void)state;
+	test_cage t;
+	split_cage s;
+	cage_cube(&t, GI_REFINE_BILINEAR);
+	split_open(&t, &(gi_split_def){.leaf_size = .4f}, &s);
+	assert_int_equal(s.h.leaf_count, 6 * 25);
+	assert_int_equal(s.refined.vertex_count, 6 * 25 + 2); /* Euler */
+	assert_true(s.h.closed);
+	CHECK_NEAR(s.h.volume, 8, 1e-6);
+	split_close(&s);
+}
+
+static void triangles_and_polygons_are_split(void **state)
+{
+	(void)state;
+	static void (*const makers[])(test_cage *, gi_refine_scheme) = {cage_cube, cage_octahedron, cage_tetrahedron,
+									cage_prism};
+	for (size_t maker = 0; maker < 4; maker++)
+		for (float size = .07f; size < 3; size *= 3) {
+			test_cage t;
+			split_cage s, whole;
+			makers[maker](&t, GI_REFINE_BILINEAR);
+			split_open(&t, &(gi_split_def){.leaf_size = 1e3f}, &whole);
+			const gi_split_def def = {.leaf_size = size};
+			split_open(&t, &def, &s);
+			CHECK_NEAR(s.h.area, whole.h.area, 1e-5 * whole.h.area);
+			CHECK_NEAR(s.h.volume, whole.h.volume, 1e-5 * whole.h.volume);
+			assert_true(longest_edge(&s.h) <= 1.42 * 1.01 * (double)size * 1.0001);
+			assert_true(s.h.closed);
+			split_close(&s);
+			split_close(&whole);
+		}
+}
+
+/* On which side of the line from a to b are a leaf's corners? Both: the leaf is crossed. */
+static bool is_crossed(const gi_hierarchy *h, uint32_t leaf, const float a[3], const float b[3])
+{
+	double least = INFINITY, most = -INFINITY;
+	for (uint32_t k = 0; k < 4; k++) {
+		const float *p = leaf_corner(h, leaf, k);
+		const double side =
+		    ((double)b[0] - a[0]) * ((double)p[1] - a[1]) - ((double)b[1] - a[1]) * ((double)p[0] - a[0]);
+		least = fmin(least, side);
+		most = fmax(most, side);
+	}
+	return least < -1e-5 && most > 1e-5;
+}
+
+/* A wall right across a floor parts the tree at its top; a short one the leaves under it alone. */
+static void lines_are_not_crossed(void **state)
+{
+	(void)state;
+	static const gi_leaf_cut across[] = {{0, {3.3f, -1, 0}, {3.3f, 3, 0}}, {0, {3.5f, 0, .4f}, {3.5f, 1, -2}}};
+	static const gi_leaf_cut slanted[] = {{0, {2, .2f, 0}, {7, .9f, 0}}};
+	test_cage t;
+	split_cage s;
+	two_rectangles(&t);
+	split_open(&t, &(gi_split_def){.leaf_size = .5f, .cuts = across, .cut_count = 2}, &s);
+	for (uint32_t node = 0; node < s.h.node_count; node++) {
+		const gi_uvec4 range = s.h.topology[node].range;
+		bool before = false, behind = false;
+		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+			assert_false(is_crossed(&s.h, leaf, across[0].from, across[0].to));
+			before = before || leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0] < 6.6f;
+			behind = behind || leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0] > 6.6f;
+		}
+		/* Nodes on both sides: the face, and the root above it. */
+		assert_true(!(before && behind) || range.z > 40);
+	}
+	CHECK_NEAR(s.h.area, 10.06, 1e-5);
+	split_close(&s);
+
+	split_open(&t, &(gi_split_def){.leaf_size = .5f, .cuts = slanted, .cut_count = 1}, &s);
+	uint32_t crossed = 0;
+	for (uint32_t leaf = 0; leaf < s.h.leaf_count; leaf++) {
+		const double x = (double)leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0];
+		crossed += x > 4 && x < 14 && is_crossed(&s.h, leaf, slanted[0].from, slanted[0].to);
+	}
+	assert_int_equal(crossed, 0);
+	/* 20 x 2 leaves, those along the line in two to four. */
+	assert_true(s.h.leaf_count > 50 && s.h.leaf_count < 90);
+	CHECK_NEAR(s.h.area, 10.06, 1e-5);
+	split_close(&s);
+}
+
+/* As many lines as one likes: some thousand leaves, none without end, the surface whole. */
+static void many_lines_end(void **state)
+{
+	(void)state;
+	enum { LINES = 300 };
+	gi_leaf_cut cuts[LINES];
+	for (int k = 0; k < LINES; k++)
+		cuts[k] = (gi_leaf_cut){0,
+					{(float)(rand() % 1000) / 100, (float)(rand() % 100) / 100, 0},
+					{(float)(rand() % 1000) / 100, (float)(rand() % 100) / 100, 0}};
+	test_cage t;
+	split_cage s;
+	two_rectangles(&t);
+	split_open(&t, &(gi_split_def){.leaf_size = .5f, .cuts = cuts, .cut_count = LINES}, &s);
+	printf("%d random lines: %u leaves\n", LINES, s.h.leaf_count);
+	CHECK_NEAR(s.h.area, 10.06, 1e-4);
+	split_close(&s);
+}
+
+static void the_same_cage_gives_the_same_leaves(void **state)
+{
+	(void)state;
+	static const gi_leaf_cut cuts[] = {{0, {2, .2f, 0}, {7, .9f, 0}}, {1, {.1f, 2, 0}, {.1f, 3, 0}}};
+	const gi_split_def def = {.leaf_size = .1f, .cuts = cuts, .cut_count = 2};
+	test_cage t;
+	split_cage a, b;
+	two_rectangles(&t);
+	split_open(&t, &def, &a);
+	split_open(&t, &def, &b);
+	assert_int_equal(a.h.leaf_count, b.h.leaf_count);
+	assert_memory_equal(a.refined.positions, b.refined.positions,
+			    sizeof *a.refined.positions * a.refined.vertex_count);
+	split_close(&a);
+	split_close(&b);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(each_face_is_split_for_itself),
+	    cmocka_unit_test(neighbours_share_their_corners),
+	    cmocka_unit_test(triangles_and_polygons_are_split),
+	    cmocka_unit_test(lines_are_not_crossed),
+	    cmocka_unit_test(many_lines_end),
+	    cmocka_unit_test(the_same_cage_gives_the_same_leaves),
+	};
+	return cmocka_run_group_tests_name("split", tests, NULL, NULL);
+}
