@@ -19,8 +19,7 @@ static const float WHOLE_FACES = 1e9f;
 
 static const float PI = 3.14159265358979f;
 
-/* ---- where things are
- * ------------------------------------------------------------------------------------------------ */
+/* ---- where things are ---- */
 
 static void world_from_object(const engine_pose *pose, mat4 out)
 {
@@ -69,8 +68,7 @@ static void measure(file_scene *f)
 	glm_vec3_broadcast(1, f->upper);
 }
 
-/* ---- a camera for files without one
- * ---------------------------------------------------------------------------------- */
+/* ---- a camera for files without one ---- */
 
 /* What the faces say about where to look from. */
 typedef struct facing {
@@ -186,8 +184,7 @@ void file_scene_view(const file_scene *f, double time_s, camera *out)
 	set_target(f, out);
 }
 
-/* ---- load
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- load ---- */
 
 static bool has_light(const engine_scene *scene)
 {
@@ -293,8 +290,7 @@ void file_scene_free(file_scene *f)
 	f->names = NULL;
 }
 
-/* ---- objects
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- objects ---- */
 
 /* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
 static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to)
