@@ -146,7 +146,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 }
 
 // What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
-void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
+void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 {
 	bool sky = (object_bvh(from.object).z & GI_OBJECT_SKY) != 0u;
 	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
@@ -182,7 +182,7 @@ sums sum_row(uint leaf, watch w)
 		if (s.firm_emitters > firm_emitters)
 			include(s.emitters, range(from.others.least, from.brightest));
 		if (cut)
-			add_cut(s, from, p, w.moved, count);
+			add_cut(s, from, shape_of(p, load_range(load_leaf(leaf).x).w), w.moved, count);
 	}
 	return s;
 }
