@@ -224,7 +224,7 @@ static double normal_cosine(gi_vec3d axis, gi_vec3d triangle_moment, double leas
 static double least_cosine(const gi_hierarchy *h, uint32_t node, gi_vec3d axis)
 {
 	const gi_uvec4 range = h->topology[node].range;
-	double least = 1.0;
+	double least = INFINITY; /* the axis as stored may be longer than 1 by its rounding */
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 		const quad q = node_quad(h, h->leaf_node[leaf]);
 		const double noise = 1e-9 * quad_area(&q);
