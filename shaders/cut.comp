@@ -88,7 +88,8 @@ uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, b
 	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
-	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
+	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
+	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
