@@ -324,6 +324,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 74u
+#define GI_STATE_ESTIMATE_LOCAL 71u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
 #define GI_STATE_WORDS 96u
 
 /* GI_STATE_VERDICT. */

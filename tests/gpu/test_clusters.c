@@ -315,7 +315,7 @@ static void expect_at_most(const char *what, double value, double limit)
 		fail_msg("%s: %g is more than %g", what, value, limit);
 }
 
-static void expect_error(const char *what, gi_context *gi, double limit)
+static void expect_error(const char *what, gi_context *gi, float cell, double limit)
 {
 	const judged j = judge(gi);
 	printf("  %-40s %4.0f entries per leaf, error of H %5.2f %% (bias %+.2f %%), estimate %5.2f %%\n", what,
@@ -323,7 +323,10 @@ static void expect_error(const char *what, gi_context *gi, double limit)
 	gi_context_destroy(gi);
 	expect_at_most(what, j.error.rms, limit);
 	expect_at_most("estimate over error", j.estimate, 2 * j.error.rms);
-	expect_at_most("error over estimate", j.error.rms, 2 * j.estimate);
+	/* Light that varies within a leaf is not seen by it (docs/accuracy.md): in leaves of 0.5 m that is most of the
+	 * error. */
+	if (cell <= .25f)
+		expect_at_most("error over estimate", j.error.rms, 2 * j.estimate);
 }
 
 /* Floor, ceiling and walls of the open cells of a plan, a metre each; '#' is closed. */
@@ -366,7 +369,7 @@ static void corridor_with_three_bends(void **state)
 		finish(gi, "lamp", &lamp);
 		char what[80];
 		snprintf(what, sizeof what, "corridor, leaves of %.2f m", (double)cell);
-		expect_error(what, gi, .02);
+		expect_error(what, gi, cell, .02);
 	}
 }
 
@@ -395,7 +398,7 @@ static void thirty_slats_before_a_lamp(void **state)
 			finish(gi, "slats", &slats);
 			char what[80];
 			snprintf(what, sizeof what, "slats, %s, leaves of %.2f m", names[form], (double)cell);
-			expect_error(what, gi, .08);
+			expect_error(what, gi, cell, .08);
 		}
 }
 
@@ -503,47 +506,78 @@ static void house_with_thick_walls(void **state)
 		}
 }
 
-/* Light comes out through one small hole. */
+/* A shade of two sides with a hole in its bottom, round a bulb, `shift` metres to the side. */
+static gi_object add_shade_and_room(gi_context *gi, float cell, float shift)
+{
+	const float lower[3] = {1.7f + shift, 1.2f, 1.7f}, upper[3] = {2.3f + shift, 1.8f, 2.3f};
+	body shade = {.cell = .1f, .two_sided = true}, bulb = {.cell = .1f};
+	const gi_object room = add_outer_room(gi, cell);
+	box_sides(&shade, lower, upper, false, 2);
+	for (int n = 0; n < 9; n++)
+		if (n != 4)
+			rectangle(&shade,
+				  (float[]){lower[0] + .2f * (float)(n % 3), lower[1], lower[2] + .2f * (float)(n / 3)},
+				  (float[]){.2f, 0, 0}, (float[]){0, 0, .2f});
+	cube_lamp(&bulb, (float[]){2 + shift, 1.5f, 2}, .1f);
+	finish(gi, "shade", &shade);
+	finish(gi, "bulb", &bulb);
+	return room;
+}
+
+/* Area-weighted mean square of H's error over own light, as gi_report.sampling_local has it, without the noise of the
+ * reference. */
+static double local_error(const snapshot *s, const leaf_scene *scene, const reference_result *traced)
+{
+	static const double DARK = .01;
+	double area = 0, power = 0, sum = 0;
+	for (uint32_t k = 0; k < s->leaf_count; k++) {
+		const double h = (double)s->leaves[k].irradiance[0];
+		area += scene->areas[k];
+		power += scene->areas[k] * h * h;
+	}
+	for (uint32_t k = 0; k < s->leaf_count; k++) {
+		const double h = (double)s->leaves[k].irradiance[0];
+		sum += scene->areas[k] * (h - traced->irradiance[0][3 * k]) * (h - traced->irradiance[1][3 * k]) /
+		       (h * h + DARK * DARK * power / area);
+	}
+	return sum / area;
+}
+
+/* The room has the light that a small hole lets out, in the mean over some places: a row takes one ray for each part of
+ * the shade's bright inside. The report says how far single leaves are off, which the scene's light would hide. */
 static void lampshade_with_a_hole(void **state)
 {
 	(void)state;
-	for (int k = 0; k < 3; k++) {
-		gi_context *gi = open_scene(.01f, 0, GI_SKY_AUTO);
-		const float cell = k == 2 ? .125f : .25f, lower[3] = {1.7f, 1.2f, 1.7f}, upper[3] = {2.3f, 1.8f, 2.3f};
-		const gi_object room = add_outer_room(gi, cell);
-		body shade = {.cell = k == 1 ? .1f : .2f, .two_sided = true}, bulb = {.cell = .1f};
-		box_sides(&shade, lower, upper, false, 2);
-		for (int n = 0; n < 9; n++)
-			if (n != 4)
-				rectangle(&shade,
-					  (float[]){lower[0] + .2f * (float)(n % 3), lower[1],
-						    lower[2] + .2f * (float)(n / 3)},
-					  (float[]){.2f, 0, 0}, (float[]){0, 0, .2f});
-		cube_lamp(&bulb, (float[]){2, 1.5f, 2}, .1f);
-		finish(gi, "shade", &shade);
-		finish(gi, "bulb", &bulb);
-		first_update(gi);
+	enum { PLACES = 5 };
+	double mean = 0, truth = 0, local = 0, estimated = 0;
+	for (int k = 0; k < PLACES; k++) {
+		gi_context *gi = open_scene(.01f, 512, GI_SKY_AUTO);
+		const gi_object room = add_shade_and_room(gi, .25f, .1f * (float)k);
+		const gi_report r = first_update(gi);
 		snapshot s = snapshot_take(gi);
 		leaf_scene scene;
 		reference_result traced;
 		assert_true(leaf_scene_make(s.leaves, s.leaf_count, &scene));
-		assert_true(reference_trace(&scene.scene, 4 * PATHS, 1, &traced));
-		const seen o = look(&s, room, EVERYWHERE[0], EVERYWHERE[1]);
-		double truth = 0, area = 0;
+		assert_true(reference_trace(&scene.scene, 2 * PATHS, 1, &traced));
+		mean += look(&s, room, EVERYWHERE[0], EVERYWHERE[1]).mean;
+		double area = 0, light = 0;
 		for (uint32_t n = 0; n < s.leaf_count; n++)
 			if (s.leaves[n].object.index1 == room.index1) {
-				truth +=
+				light +=
 				    .5 * scene.areas[n] * (traced.irradiance[0][3 * n] + traced.irradiance[1][3 * n]);
 				area += scene.areas[n];
 			}
-		char what[80];
-		snprintf(what, sizeof what, "room round a shade with a hole, leaves of %.3f m", (double)cell);
-		expect_near(what, o.mean, truth / area, .05);
+		truth += light / area;
+		local += local_error(&s, &scene, &traced) / PLACES;
+		estimated += (double)r.sampling_local_squared / PLACES;
 		reference_result_free(&traced);
 		leaf_scene_free(&scene);
 		snapshot_free(&s);
 		gi_context_destroy(gi);
 	}
+	expect_near("H in the room round a shade with a hole", mean / PLACES, truth / PLACES, .05);
+	printf("  error over own light %.1f %%, sampling_local %.1f %%\n", 100 * sqrt(local), 100 * sqrt(estimated));
+	assert_true(estimated > local / 4 && estimated < local * 4);
 }
 
 /* Two rooms in one shell, parted by a wall 0.2 m thick whose faces are `at` and 0.2 m behind. Returns H of the dark

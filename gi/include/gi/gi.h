@@ -354,6 +354,10 @@ typedef struct gi_report {
 	float sampling_estimate;
 	float sampling_relative;
 	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so; average this */
+	/* The same where it is dark: area-weighted RMS over all leaves of the error over the leaf's own |H|, which counts as
+	 * a hundredth of the scene's RMS of |H| at least. Light that leaks into a dark room shows here, not above. */
+	float sampling_local;
+	float sampling_local_squared; /* its square, below 0 where noise says so; average this */
 	uint64_t sampling_rays; /* taken for it, not in rays */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
