@@ -8,7 +8,8 @@
 //
 //     H' - H = sum of delta (b - beta') + (1 - T) (beta' - beta),   darkest <= beta, beta' <= brightest of the row
 //
-// An entry that was flagged gains at most F (1 - V) and loses at most F V; of a source that is cut anew all goes, and as
+// An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from another
+// leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as
 // much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
 // raised or lowered by counts on its own. A row that may not close may become anything.
 #define READ_FRAME
@@ -89,6 +90,7 @@ struct sums {
 	float firm_others, firm_emitters; // F V of the untouched
 	part lost, gained;                // of the touched
 	float kept;                       // what the touched may weigh afterwards
+	vec3 exchanged;                   // F V of the touched that may change leaves, times how far their B is apart
 	range others, emitters;           // B of the entries, before and afterwards; of the firm, that of their objects
 	uint rays, entries;
 };
@@ -132,8 +134,12 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 mean = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at)).xyz;
-	range b = range(mean, mean);
+	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at)).xyz;
+	range b = range(own, own);
+	if (taken > 1u && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
+		b = range(from.others.least, emitter ? from.brightest : from.others.most);
+		s.exchanged += v * (b.most - b.least);
+	}
 	if (emitter)
 		include(s.emitters, b);
 	else
@@ -146,7 +152,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 }
 
 // What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
-void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uint count)
+void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 {
 	bool sky = (object_bvh(from.object).z & GI_OBJECT_SKY) != 0u;
 	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
@@ -165,7 +171,7 @@ void add_cut(inout sums s, source_part from, gi_node_geometry p, bool moved, uin
 sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
-	sums s = sums(0.0, 0.0, none, none, 0.0, NOTHING, NOTHING, 0u, 0u);
+	sums s = sums(0.0, 0.0, none, none, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		uvec4 block = load_segment(leaf * frame.counts.z + source);
@@ -182,7 +188,7 @@ sums sum_row(uint leaf, watch w)
 		if (s.firm_emitters > firm_emitters)
 			include(s.emitters, range(from.others.least, from.brightest));
 		if (cut)
-			add_cut(s, from, p, w.moved, count);
+			add_cut(s, from, shape_of(p, load_range(load_leaf(leaf).x).w), w.moved, count);
 	}
 	return s;
 }
@@ -206,6 +212,7 @@ vec4 bound_of(sums s, received r)
 	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
 	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
 	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * whole.most;
+	either += s.exchanged;
 	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low +
 		    s.lost.emitters * dim_emitters;
 	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;

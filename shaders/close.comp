@@ -158,7 +158,9 @@ row_counts count_row(uint leaf)
 				count.lit++;
 			factors += (e.w & GI_ENTRY_BACK) != 0u ? 0.0 : uintBitsToFloat(e.y);
 		}
-		segments[slot].zw = floatBitsToUint(vec2(taken > 0u ? float(seen) / float(taken) : 0.0, factors));
+		// By Laplace's rule of succession: a few rays that all agree leave some doubt.
+		float share = seen > 0u ? (float(seen) + 1.0) / (float(taken) + 2.0) : 0.0;
+		segments[slot].zw = floatBitsToUint(vec2(share, factors));
 		count.entries += range.y - range.x;
 	}
 	return count;

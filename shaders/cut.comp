@@ -57,16 +57,16 @@ gi_node_geometry geometry_of(uint node, bool same)
 	return load_world(node);
 }
 
-uint classify_sky(gi_node_geometry p, gi_node_geometry g, uint flags)
+uint classify_sky(shape p, gi_node_geometry g, uint flags)
 {
-	float height = dot(p.axis.xyz, g.sphere.xyz) + g.sphere.w;
+	float height = dot(p.axis, g.sphere.xyz) + g.sphere.w + (p.cone < 0.0 ? 1.0 : sine_of(p.cone));
 	if (height <= 0.0)
 		return CUT_SKIP;
 	float estimate = g.moment.w * min(1.0, height) / PI;
 	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
 }
 
-uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uint object, bool same)
+uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, bool same)
 {
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags);
@@ -92,12 +92,13 @@ uint classify(gi_node_geometry p, gi_node_geometry g, uint flags, uint node, uin
 	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
-	float tolerance = (flags & GI_NODE_EMITTER) != 0u ? frame.tolerance.y : frame.tolerance.x;
+	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
+	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
 // Writes the first `room` nodes of the cut at entry `at`; returns how many nodes there are.
-uint write_cut(gi_node_geometry p, uint leaf, uint source, bool same, uint at, uint room)
+uint write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room)
 {
 	uvec4 nodes = object_nodes(source);
 	uint count = 0u;
@@ -136,11 +137,12 @@ void main()
 	uint leaf = pair.x, source = pair.y;
 	if (leaf == GI_NONE)
 		return;
-	uint mine = load_leaf(leaf).y;
+	uvec4 receiver = load_leaf(leaf);
+	uint mine = receiver.y;
 	if ((frame.update.w & GI_UPDATE_REBUILD) == 0u && !pair_is_dirty(mine, source, load_row(leaf).z))
 		return;
 	bool same = mine == source;
-	gi_node_geometry p = geometry_of(load_leaf(leaf).x, same);
+	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
 	uint slot = leaf * frame.counts.z + source;
 	uvec2 block = load_segment(slot).xy;
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK, count;

@@ -12,6 +12,10 @@
 #define WRITE_STATE
 #include "buffers.glsl"
 
+// Where it is dark: each leaf's error is taken over its own light, or over this part of the scene's where it has less, below
+// which nobody sees it. The common part of reflected errors is left out: it goes with the scene's light.
+const float DARK = 0.01;
+
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint all;
 
@@ -23,6 +27,7 @@ struct totals {
 };
 
 shared totals sums[GI_GROUP_SIZE];
+shared float shares[GI_GROUP_SIZE];
 
 totals add(totals a, totals b)
 {
@@ -51,6 +56,11 @@ void report(totals t)
 	state[GI_STATE_ESTIMATE_RAYS] = t.rays;
 }
 
+float local_error(gi_estimate_leaf r, float power)
+{
+	return r.error.x * r.error.y / (dot(r.light.xyz, r.light.xyz) + DARK * DARK * power);
+}
+
 void main()
 {
 	uint t = gl_LocalInvocationID.x;
@@ -59,9 +69,18 @@ void main()
 		own = add(own, of_leaf(load_result(k)));
 	sums[t] = own;
 	barrier();
+	own = sums[0];
+	for (uint k = 1u; k < GI_GROUP_SIZE; k++)
+		own = add(own, sums[k]);
+	float power = own.mean.y / own.bias.w, share = 0.0;
+	for (uint k = t; k < all && power > 0.0; k += GI_GROUP_SIZE)
+		share += local_error(load_result(k), power);
+	shares[t] = share;
+	barrier();
 	if (t > 0u)
 		return;
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++)
-		own = add(own, sums[k]);
+		share += shares[k];
+	state[GI_STATE_ESTIMATE_LOCAL] = floatBitsToUint(share / own.bias.w);
 	report(own);
 }

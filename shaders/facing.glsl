@@ -8,10 +8,40 @@ float sine_of(float cosine)
 	return cosine >= 1.0 ? 0.0 : sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
-// How far a surface of radius r whose normals lie in a cone reaches along a direction: a flat one only by its tilt.
-float reach_along(float r, float cosine, float cone)
+// A node's extent and normals. Normals that agree do not make a plane: squares one behind the other are as thick as they
+// are apart.
+struct shape {
+	vec3 centre;
+	vec3 axis;
+	float cone;      // cosine of the half angle that its normals keep to about the axis; below 0: any direction
+	float radius;
+	float thickness; // over the radius (gi_shared.h)
+};
+
+shape shape_of(gi_node_geometry g, uint flags)
 {
-	return r * (cone < 0.0 ? 1.0 : min(1.0, sine_of(abs(cosine)) + sine_of(cone)));
+	float steps = float(flags >> GI_NODE_THICKNESS_SHIFT);
+	return shape(g.sphere.xyz, g.axis.xyz, g.axis.w, g.sphere.w, steps / float(GI_NODE_THICKNESS_STEPS));
+}
+
+// How far a shape may reach from its centre along a direction with this cosine to its axis: what two planes leave of its
+// ball.
+float reach_along(shape s, float cosine)
+{
+	return s.radius * (cosine <= s.thickness ? 1.0 : s.thickness * cosine + sine_of(s.thickness) * sine_of(cosine));
+}
+
+// The most that the way from any point of a to any of b goes along any of a's normals; `to` is that between the centres.
+float most_along(shape a, shape b, vec3 to, float d)
+{
+	if (a.cone < 0.0)
+		return d + a.radius + b.radius;
+	float along = dot(a.axis, to), tilt = sine_of(a.cone);
+	float across = sqrt(max(0.0, d * d - along * along));
+	float between = along >= d * a.cone ? d : along * a.cone + across * tilt;
+	// Of the normals that one farthest from b's axis, or in b's plane.
+	float cosine = abs(dot(a.axis, b.axis));
+	return between + reach_along(a, a.cone) + reach_along(b, max(0.0, cosine * a.cone - sine_of(cosine) * tilt));
 }
 
 struct facing {
@@ -22,20 +52,14 @@ struct facing {
 	bool unseen;
 };
 
-facing facing_of(gi_node_geometry p, gi_node_geometry g, uint flags)
+// Of a source with these flags for a receiver.
+facing facing_of(shape receiver, gi_node_geometry g, uint flags)
 {
-	vec3 to = g.sphere.xyz - p.sphere.xyz;
-	float d2 = dot(to, to), d = sqrt(d2);
-	float slack = HORIZON_SLACK * (d + g.sphere.w + p.sphere.w);
-	float cosine = dot(p.axis.xyz, g.axis.xyz);
-	float height = dot(p.axis.xyz, to) + reach_along(g.sphere.w, cosine, g.axis.w) + (d + p.sphere.w) * sine_of(p.axis.w);
-	float faced = d;
-	if (g.axis.w >= 0.0) {
-		float away = -dot(g.axis.xyz, to);
-		float across = sqrt(max(0.0, d2 - away * away));
-		float tilted = away >= d * g.axis.w ? d : away * g.axis.w + across * sine_of(g.axis.w);
-		faced = tilted + g.sphere.w * sine_of(g.axis.w) + reach_along(p.sphere.w, cosine, p.axis.w);
-	}
+	shape source = shape_of(g, flags);
+	vec3 to = source.centre - receiver.centre;
+	float d = length(to), slack = HORIZON_SLACK * (d + source.radius + receiver.radius);
+	float height = most_along(receiver, source, to, d);
+	float faced = source.cone < 0.0 ? d : most_along(source, receiver, -to, d);
 	bool turned = faced <= slack;
 	bool back = (flags & GI_NODE_BACK) != 0u;
 	return facing(to, d, height, turned ? d : faced, height <= slack || (turned && !back));

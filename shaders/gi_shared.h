@@ -28,7 +28,9 @@ typedef struct gi_uvec4 {
 /* "No node, no vertex, no object." */
 #define GI_NONE 0xFFFFFFFFu
 
-/* Flags of a node (gi_node_topology.range.w). */
+/* Flags of a node (gi_node_topology.range.w). In bits 8..11, of an emitter: how much finer than others it is cut, as a
+ * power of two (emitters.c). From bit 16 on how thick it is: how far its leaves reach from the plane through its sphere's
+ * centre that its axis is normal to, over the radius, in 65535ths, rounded up; 0: all of it lies in that plane. */
 #define GI_NODE_LEAF 1u     /* one leaf, no children */
 #define GI_NODE_POLYGON 2u  /* has four corners; a cluster above the base faces only where a quad covers it */
 #define GI_NODE_FLAT 4u     /* the corners' two triangles are exactly the surface of its leaves */
@@ -36,6 +38,10 @@ typedef struct gi_uvec4 {
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
 #define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
+#define GI_NODE_FINER_SHIFT 8u
+#define GI_NODE_FINER_MOST 15u
+#define GI_NODE_THICKNESS_SHIFT 16u
+#define GI_NODE_THICKNESS_STEPS 65535u
 
 /* Where a node is. One copy in the object's rest frame, one in the world.
  *
@@ -69,7 +75,7 @@ GI_STRUCT(gi_node_spread) {
  * `skip`.
  *
  *   //--------------- 16B ---------------
- *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags
+ *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags and thickness
  *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster that no quad covers; a triangle repeats its third corner
  */
 GI_STRUCT(gi_node_topology) {
@@ -318,6 +324,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 74u
+#define GI_STATE_ESTIMATE_LOCAL 71u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
 #define GI_STATE_WORDS 96u
 
 /* GI_STATE_VERDICT. */

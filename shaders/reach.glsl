@@ -8,15 +8,15 @@ const uint REACH_VISITS = 24u;
 // Of a node all of which is at least `near` away, whichever of its descendants stand for it: F <= A cos / (pi r^2) with
 // the area A that it shows, sum of a max(0, n.d) = sum of a (|n.d| + n.d) / 2 <= (area + moment.d) / 2 for one direction d
 // to the receiver, and no more than area radius / (2 near) more for directions that differ.
-float reach_of_node(gi_node_geometry p, gi_node_geometry g, facing f, float near, bool back)
+float reach_of_node(shape p, gi_node_geometry g, facing f, float near, bool back)
 {
-	float height = f.height + g.sphere.w + (g.sphere.w + p.sphere.w) * sine_of(p.axis.w) + p.sphere.w;
+	float height = f.height + g.sphere.w + (g.sphere.w + p.radius) * sine_of(p.cone) + p.radius;
 	float net = back ? abs(dot(g.moment.xyz, f.to)) : -dot(g.moment.xyz, f.to);
-	float shown = min(g.moment.w, 0.5 * (g.moment.w * (1.0 + (g.sphere.w + p.sphere.w) / near) + net / f.d));
+	float shown = min(g.moment.w, 0.5 * (g.moment.w * (1.0 + (g.sphere.w + p.radius) / near) + net / f.d));
 	return min(1.0, shown * min(1.0, height / near) / (PI * near * near));
 }
 
-float reach(gi_node_geometry p, uint object)
+float reach(shape p, uint object)
 {
 	uvec4 nodes = object_nodes(object);
 	float sum = 0.0;
@@ -25,7 +25,7 @@ float reach(gi_node_geometry p, uint object)
 		uvec4 range = load_range(n);
 		gi_node_geometry g = load_world(n);
 		facing f = facing_of(p, g, range.w);
-		float near = f.d - g.sphere.w - p.sphere.w;
+		float near = f.d - g.sphere.w - p.radius;
 		if (f.unseen) {
 			n = range.x;
 		} else if (near > 0.0 && (near >= g.sphere.w || range.z == 1u)) {

@@ -31,6 +31,10 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 
 const uint PROBES = 4u;
 
+// A patch of black sky has a ray for each so much of its form factor, up to four: rows that miss a large one by a single
+// ray are raised, and what hits one is not lowered as much.
+const float COARSE_SKY = 0.05;
+
 // A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
 // seldom hidden; so V is wanted of the light, not of the area. Of so many segments one is traced, drawn in proportion to
 // what they carry.
@@ -79,20 +83,6 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 	return sum > 0.0;
 }
 
-// The light of a single sample is not that of the whole node: through a door one sees what is opposite to it. It is taken
-// from around the sample, half of the node or less. Smaller parts are as good on average, and noisier.
-uint part_around(uint node, uint leaf)
-{
-	uint enough = load_range(node).z / 2u;
-	while (load_range(node).z > max(enough, 1u)) {
-		uint child = node + 1u;
-		while (leaf >= load_range(child).y + load_range(child).z)
-			child = load_range(child).x;
-		node = child;
-	}
-	return node;
-}
-
 void main()
 {
 	uint t = thread_number();
@@ -115,22 +105,25 @@ void main()
 	// tolerance.
 	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, float(frame.limits.z)));
 	bool dark_sky = p.sky && frame.misc.w == 0u;
-	uint wanted = emitter ? frame.limits.w : dark_sky ? (near + 3u) / 4u : near;
+	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
+	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
 	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
 	// rays to save.
 	uint probes = emitter ? min(wanted, PROBES) : wanted;
 	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
-	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, target = entry.x;
+	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
 	while (taken < wanted) {
 		segment_end a, b;
 		// What is not before the receiver must not shine through its back.
 		uint by = p.receiver.object;
 		if (choose_segment(p, taken, candidates, a, b)) {
 			by = blocker_of(p.receiver, a, p.source, b, (clear & (1u << taken)) != 0u);
-			if (is_new && wanted == 1u && !p.sky)
-				target = part_around(entry.x, b.leaf);
+			// Each that is seen by the same chance; where none is, the first.
+			float pick = unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(~taken))));
+			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
+			found = found == GI_NONE || takes_over ? b.leaf : found;
 		}
 		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
@@ -143,7 +136,8 @@ void main()
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
 		entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
-	if (is_new)
-		targets[slot] = target;
+	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
+	// light altogether. On average it is what the node shows.
+	targets[slot] = p.whole || found == GI_NONE ? entry.x : load_leaf(found).x;
 	atomicAdd(state[GI_STATE_RAYS], taken);
 }

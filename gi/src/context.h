@@ -23,16 +23,23 @@
 
 /* ---- scene ---- */
 
+/* Of a material of an object (emitters.c). */
+typedef struct scene_emission {
+	double area;    /* of its leaves, m2 */
+	uint32_t steps; /* while it emits it is cut 2^steps times finer than others */
+} scene_emission;
+
 typedef struct scene_object {
 	uint32_t generation; /* of the handle that owns this place; odd while alive */
 	bool committed;      /* part of the uploaded scene */
 	bool moved;          /* since the last update */
-	bool relit;          /* emission began or ended, or black became not black: its cut changes */
+	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
+	scene_emission *emission; /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
@@ -188,6 +195,11 @@ gi_result scene_upload_changes(gi_context *gi);
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_free(gi_context *gi);
+
+/* emitters.c: how much finer what emits is cut. */
+bool scene_measure_materials(scene_object *object);
+/* Of all objects; those whose part in it changed are relit. */
+gi_result scene_weigh_emitters(gi_context *gi);
 
 /* tlas.c: where the objects are now. */
 gi_result tlas_upload(gi_context *gi);

@@ -66,6 +66,8 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->sampling_estimate = squared > 0 ? sqrtf(squared) : 0;
 	r->sampling_relative = squared > 0 && power > 0 ? sqrtf(squared / power) : 0;
 	r->sampling_squared = squared;
+	r->sampling_local_squared = gi_float_from_bits(state[GI_STATE_ESTIMATE_LOCAL]);
+	r->sampling_local = sqrtf(fmaxf(0, r->sampling_local_squared));
 	r->sampling_rays = state[GI_STATE_ESTIMATE_RAYS];
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;

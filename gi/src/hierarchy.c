@@ -225,7 +225,7 @@ static double normal_cosine(gi_vec3d axis, gi_vec3d triangle_moment, double leas
 static double least_cosine(const gi_hierarchy *h, uint32_t node, gi_vec3d axis)
 {
 	const gi_uvec4 range = h->topology[node].range;
-	double least = 1.0;
+	double least = INFINITY; /* the axis as stored may be longer than 1 by its rounding */
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 		const quad q = node_quad(h, h->leaf_node[leaf]);
 		const double noise = 1e-9 * quad_area(&q);
@@ -316,6 +316,31 @@ static void set_sphere(gi_hierarchy *h, uint32_t node)
 		centre = gi_vec3d_add(centre, gi_vec3d_scale(gi_vec3d_sub(far, centre), 1.0 / (step + 8)));
 	}
 	store_sphere(h, node, best);
+}
+
+/* How far the corners of a node's leaves are from the plane through its sphere's centre, over its radius. */
+static double thickness_of(const gi_hierarchy *h, uint32_t node)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	const gi_vec4 sphere = h->geometry[node].sphere;
+	const gi_vec3d centre = gi_vec3d_from(sphere), normal = node_normal(h, node);
+	double most = 0.0;
+	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+		const quad q = node_quad(h, h->leaf_node[leaf]);
+		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
+		for (int i = 0; i < 4; i++)
+			most = fmax(most, fabs(gi_vec3d_dot(normal, gi_vec3d_sub(corners[i], centre))));
+	}
+	return fmin(most / sphere.w, 1.0);
+}
+
+/* What is flat but for rounding is flat: or patches of one plane would see each other. */
+static void set_thickness(gi_hierarchy *h, uint32_t node)
+{
+	const double thickness = thickness_of(h, node);
+	if (thickness > FLAT_TOLERANCE)
+		h->topology[node].range.w |= (uint32_t)ceil(thickness * GI_NODE_THICKNESS_STEPS)
+					     << GI_NODE_THICKNESS_SHIFT;
 }
 
 /* Are all corners of the node's leaves within the tolerance, metres, of the plane through a point? */
@@ -424,6 +449,7 @@ static void measure_node(gi_hierarchy *h, uint32_t node)
 	set_spread(h, node);
 	set_cone(h, node);
 	set_sphere(h, node);
+	set_thickness(h, node);
 	gi_uvec4 *range = &h->topology[node].range;
 	if (!(range->w & GI_NODE_POLYGON))
 		set_cover(h, node);
@@ -824,6 +850,12 @@ static const char *check_sphere(const gi_hierarchy *h, uint32_t node)
 	return radius <= sphere.w * (1.0 + 1e-6) ? NULL : "a corner lies outside its node's sphere";
 }
 
+static const char *check_thickness(const gi_hierarchy *h, uint32_t node)
+{
+	const double stored = (double)(h->topology[node].range.w >> GI_NODE_THICKNESS_SHIFT) / GI_NODE_THICKNESS_STEPS;
+	return thickness_of(h, node) <= stored + FLAT_TOLERANCE ? NULL : "a corner lies outside its node's thickness";
+}
+
 static const char *check_flat(const gi_hierarchy *h, uint32_t node)
 {
 	const bool flat = h->topology[node].range.w & GI_NODE_FLAT;
@@ -833,7 +865,8 @@ static const char *check_flat(const gi_hierarchy *h, uint32_t node)
 const char *gi_validate_hierarchy(const gi_hierarchy *h)
 {
 	static const char *(*const rules[])(const gi_hierarchy *, uint32_t) = {
-	    check_range, check_corners, check_children, check_sums, check_cone, check_sphere, check_flat,
+	    check_range, check_corners, check_children,  check_sums,
+	    check_cone,  check_sphere,  check_thickness, check_flat,
 	};
 	if (h->node_count == 0 || h->leaf_count == 0)
 		return "there are no nodes";

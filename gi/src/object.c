@@ -273,6 +273,7 @@ void scene_free_object(scene_object *o)
 	const uint32_t generation = o->generation;
 	free(o->name);
 	free(o->materials);
+	free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
 	gi_skin_free(&o->skin);
@@ -301,7 +302,7 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 	else
 		o->materials[0] = grey;
 	o->pose = def->pose;
-	return true;
+	return scene_measure_materials(o);
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */

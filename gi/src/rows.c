@@ -106,20 +106,22 @@ bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
 	return leaves <= GI_ENTRY_LEAF_MASK && elements <= most_elements(gi, elements);
 }
 
-/* Of the scene's area: it is cut finer. */
-static double emitting_share(const gi_context *gi)
+/* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
+static double mean_refinement(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
-	double emitting = 0, all = 1e-30;
+	double sum = 0, area = 1e-30;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
 		const scene_object *o = &s->objects[s->slots[slot]];
-		const gi_vec4 e = s->node_exitance[o->node_base];
-		all += o->hierarchy.area;
-		emitting += e.x + e.y + e.z > 0 ? o->hierarchy.area : 0;
+		for (uint32_t m = 0; m < o->material_count; m++) {
+			const double finer = exp2((double)o->emission[m].steps);
+			sum += o->emission[m].area * fmin(finer, (double)gi->def.emitter_refinement);
+			area += o->emission[m].area;
+		}
 	}
-	return emitting / all;
+	return fmax(sum / area, 1);
 }
 
 gi_result rows_allocate(gi_context *gi)
@@ -136,10 +138,8 @@ gi_result rows_allocate(gi_context *gi)
 	if (result)
 		return result;
 	clear_rows(r);
-	const double emitting = emitting_share(gi);
-	const double finer = 1 + emitting * (gi->def.emitter_refinement - 1);
-	const double per_leaf =
-	    fmin(ENTRIES_TIMES_TOLERANCE * finer / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
+	const double per_leaf = fmin(
+	    ENTRIES_TIMES_TOLERANCE * mean_refinement(gi) / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
 	const uint64_t most = most_elements(gi, limit);
 	r->entry_limit = limit < most ? limit : most;

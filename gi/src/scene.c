@@ -81,7 +81,15 @@ void scene_place_sky(gi_object_data *data)
 
 /* ---- materials ---- */
 
-/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags. */
+static void set_emitter(uint32_t *flags, bool emits, uint32_t steps)
+{
+	*flags &= ~(GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT);
+	if (emits)
+		*flags |= GI_NODE_EMITTER | steps << GI_NODE_FINER_SHIFT;
+}
+
+/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
+ * is cut as fine as the finest of its leaves that emit. */
 void scene_update_exitance(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
@@ -89,6 +97,7 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
 		double sum[4] = {0}, area = 0;
+		uint32_t steps = 0;
 		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 			const gi_material *m = &o->materials[h->leaf_material[leaf]];
 			const double a = h->geometry[h->leaf_node[leaf]].moment.w;
@@ -96,11 +105,13 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 				sum[c] += a * m->exitance[c];
 			sum[3] += a * fmaxf(m->rho[0], fmaxf(m->rho[1], m->rho[2]));
 			area += a;
+			const bool emits = m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
+			const uint32_t finer = o->emission[h->leaf_material[leaf]].steps;
+			steps = emits && finer > steps ? finer : steps;
 		}
 		s->node_exitance[o->node_base + n] = (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area),
 							       (float)(sum[2] / area), (float)(sum[3] / area)};
-		uint32_t *flags = &s->topology[o->node_base + n].range.w;
-		*flags = sum[0] + sum[1] + sum[2] > 0 ? *flags | GI_NODE_EMITTER : *flags & ~GI_NODE_EMITTER;
+		set_emitter(&s->topology[o->node_base + n].range.w, sum[0] + sum[1] + sum[2] > 0, steps);
 	}
 }
 
@@ -142,6 +153,10 @@ gi_result scene_upload_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
 	bool relit = false;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		relit = relit || s->objects[k].material_changed;
+	if (relit && scene_weigh_emitters(gi))
+		return GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		gi_object_data *data = &s->object_data[slot];
 		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
@@ -152,7 +167,6 @@ gi_result scene_upload_changes(gi_context *gi)
 			scene_place_object(o, data);
 		if (o && o->material_changed)
 			upload_material(gi, o);
-		relit = relit || (o && o->material_changed);
 	}
 	if (relit)
 		lamps_select(gi, true);

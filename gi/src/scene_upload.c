@@ -379,6 +379,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	gather_objects(gi, g, old, old_count);
 	place_vertices(g);
 	s->wide_count = g->next.wide_count;
+	if (scene_weigh_emitters(gi))
+		return GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k]))
 			scene_update_exitance(gi, &s->objects[k]);

@@ -96,6 +96,34 @@ static void a_bilinear_cube_is_measured_exactly(void **state)
 	gi_hierarchy_free(&h);
 }
 
+/* The axis of a flat node is rounded to float, its length too: the cone must not open by that, or coplanar patches, the
+ * two sides of a sheet among them, would see each other. */
+static void flat_nodes_have_one_normal_however_they_lie(void **state)
+{
+	(void)state;
+	for (int turn = 1; turn < 40; turn++) {
+		test_cage t;
+		gi_hierarchy h;
+		cage_cube(&t, GI_REFINE_BILINEAR);
+		const double c = cos(.1 * turn), s = sin(.1 * turn), d = cos(.23 * turn), e = sin(.23 * turn);
+		for (uint32_t i = 0; i < t.cage.vertex_count; i++) {
+			float *p = t.positions + 3 * i;
+			const double q[3] = {c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
+			p[0] = (float)q[0];
+			p[1] = (float)(d * q[1] - e * q[2]);
+			p[2] = (float)(e * q[1] + d * q[2]);
+		}
+		build_cage(&t, 1, &h);
+		check_valid(&h);
+		for (uint32_t node = 0; node < h.node_count; node++)
+			if (h.topology[node].range.w & GI_NODE_LEAF) {
+				assert_true(h.geometry[node].axis.w == 1.0f);
+				assert_int_equal(h.topology[node].range.w >> GI_NODE_THICKNESS_SHIFT, 0);
+			}
+		gi_hierarchy_free(&h);
+	}
+}
+
 static void clusters_keep_the_sides_of_a_cube_together(void **state)
 {
 	(void)state;
@@ -483,6 +511,7 @@ int main(void)
 	    cmocka_unit_test(leaves_far_from_the_origin_are_valid),
 	    cmocka_unit_test(a_quad_has_the_area_of_its_triangles),
 	    cmocka_unit_test(a_bilinear_cube_is_measured_exactly),
+	    cmocka_unit_test(flat_nodes_have_one_normal_however_they_lie),
 	    cmocka_unit_test(clusters_keep_the_sides_of_a_cube_together),
 	    cmocka_unit_test(open_surfaces_show_their_backs),
 	    cmocka_unit_test(a_plane_of_any_scheme_is_flat_inside),

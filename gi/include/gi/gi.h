@@ -108,7 +108,8 @@ typedef struct gi_context_def {
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
 	 * default 0.01. Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
 	float row_tolerance;
-	float emitter_refinement;  /* emitters are cut at row_tolerance / this; >= 1, default 20 */
+	float emitter_refinement;  /* emitters are cut at row_tolerance / this, less where they cover more than 1 / this of
+				    * the scene's area: not at all finer from a half on; >= 1, default 20 */
 	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
 
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
@@ -405,6 +406,10 @@ typedef struct gi_report {
 	float sampling_estimate;
 	float sampling_relative;
 	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so; average this */
+	/* The same where it is dark: area-weighted RMS over all leaves of the error over the leaf's own |H|, which counts as
+	 * a hundredth of the scene's RMS of |H| at least. Light that leaks into a dark room shows here, not above. */
+	float sampling_local;
+	float sampling_local_squared; /* its square, below 0 where noise says so; average this */
 	uint64_t sampling_rays; /* taken for it, not in rays */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
@@ -495,8 +500,8 @@ typedef struct gi_entry {
 /* Copies up to `capacity` entries in no particular order. entries may be NULL to ask for the count. */
 gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
 
-/* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is that of the entry, or the part of
- * it where its only ray ended. */
+/* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is the leaf where one of the
+ * entry's rays ended, or the patch of sky. */
 typedef struct gi_link {
 	uint32_t leaf, node;
 	uint32_t first_leaf, leaf_count;
