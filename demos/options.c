@@ -60,7 +60,7 @@ static const struct argp_option table[] = {
     {"leaf-size", KEY_LEAF_SIZE, "L", 0, "edge of the leaves, metres, instead of what the scene gives or is chosen", 1},
     {"leaves", KEY_LEAVES, "N", 0,
      "about so many are chosen where the scene gives no levels, 100..100000 (4000 without a GPU, 20000 with one)", 1},
-    {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the largest radiosity, 0..1 (1e-4)", 1},
+    {"solve-tolerance", KEY_SOLVE_TOLERANCE, "T", 0, "certified bound over the light reflected, 0..1 (0.05)", 1},
     {"estimate", KEY_ESTIMATE, "N", 0,
      "leaves looked at to estimate the error of the rows, 0..65536; 0: none (256 where a few pictures are recorded, "
      "64 a frame where many are)",

@@ -296,6 +296,13 @@ vec4 load_leaf_radiosity(uint n)
 {
 	return float_texel(leaf_radiosity_texels, n);
 }
+
+#ifdef READ_FRAME
+vec4 load_leaf_part(uint part, uint leaf)
+{
+	return load_leaf_radiosity(part * frame.counts.x + leaf);
+}
+#endif
 #endif
 
 #ifdef READ_NODE_EXITANCE
@@ -396,8 +403,7 @@ uint load_choice(uint n)
 TEXELS(GI_BIND_PENDING) pending_texels;
 gi_pending load_pending(uint n)
 {
-	return gi_pending(texel(pending_texels, 4u * n), float_texel(pending_texels, 4u * n + 1u), float_texel(pending_texels, 4u * n + 2u),
-			  float_texel(pending_texels, 4u * n + 3u));
+	return gi_pending(texel(pending_texels, 3u * n), float_texel(pending_texels, 3u * n + 1u), float_texel(pending_texels, 3u * n + 2u));
 }
 #endif
 

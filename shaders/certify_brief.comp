@@ -1,10 +1,10 @@
 #version 450 core
 // The gather of the sweep that ends a solve under a budget of time: links are summed in single precision, which what it says
-// of residuals counts with; and it leaves the light of what is drawn.
+// of residuals counts with.
 #define CERTIFY
-#define LIGHT
 #define SUM_IN_SINGLE
 #define REAL double
+#define REAL3 dvec3
 #define REAL4 dvec4
 #define SUM float
 #define SUM4 vec4

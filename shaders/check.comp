@@ -3,22 +3,45 @@
 // The group counts of all sweeps lie in the state, so that ending the solve, or choosing the certifying gather instead
 // of the ordinary one, is a matter of zeroes: the frame never waits for a read-back.
 //
-// The bound. With M = I - diag(rho) W (W: links and area means), T B = E + B - M B, and r = T B - B, what B lacks to
-// the solution B* is e = B* - B = M^-1 r. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0.
-// Any u with m = min (M u)_i > 0 then tells how large it is (Collatz 1942): m M^-1 1 <= u, so
+// What is solved is the light reflected, R = B - E: with M = I - diag(rho) W (W: links and area means) and s = rho * the
+// irradiance by exitance, M R = s. T R = s + R - M R, and r = T R - R, what R lacks to the solution R* is e = M^-1 r.
 //
-//     |B - B*| <= |r| u_max / m,    |T B - B*| = |(I - M) e| <= |r| (u_max / m - 1)            (|.| the largest entry)
+// The bounds. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0. Hence for any u with M u > 0
+// (Collatz 1942)
 //
-// u is the fourth channel of B; the M of the largest rho has the largest inverse of the three. u = 1 gives the row
-// sums' norm, 1 / (1 - q). Of A = u_max / m and that the lesser counts: the amplification. It bounds the spectrum too, whose
-// radius is at most 1 - 1 / A.
+//     kappa = max |r_i| / (M u)_i:    |R - R*| <= kappa u,    |T R - R*| = |(I - M) e| <= kappa (I - M) u      leaf by leaf
 //
-// What is stored, B', is T B but for rounding (or Chebyshev's step), and the certifying gather knows by how much, w:
+// - Everywhere alike: u = v, the fourth channel, which solves M v = 1 for the largest rho of the three; its M has the largest
+//   inverse. |T R - R*| <= |r| (v_max / m - 1), m = min (M v)_i. u = 1 gives the row sums' norm, 1 / (1 - q). Of A = v_max / m
+//   and that the lesser counts: the amplification. It bounds the spectrum too, whose radius is at most 1 - 1 / A.
+// - By the light of each leaf: u = R* + t v, t >= 0. M u = s + t M v, which the gather has at hand: where light comes first, s,
+//   much may be missing; where it is dark, little, t M v, and u says that from where much is missing little arrives. R* is not
+//   known, but R* <= R + kappa u, so that kappa u <= kappa / (1 - kappa) (R + t v), where kappa < 1, and likewise behind I - M.
+//   t is the largest with t v_i <= R_i + dark everywhere, as of the sweep before: theta * scale, channel by channel.
+// - By its own light: R^3/4 more in u, in units of (largest R)^1/4. Means of R^3/4 are at most its values at means (Jensen), so
+//   M of it is at least R_i^3/4 - (rho_i S_i)^1/4 (rho W R)_i^3/4, S_i the row's sum: in the solution a share of R_i^3/4 that is
+//   the same however dark it is. Far from the solution it may be below 0; the better of this u and the one before counts.
 //
-//     |B' - B*| <= |r| (A - 1) + w,    r, w with all doubts of single and double precision (gather.glsl)
+// The tolerance is of the light reflected: the solve has converged when, leaf by leaf and channel by channel, it is certain that
 //
-// Once B' rounds to B again, |r| is at most FLOOR, what half a unit in the last place makes of it, and more sweeps keep
-// FLOOR * A of the bound.
+//     |R - R*| <= tolerance * (R_i + GI_DARK_SHARE * max R)
+//
+// What is stored, R', is T R but for rounding (or Chebyshev's step), and the certifying gather knows by how much, w:
+//
+//     |R' - R*| <= |r| (A - 1) + w,    |R' - R*| <= kappa (I - M) u + w,
+//
+// r, w with all doubts of single and double precision (gather.glsl). Once R' rounds to R again, |r| is at most FLOOR, what half
+// a unit in the last place makes of it, and more sweeps keep FLOOR * A of the bound.
+//
+// No light from nothing. All rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 - rho); likewise
+// R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R there whatever it
+// steps to. The error of Jacobi's never grows, in no leaf beyond the largest there was. Chebyshev's may, cut short or set up for
+// a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window of its steps begins, comes
+// back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
+//
+// Not farther than from a cold start. R of before has the residual r over the new rows, R = 0 has s. What is missing is
+// M^-1 of that: the mean flux A times, what is local about once. Where a channel begins worse by that estimate than from R = 0, all
+// begin again from there; one with too much light in a scene that hardly loses any, from the part of R whose flux is right.
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -41,11 +64,10 @@ layout(location = 1) uniform uint max_sweeps;
 const uint STAGE_SWEPT = 0u, STAGE_BEGIN = 1u, STAGE_GO_ON = 2u;
 
 // Jacobi where it needs no more sweeps than this: it is then as good as Chebyshev, whose first steps are like it.
-const uint JACOBI_MOST = 25u;
+const uint JACOBI_MOST = 8u;
 
-// Where floats are summed, about the square root of hundreds of terms' worth of 2^-24 of B is noise; amplified more
-// than AMPLIFIED times it would spoil a tolerance of 1e-4. From here on sweeps sum in double precision.
-const float SUM_NOISE = 32.0 / 16777216.0;
+// Rounding of sums in floats, amplified more than AMPLIFIED times, would spoil a tolerance of 1e-4. From here on sweeps sum in
+// double precision.
 const float AMPLIFIED = 100.0;
 
 // More than the rounding of a division (2.5 units in the last place) and of the few operations around it.
@@ -56,18 +78,34 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
+// Largest entries rise in between even where all goes well: a frame may end so much above where the window began.
+const float ENDS_WELL = 2.0;
+
+// A warm start against a cold one. Where light is amplified more than SLOW times flux is what counts, and what is too much by
+// so much of the flux first reflected is taken back. What is local may spread worse than it looks.
+const float SLOW = 10.0, TOO_MUCH = -0.25, UNSURE = 4.0, UNSURE_WHERE_SLOW = 16.0;
+
+// What errors by M u may count of a leaf's light, before it is known.
+const float FIRST_SPREAD = 1.0;
+
+// What is not known, or too large to tell.
+const float HUGE = 3e38;
+
 // Times FLOOR. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T B + B) / 2, take them away, those
 // of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
 const float NEAR_FLOOR = 64.0, AT_FLOOR = 2.0;
+
+// What sums in single precision would make of the residual, likewise (gather.glsl: SUM_NOISE).
+const float SUMS_IN_SINGLE = 16.0;
 const uint POLISH_SWEEPS = 16u;
 
 // The words of the state that the solve goes by, as registers: read at the start, written at the end. In place, their
 // hundred loads and stores took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
-uint words[64];
+uint words[100];
 
 void read_words()
 {
-	for (uint k = 0u; k <= GI_STATE_MANNER / 4u; k++) {
+	for (uint k = 0u; k < 25u; k++) {
 		uvec4 four = load_four_words(k);
 		for (uint c = 0u; c < 4u; c++)
 			words[4u * k + c] = four[c];
@@ -82,7 +120,10 @@ void write_words()
 		state[k] = words[k];
 	for (uint k = GI_STATE_ARGS_GATHER; k < GI_STATE_ARGS_RECYCLE; k++)
 		state[k] = words[k];
-	for (uint k = GI_STATE_ARGS_CERTIFY; k <= GI_STATE_MANNER; k++)
+	for (uint k = GI_STATE_ARGS_CERTIFY; k < GI_STATE_DIRECT_BITS; k++)
+		state[k] = words[k];
+	state[GI_STATE_WEIGHED] = words[GI_STATE_WEIGHED];
+	for (uint k = GI_STATE_FACTOR_BITS; k <= GI_STATE_SPREADS_BITS + 1u; k++)
 		state[k] = words[k];
 }
 
@@ -130,6 +171,9 @@ void queue_sweep(bool certify)
 
 void stop(uint verdict)
 {
+	// Solved without failing: a narrower ellipse may do for the next rows.
+	if (verdict != GI_SOLVE_GOES_ON && words[GI_STATE_FAILINGS] == 0u && words[GI_STATE_ELLIPSE] > 0u)
+		words[GI_STATE_ELLIPSE] -= 1u;
 	words[GI_STATE_VERDICT] = verdict;
 	words[GI_STATE_ARGS_GATHER] = 0u;
 	words[GI_STATE_ARGS_CERTIFY] = 0u;
@@ -138,24 +182,51 @@ void stop(uint verdict)
 	words[GI_STATE_ARGS_CHECK] = 0u;
 }
 
+// Of a sweep about which nothing else is known, or what GI_ACTION_ says in its place.
+void queue_next()
+{
+	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
+	queue_sweep(words[GI_STATE_ACTION] <= GI_ACTION_KEEP && (last || load(GI_STATE_ESTIMATE_BITS) > AMPLIFIED));
+}
+
+// The largest light reflected, as far as it is known before the first sweep. A cold start has R = 0 and v = 1.
+void note_first_scale()
+{
+	if (largest_of_three(GI_STATE_SCALE_BITS) == 0.0) {
+		store(GI_STATE_THETA_BITS, GI_DARK_SHARE);
+		store(GI_STATE_SPREADS_BITS, FIRST_SPREAD);
+		store(GI_STATE_SPREADS_BITS + 1u, FIRST_SPREAD);
+	}
+	for (uint c = 0u; c < 3u; c++)
+		store(GI_STATE_SCALE_BITS + c, max(load(GI_STATE_SCALE_BITS + c), load(GI_STATE_DIRECT_BITS + c)));
+}
+
+void begin_anew()
+{
+	words[GI_STATE_ACTION] = 0u;
+	words[GI_STATE_MANNER] = GI_MANNER_JACOBI;
+	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = 0u;
+	words[GI_STATE_REACH_BITS] = 0u;
+	if ((frame.update.w & GI_UPDATE_REBUILD) != 0u)
+		words[GI_STATE_ELLIPSE] = 0u;
+	store(GI_STATE_OMEGA_BITS, 1.0);
+	store(GI_STATE_AMPLIFICATION_BITS, HUGE);
+	// Below 0: seen over the rows before, to compare with and not to count on (judge).
+	store(GI_STATE_ESTIMATE_BITS, -abs(load(GI_STATE_ESTIMATE_BITS)));
+	note_first_scale();
+}
+
 void begin()
 {
-	words[GI_STATE_SWEEPS] = 0u;
+	words[GI_STATE_SWEEPS] = words[GI_STATE_WEIGHED] = 0u;
 	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
 	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.y));
 	put_groups(GI_STATE_ARGS_WIDE, frame.misc.y);
 	put_groups(GI_STATE_ARGS_CHECK, 1u);
-	if (stage == STAGE_BEGIN) {
-		words[GI_STATE_MANNER] = GI_MANNER_JACOBI;
-		words[GI_STATE_WINDOW] = 0u;
-		words[GI_STATE_REACH_BITS] = 0u;
-		store(GI_STATE_OMEGA_BITS, 1.0);
-		store(GI_STATE_AMPLIFICATION_BITS, 3e38);
-		// Below 0: seen over the rows before, to compare with and not to count on (judge).
-		store(GI_STATE_ESTIMATE_BITS, -abs(load(GI_STATE_ESTIMATE_BITS)));
-	}
+	if (stage == STAGE_BEGIN)
+		begin_anew();
 	clear_findings();
-	queue_sweep(max_sweeps == 1u || load(GI_STATE_ESTIMATE_BITS) > AMPLIFIED);
+	queue_next();
 	if (frame.counts.x == 0u) {
 		store(GI_STATE_BOUND_BITS, 0.0);
 		stop(GI_SOLVE_CONVERGED); // an empty scene
@@ -181,24 +252,50 @@ float amplification()
 	return max(a, 1.0) * OUTWARD;
 }
 
-void certify(float b_max)
+// What errors count by is R + GI_DARK_SHARE * scale; the largest R may be less than the scale by now.
+float shrunk()
+{
+	float most = 1.0;
+	for (uint c = 0u; c < 3u; c++) {
+		float scale = load(GI_STATE_SCALE_BITS + c), now = load(GI_STATE_R_MAX_BITS + c);
+		most = max(most, scale <= now ? 1.0 : now > scale / HUGE ? scale / now * OUTWARD : HUGE);
+	}
+	return most;
+}
+
+float bound_by(uint kappa_word)
+{
+	float kappa = load(kappa_word) * OUTWARD;
+	return kappa < 1.0 ? min(kappa / (1.0 - kappa) * OUTWARD * load(kappa_word + 1u) * OUTWARD, HUGE) : HUGE;
+}
+
+// Bound on what T R is off by, of the light reflected; HUGE: none is known.
+float relative_bound()
+{
+	float bound = min(bound_by(GI_STATE_KAPPA_BITS), bound_by(GI_STATE_OWN_BITS));
+	return min(bound * shrunk() * OUTWARD, HUGE);
+}
+
+void certify()
 {
 	float amplified = min(load(GI_STATE_AMPLIFICATION_BITS), amplification()), bound = 0.0;
 	for (uint c = 0u; c < 3u; c++) {
 		float a = min(amplified, OUTWARD / min(load(GI_STATE_GAP_BITS + c), 1.0));
-		bound = max(bound, load(GI_STATE_RESIDUAL_BITS + c) * (a - 1.0) + load(GI_STATE_WRITE_BITS + c));
+		bound = max(bound, load(GI_STATE_RESIDUAL_BITS + c) * (a - 1.0));
 	}
-	bound *= OUTWARD;
+	float relative = relative_bound(), light = (1.0 + GI_DARK_SHARE) * largest_of_three(GI_STATE_R_MAX_BITS);
+	if (relative < HUGE)
+		bound = min(bound, relative * light * OUTWARD);
+	bound = (bound + load(GI_STATE_WRITE_BITS)) * OUTWARD;
 	store(GI_STATE_AMPLIFICATION_BITS, amplified);
 	store(GI_STATE_BOUND_BITS, bound);
-	store(GI_STATE_BOUND_RELATIVE_BITS, b_max > 0.0 ? bound / b_max * OUTWARD : 0.0);
+	store(GI_STATE_BOUND_RELATIVE_BITS, min(relative + load(GI_STATE_STRAY_BITS) * shrunk() * OUTWARD, HUGE) * OUTWARD);
 	store(GI_STATE_ROUNDING_BITS, min(bound, load(GI_STATE_FLOOR_BITS) * amplified));
 }
 
 bool meets_tolerance()
 {
-	float bound = load(GI_STATE_BOUND_BITS), relative = load(GI_STATE_BOUND_RELATIVE_BITS);
-	return relative > 0.0 ? relative <= frame.tolerance.w : bound == 0.0;
+	return load(GI_STATE_BOUND_RELATIVE_BITS) <= frame.tolerance.w;
 }
 
 // ---- Chebyshev ----
@@ -223,6 +320,13 @@ void open_window(float residual)
 	store(GI_STATE_WINDOW_BITS, residual);
 }
 
+// The next sweep begins with an R to come back to.
+void keep(float residual)
+{
+	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
+	store(GI_STATE_KEPT_BITS, residual);
+}
+
 void settle_for(uint manner, float residual)
 {
 	words[GI_STATE_MANNER] = manner;
@@ -236,6 +340,15 @@ void start_chebyshev(float amplified, uint widened, float residual)
 	store(GI_STATE_REACH_BITS, amplified);
 	vec2 axes = half_axes();
 	settle_for(axes.y < axes.x ? GI_MANNER_CHEBYSHEV : GI_MANNER_GIVEN_UP, residual);
+	keep(residual);
+}
+
+// Back to where the window began, and on in a wider ellipse.
+void fail_chebyshev()
+{
+	words[GI_STATE_FAILINGS] += 1u;
+	start_chebyshev(load(GI_STATE_REACH_BITS), words[GI_STATE_ELLIPSE] + 1u, load(GI_STATE_KEPT_BITS));
+	words[GI_STATE_ACTION] = GI_ACTION_RECALL;
 }
 
 void step_chebyshev(float amplified, float residual, bool near_floor)
@@ -247,25 +360,27 @@ void step_chebyshev(float amplified, float residual, bool near_floor)
 	float s = pow(rate(axes), float(words[GI_STATE_WINDOW] - 1u)), begun = load(GI_STATE_WINDOW_BITS);
 	bool judged = 2.0 * s / (1.0 + s * s) <= JUDGED;
 	bool bad = residual > BLOWN_UP * begun || (judged && residual > GOOD_ENOUGH * begun);
-	if (amplified < 0.5 * load(GI_STATE_REACH_BITS))
+	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
+	if (amplified < 0.5 * load(GI_STATE_REACH_BITS)) {
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
-	else if (bad && near_floor)
+	} else if (bad && near_floor) {
 		settle_for(GI_MANNER_POLISH, residual);
-	else if (bad)
-		start_chebyshev(load(GI_STATE_REACH_BITS), words[GI_STATE_ELLIPSE] + 1u, residual);
-	else if (judged)
+	} else if (bad || (last && residual > ENDS_WELL * begun)) {
+		fail_chebyshev();
+	} else if (judged) {
 		open_window(residual);
+		keep(residual);
+	}
 }
 
 // ---- Jacobi ----
 
-// How many more sweeps Jacobi takes to the tolerance when each leaves q of the residual.
-uint foretell_jacobi(float amplified, float residual, float tolerance)
+// How many more sweeps Jacobi takes to the tolerance when each leaves 1 - 1 / A of the bound.
+uint foretell_jacobi(float amplified, float off)
 {
-	float bound = residual * (amplified - 1.0);
-	if (bound <= tolerance)
+	if (off <= frame.tolerance.w)
 		return 0u;
-	return uint(clamp(ceil(log(tolerance / bound) / log(1.0 - 1.0 / amplified)), 1.0, 1e6));
+	return uint(clamp(ceil(log(frame.tolerance.w / off) / log(1.0 - 1.0 / amplified)), 1.0, 1e6));
 }
 
 // Exact sweeps shrink the residual, in as many as the amplification by e: those that do not are rounding. Polishing
@@ -283,27 +398,33 @@ bool is_stuck(float amplified, float residual, bool certified, bool polished)
 
 // ---- after a sweep ----
 
-void judge(bool certified, float last_residual, float residual, float b_max)
+void judge(bool certified, float last_residual, float residual)
 {
-	float known = load(GI_STATE_ESTIMATE_BITS), now = amplification(), tolerance = frame.tolerance.w * b_max;
+	float known = load(GI_STATE_ESTIMATE_BITS), now = amplification(), kappa = load(GI_STATE_KAPPA_BITS);
 	float amplified = known > 0.0 ? min(known, now) : now;
 	bool steady = amplified >= 0.9 * abs(known) && amplified <= 1.1 * abs(known);
 	store(GI_STATE_ESTIMATE_BITS, amplified);
 
-	float least = load(GI_STATE_FLOOR_BITS);
-	bool near_floor = certified && residual <= NEAR_FLOOR * least;
-	if (certified && residual <= AT_FLOOR * least && least * amplified > tolerance) {
+	float off = min(kappa * load(GI_STATE_SPREADS_BITS), HUGE), own = load(GI_STATE_OWN_BITS);
+	float own_off = min(own * load(GI_STATE_SPREADS_BITS + 1u), HUGE), least = load(GI_STATE_NOISE_BITS);
+	if (own_off < off) {
+		off = own_off;
+		kappa = own;
+		least = load(GI_STATE_OWN_BITS + 2u);
+	}
+	bool near_floor = certified && kappa <= NEAR_FLOOR * least;
+	if (certified && kappa <= AT_FLOOR * least && off > frame.tolerance.w && kappa < HUGE) {
 		stop(GI_SOLVE_ROUNDING);
 		return;
 	}
-	uint more = foretell_jacobi(amplified, residual, tolerance);
+	uint more = foretell_jacobi(amplified, off);
 	uint manner = words[GI_STATE_MANNER];
 	if (manner == GI_MANNER_JACOBI || manner == GI_MANNER_GIVEN_UP)
 		words[GI_STATE_JACOBI_SWEEPS] = words[GI_STATE_SWEEPS] + more;
 	if (manner == GI_MANNER_CHEBYSHEV) {
 		step_chebyshev(amplified, residual, near_floor);
 	} else if (manner == GI_MANNER_JACOBI && steady && more > JACOBI_MOST) {
-		start_chebyshev(amplified, 0u, residual);
+		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
 	} else if (is_stuck(amplified, residual, certified, near_floor && manner == GI_MANNER_POLISH)) {
 		if (manner == GI_MANNER_POLISH) {
 			stop(GI_SOLVE_ROUNDING);
@@ -318,34 +439,118 @@ void judge(bool certified, float last_residual, float residual, float b_max)
 	else if (last_residual > 0.0)
 		left = min(left, residual / last_residual);
 	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
-	bool enough = left * residual * (amplified - 1.0) <= tolerance;
-	queue_sweep(last || enough || amplified > AMPLIFIED || residual <= SUM_NOISE * b_max);
+	bool enough = left * off <= frame.tolerance.w;
+	// What a step adds to T R counts against the bound; Chebyshev begins anew behind it where it was not enough.
+	if (enough && words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV)
+		store(GI_STATE_OMEGA_BITS, 1.0);
+	queue_sweep(words[GI_STATE_ACTION] <= GI_ACTION_KEEP && (last || enough || amplified > AMPLIFIED || kappa <= (certified ? SUMS_IN_SINGLE : 1.0) * least));
+}
+
+// ---- warm or cold ----
+
+// How much of R before the sweep a channel should have begun with: all of it, where that is no farther from the solution than
+// none; the part whose flux is right, where there was too much of it; or none.
+float part_of_warm(uint c, float a)
+{
+	float lacks = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c), part = 1.0;
+	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_DIRECT_BITS + c);
+	if (a > SLOW && lacks < TOO_MUCH * mean && mean > 0.0) {
+		part = mean / (mean - lacks);
+		local = (1.0 - part) * most + part * local;
+		lacks = 0.0;
+	}
+	return a * abs(lacks) + (a > SLOW ? UNSURE_WHERE_SLOW : UNSURE) * local <= a * mean + most ? part : 0.0;
+}
+
+bool should_have_begun_otherwise()
+{
+	float a = amplification();
+	vec3 part = vec3(part_of_warm(0u, a), part_of_warm(1u, a), part_of_warm(2u, a));
+	float least = min(part.x, min(part.y, part.z));
+	for (uint c = 0u; c < 3u; c++)
+		store(GI_STATE_FACTOR_BITS + c, least > 0.0 ? part[c] : 0.0);
+	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 ? 1.0 : 0.0);
+	return least < 1.0;
+}
+
+// The sweep that told so does not count.
+void begin_otherwise(float known)
+{
+	for (uint c = 0u; c < 3u; c++)
+		store(GI_STATE_SCALE_BITS + c, load(GI_STATE_FACTOR_BITS + c) * load(GI_STATE_SCALE_BITS + c));
+	bool cold = load(GI_STATE_FACTOR_BITS + 3u) == 0.0;
+	store(GI_STATE_ESTIMATE_BITS, cold ? 0.0 : known);
+	if (cold)
+		words[GI_STATE_ELLIPSE] = 0u;
+	begin_anew();
+	words[GI_STATE_SWEEPS] = 0u;
+	words[GI_STATE_ACTION] = GI_ACTION_SCALE;
+	queue_next();
+}
+
+// The sweeps of the frame are spent: no more, unless the last of them showed that they went astray.
+void end_frame()
+{
+	if (words[GI_STATE_ACTION] == GI_ACTION_RECALL)
+		words[GI_STATE_SWEEPS] -= 1u;
+	else
+		stop(GI_SOLVE_GOES_ON);
+}
+
+// ---- after a sweep, or what came in its place ----
+
+// What a certifying sweep found of the light, for those that follow.
+void note_light()
+{
+	for (uint c = 0u; c < 3u; c++)
+		words[GI_STATE_SCALE_BITS + c] = words[GI_STATE_R_MAX_BITS + c];
+	words[GI_STATE_THETA_BITS] = words[GI_STATE_SHARE_BITS];
+	words[GI_STATE_SPREADS_BITS] = words[GI_STATE_SPREAD_BITS];
+	words[GI_STATE_SPREADS_BITS + 1u] = words[GI_STATE_OWN_BITS + 1u];
 }
 
 void finish_sweep()
 {
 	bool certified = words[GI_STATE_ARGS_CERTIFY + 2u] != 0u;
-	float residual = largest_of_three(GI_STATE_RESIDUAL_BITS), b_max = largest_of_three(GI_STATE_B_MAX_BITS);
+	float residual = largest_of_three(GI_STATE_RESIDUAL_BITS);
 	float last_residual = words[GI_STATE_SWEEPS] > 0u ? load(GI_STATE_DONE_RESIDUAL_BITS) : 0.0;
+	float known = load(GI_STATE_ESTIMATE_BITS);
+	bool otherwise = words[GI_STATE_WEIGHED] != 0u && should_have_begun_otherwise();
+	words[GI_STATE_WEIGHED] = 0u;
+	words[GI_STATE_ACTION] = 0u;
 	words[GI_STATE_SWEEPS] += 1u;
 	store(GI_STATE_DONE_RESIDUAL_BITS, residual);
 	store(GI_STATE_DONE_Q_BITS, 1.0 - least_gap());
-	store(GI_STATE_DONE_B_MAX_BITS, b_max);
-	if (certified)
-		certify(b_max);
+	if (certified) {
+		store(GI_STATE_DONE_B_MAX_BITS, load(GI_STATE_B_MAX_BITS));
+		certify();
+		note_light();
+	}
 	if (certified && meets_tolerance())
 		stop(GI_SOLVE_CONVERGED);
 	else
-		judge(certified, last_residual, residual, b_max);
+		judge(certified, last_residual, residual);
+	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && otherwise)
+		begin_otherwise(known);
+	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && words[GI_STATE_SWEEPS] >= max_sweeps)
+		end_frame();
 	clear_findings();
+}
+
+void finish_action()
+{
+	words[GI_STATE_ACTION] = 0u;
+	queue_next();
 }
 
 void main()
 {
 	read_words();
-	if (stage == STAGE_SWEPT)
-		finish_sweep();
-	else
+	if (stage != STAGE_SWEPT)
 		begin();
+	else if (words[GI_STATE_ACTION] > GI_ACTION_KEEP)
+		finish_action();
+	else
+		finish_sweep();
 	write_words();
 }

@@ -180,6 +180,7 @@ GI_STRUCT(gi_material_data) {
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest B
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
+ *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
@@ -195,6 +196,7 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 inner;
 	GI_VEC4 limit;
 	GI_UVEC4 rations;
+	GI_VEC4 ceiling;
 } GI_END(gi_frame)
 
 #define GI_UPDATE_REBUILD 1u   /* every row from nothing */
@@ -210,13 +212,11 @@ GI_STRUCT(gi_frame) {
  *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve
  *   bound.w   bound on the share of the row's weight that moves
  *   before.xyz B before the solve
- *   lamps.xyz  irradiance by the own exitance of lamps, which is drawn per pixel (lamps.comp)
  */
 GI_STRUCT(gi_pending) {
 	GI_UVEC4 key;
 	GI_VEC4 bound;
 	GI_VEC4 before;
-	GI_VEC4 lamps;
 } GI_END(gi_pending)
 
 #define GI_BUCKETS 1024u
@@ -274,7 +274,7 @@ GI_STRUCT(gi_pending) {
 /* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves (check.comp). */
 #define GI_STATE_OMEGA_BITS 10u    /* of the next sweep (gather.glsl); 1 is Jacobi */
 #define GI_STATE_REACH_BITS 11u    /* amplification Chebyshev is set up for; 0 before it is */
-#define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened */
+#define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened; kept over frames */
 #define GI_STATE_WINDOW 13u        /* sweeps since the progress was last judged */
 #define GI_STATE_WINDOW_BITS 14u   /* the residual then */
 #define GI_STATE_ESTIMATE_BITS 15u /* least amplification any sweep over these rows saw, in float */
@@ -295,37 +295,57 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
 #define GI_STATE_ARGS_CERTIFY 45u
-/* What the sweep now running found: largest values, then least ones. */
+/* What the sweep now running found: largest values, then least ones (gather.glsl). */
 #define GI_STATE_RESIDUAL_BITS 48u /* 3: rgb */
-#define GI_STATE_B_MAX_BITS 51u    /* 3 */
-#define GI_STATE_U_MAX_BITS 54u
-#define GI_STATE_WRITE_BITS 55u    /* 3: |B' - T B|, of certifying sweeps, as is the next */
-#define GI_STATE_FLOOR_BITS 58u    /* what rounding alone can leave of the residual */
-#define GI_STATE_GAP_BITS 59u      /* 3: 1 - rho * row sum */
-#define GI_STATE_DESCENT_BITS 62u  /* (M u)_i */
-#define GI_STATE_MANNER 63u        /* GI_MANNER_ */
-#define GI_STATE_LARGEST 11u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
-#define GI_STATE_LEAST 4u          /* words of least values, from GI_STATE_GAP_BITS on */
+#define GI_STATE_R_MAX_BITS 51u    /* 3: largest reflected light */
+#define GI_STATE_B_MAX_BITS 54u
+#define GI_STATE_U_MAX_BITS 55u
+#define GI_STATE_WRITE_BITS 56u    /* how far B as stored is from T B, of certifying sweeps */
+#define GI_STATE_FLOOR_BITS 57u    /* what rounding alone can leave of the residual, likewise */
+#define GI_STATE_KAPPA_BITS 58u    /* residual over M u */
+#define GI_STATE_SPREAD_BITS 59u   /* what kappa counts of the light that a leaf reflects, of certifying sweeps */
+#define GI_STATE_NOISE_BITS 60u    /* rounding over M u */
+#define GI_STATE_OWN_BITS 61u      /* 3: the same by u that has the leaf's own light in it */
+#define GI_STATE_STRAY_BITS 64u    /* how far R as stored is from T R, of that light, of certifying sweeps */
+#define GI_STATE_GAP_BITS 65u      /* 3: 1 - rho * row sum */
+#define GI_STATE_DESCENT_BITS 68u  /* (M v)_i */
+#define GI_STATE_SHARE_BITS 69u    /* for the next sweep's u */
+#define GI_STATE_MANNER 70u        /* GI_MANNER_ */
+#define GI_STATE_ACTION 71u        /* GI_ACTION_ bits: what the next gather does besides, or instead */
+#define GI_STATE_KEPT_BITS 72u     /* residual of the R that was kept */
+#define GI_STATE_FAILINGS 73u      /* how often Chebyshev failed in this solve */
+#define GI_STATE_THETA_BITS 74u    /* u = R + theta * scale * v of the sweep now running */
+#define GI_STATE_SCALE_BITS 75u    /* 3: largest reflected light before it */
+#define GI_STATE_DIRECT_BITS 78u   /* 3: largest light first reflected (emitted.comp) */
+#define GI_STATE_CEILING_BITS 81u  /* 3: no reflected light is more */
+#define GI_STATE_WEIGHED 84u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */
+#define GI_STATE_WARM_MEAN_BITS 85u /* 3: mean flux that it lacks, below 0 has too much, W/m2 */
+#define GI_STATE_WARM_MOST_BITS 88u /* 3: largest residual */
+#define GI_STATE_COLD_MEAN_BITS 91u /* 3: the same of a cold start */
+#define GI_STATE_FACTOR_BITS 94u   /* 4: what becomes of R and v of before */
+#define GI_STATE_SPREADS_BITS 98u  /* 2: the last spreads that a certifying sweep found */
+#define GI_STATE_LARGEST 17u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
+#define GI_STATE_LEAST 5u          /* words of least values, from GI_STATE_GAP_BITS on */
 /* Rows under a budget. */
-#define GI_STATE_WAITING_ROWS 80u    /* not refreshed although something of them may have changed */
-#define GI_STATE_WAITING_ENTRIES 81u /* their dirty entries */
-#define GI_STATE_LATE_ROWS 82u       /* those of them that wait for lack of budget alone */
-#define GI_STATE_STALE_BITS 83u      /* largest bound on what a waiting row is off by */
-#define GI_STATE_STEP_BITS 84u       /* largest |B - B before the solve| */
-#define GI_STATE_CHOSEN 85u          /* rows to refresh */
-#define GI_STATE_THRESHOLD 86u       /* lowest bucket that is refreshed */
-#define GI_STATE_ARGS_CHOSEN 87u     /* group counts, 3 words: a thread a chosen row */
-#define GI_STATE_ARGS_PAIRS 90u      /* 3 words: a thread a chosen row and object */
-#define GI_STATE_ASSESSED 75u        /* rows to assess */
-#define GI_STATE_ASSESS_THRESHOLD 76u /* lowest bucket that is assessed */
-#define GI_STATE_ARGS_ASSESS 77u     /* 3 words: some threads a row to assess */
-#define GI_STATE_CHOSEN_RAYS 93u     /* those that chosen rows are thought to take */
+#define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
+#define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */
+#define GI_STATE_LATE_ROWS 113u       /* those of them that wait for lack of budget alone */
+#define GI_STATE_STALE_BITS 114u      /* largest bound on what a waiting row is off by */
+#define GI_STATE_STEP_BITS 115u       /* largest |B - B before the solve| */
+#define GI_STATE_CHOSEN 116u          /* rows to refresh */
+#define GI_STATE_THRESHOLD 117u       /* lowest bucket that is refreshed */
+#define GI_STATE_ARGS_CHOSEN 118u     /* group counts, 3 words: a thread a chosen row */
+#define GI_STATE_ARGS_PAIRS 121u      /* 3 words: a thread a chosen row and object */
+#define GI_STATE_ASSESSED 106u        /* rows to assess */
+#define GI_STATE_ASSESS_THRESHOLD 107u /* lowest bucket that is assessed */
+#define GI_STATE_ARGS_ASSESS 108u     /* 3 words: some threads a row to assess */
+#define GI_STATE_CHOSEN_RAYS 124u     /* those that chosen rows are thought to take */
 /* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
-#define GI_STATE_ESTIMATE_SQUARED 72u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
-#define GI_STATE_ESTIMATE_POWER 73u   /* area mean of |H|^2 */
-#define GI_STATE_ESTIMATE_RAYS 74u
-#define GI_STATE_ESTIMATE_LOCAL 71u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
-#define GI_STATE_WORDS 96u
+#define GI_STATE_ESTIMATE_SQUARED 103u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
+#define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
+#define GI_STATE_ESTIMATE_RAYS 105u
+#define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf\'s own |H|^2, as float bits too */
+#define GI_STATE_WORDS 128u
 
 /* GI_STATE_VERDICT. */
 #define GI_SOLVE_CONVERGED 0u
@@ -337,6 +357,27 @@ GI_STRUCT(gi_pending) {
 #define GI_MANNER_CHEBYSHEV 1u
 #define GI_MANNER_POLISH 2u        /* near to what rounding leaves: damped sweeps take its noise away */
 #define GI_MANNER_GIVEN_UP 3u      /* no ellipse did for these rows: Jacobi to the end */
+
+/* GI_STATE_ACTION. */
+#define GI_ACTION_KEEP 1u          /* a sweep, which keeps the R it begins with */
+#define GI_ACTION_RECALL 2u        /* no sweep: the R that was kept comes back */
+#define GI_ACTION_SCALE 4u         /* no sweep: R and v times a factor */
+
+/* The buffer of leaf radiosity, a part after the other, each a vec4 per leaf; that of node radiosity, a vec4 per node. */
+#define GI_LEAF_B 0u               /* B, W/m2 */
+#define GI_LEAF_R 1u               /* R = B - E, v */
+#define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
+#define GI_LEAF_KEPT 3u            /* R, v to come back to */
+#define GI_LEAF_EMITTED 4u         /* irradiance by exitance; w: the update that refreshed the row it is by */
+#define GI_LEAF_UNDRAWN 5u         /* that of it which is not drawn per pixel; w: area, m2 */
+#define GI_LEAF_PARTS 6u
+#define GI_NODE_B 0u
+#define GI_NODE_R 1u
+#define GI_NODE_PARTS 2u
+
+/* What is dark: light reflected below this share of the largest. Errors count relative to the light there or, where it is
+ * less, to this. */
+#define GI_DARK_SHARE 0.001f
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u
@@ -370,8 +411,8 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_ROWS 16
 #define GI_BIND_LINKS 17
 #define GI_BIND_LINK_POOL 18
-#define GI_BIND_RADIOSITY 19       /* vec4 per node: area means of B, u */
-#define GI_BIND_LEAF_RADIOSITY 20  /* vec4 per leaf: B, u; then all of them once more, before the last sweep */
+#define GI_BIND_RADIOSITY 19       /* GI_NODE_PARTS: area means of leaves */
+#define GI_BIND_LEAF_RADIOSITY 20  /* GI_LEAF_PARTS */
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */

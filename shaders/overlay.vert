@@ -39,7 +39,7 @@ float dirty_share()
 float residual_decade()
 {
 	float largest = uintBitsToFloat(load_state(GI_STATE_DONE_B_MAX_BITS));
-	vec3 change = abs(load_leaf_radiosity(leaf).xyz - load_leaf_radiosity(frame.counts.x + leaf).xyz);
+	vec3 change = abs(load_leaf_part(GI_LEAF_R, leaf).xyz - load_leaf_part(GI_LEAF_BEFORE, leaf).xyz);
 	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))
 		return 0.0;

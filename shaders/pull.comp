@@ -1,5 +1,5 @@
 #version 450 core
-// The second half of a sweep: B of every node that covers few leaves, as their area mean. One thread a node.
+// The second half of a sweep: R and B of every node that covers few leaves, R as their area mean. One thread a node.
 //
 // Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for
 // one rounding.
@@ -7,11 +7,13 @@
 #define READ_TOPOLOGY
 #define READ_REST
 #define READ_LEAVES
+#define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
 #define WRITE_RADIOSITY
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
+#include "node_light.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -24,15 +26,15 @@ void main()
 	if (range.z > GI_WIDE_LEAVES || (range.w & GI_NODE_SKY) != 0u)
 		return;
 	if (range.z == 1u) {
-		radiosity[n] = load_leaf_radiosity(range.y);
+		store_node(n, load_leaf_part(GI_LEAF_R, range.y));
 		return;
 	}
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint leaf = range.y; leaf < range.y + range.z; leaf++) {
 		double a = double(load_rest(load_leaf(leaf).x).moment.w);
-		sum += a * dvec4(load_leaf_radiosity(leaf));
+		sum += a * dvec4(load_leaf_part(GI_LEAF_R, leaf));
 		area += a;
 	}
-	radiosity[n] = to_single(sum / area);
+	store_node(n, to_single(sum / area));
 }

@@ -1,13 +1,16 @@
 #version 450 core
 // The same as pull.comp for nodes that cover many leaves: one group a node, summed in a fixed order.
+#define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_REST
 #define READ_LEAVES
+#define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
 #define READ_WIDE_NODES
 #define WRITE_RADIOSITY
 #include "buffers.glsl"
 #include "solve.glsl"
+#include "node_light.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -24,7 +27,7 @@ void main()
 	for (uint k = local; k < range.z; k += GI_GROUP_SIZE) {
 		uint leaf = range.y + k;
 		double a = double(load_rest(load_leaf(leaf).x).moment.w);
-		sum += a * dvec4(load_leaf_radiosity(leaf));
+		sum += a * dvec4(load_leaf_part(GI_LEAF_R, leaf));
 		area += a;
 	}
 	partial[local] = sum;
@@ -38,5 +41,5 @@ void main()
 		sum += partial[k];
 		area += partial_area[k];
 	}
-	radiosity[n] = to_single(sum / area);
+	store_node(n, to_single(sum / area));
 }

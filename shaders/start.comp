@@ -1,10 +1,11 @@
 #version 450 core
-// B = E and u = 1 everywhere: a cold start. One thread a node. The sky's B is known: nothing amplifies it, and u is 0.
+// R = 0, B = E and v = 1 everywhere: a cold start. One thread a node. The sky reflects nothing and amplifies nothing.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE
 #define WRITE_RADIOSITY
 #define WRITE_LEAF_RADIOSITY
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 
@@ -13,12 +14,20 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint n = thread_number();
+	if (n < GI_STATE_DIRECT_BITS - GI_STATE_SCALE_BITS)
+		state[GI_STATE_SCALE_BITS + n] = 0u;
+	if (n == 0u)
+		state[GI_STATE_ESTIMATE_BITS] = state[GI_STATE_ELLIPSE] = 0u;
 	if (n >= frame.counts.y)
 		return;
 	uvec4 range = load_range(n);
 	bool sky = (range.w & GI_NODE_SKY) != 0u;
-	vec4 start = vec4(load_exitance(n).xyz, sky ? 0.0 : 1.0);
-	radiosity[n] = start;
-	if ((range.w & GI_NODE_LEAF) != 0u && !sky)
-		leaf_radiosity[range.y] = leaf_radiosity[frame.counts.x + range.y] = start;
+	vec4 b = vec4(load_exitance(n).xyz, 0.0), r = vec4(0.0, 0.0, 0.0, sky ? 0.0 : 1.0);
+	radiosity[GI_NODE_B * frame.counts.y + n] = b;
+	radiosity[GI_NODE_R * frame.counts.y + n] = r;
+	if ((range.w & GI_NODE_LEAF) == 0u || sky)
+		return;
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + range.y] = b;
+	leaf_radiosity[GI_LEAF_R * frame.counts.x + range.y] = r;
+	leaf_radiosity[GI_LEAF_BEFORE * frame.counts.x + range.y] = r;
 }

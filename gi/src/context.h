@@ -48,6 +48,7 @@ typedef struct scene_object {
 	/* Place in the uploaded scene. */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
+	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
 	bool plane; /* all of it in one plane */
 } scene_object;
 
@@ -111,10 +112,9 @@ typedef struct gi_solver {
 	bool cold;         /* start from B = E, though buffers hold another B; they begin with B = E */
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
-	bool lamps_known;  /* each row's light by lamps is remembered (gi_pending.lamps) */
-	uint32_t brief_program, lamps_program; /* made by the first update that has a budget */
-	uint32_t gather_program, certify_program, pull_program, wide_program, check_program, start_program,
-		indirect_program, light_program;
+	uint32_t brief_program; /* made by the first update that has a budget */
+	uint32_t emitted_program, gather_program, certify_program, weigh_program, pull_program, wide_program,
+		check_program, start_program, light_program;
 } gi_solver;
 
 /* ---- estimate ---- */
@@ -247,7 +247,7 @@ void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 
 /* solver.c */
-enum { SOLVER_PROGRAMS = 8 };
+enum { SOLVER_PROGRAMS = 9 };
 void solver_programs(gi_solver *solver, gpu_program_file list[SOLVER_PROGRAMS]);
 gi_result solver_allocate(gi_context *gi);
 /* anew: the rows or materials are not those of the solve before. budget may be NULL. */

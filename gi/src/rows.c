@@ -385,6 +385,22 @@ static uint32_t newest_change(const gi_context *gi)
 	return newest;
 }
 
+static gi_vec4 higher_of(gi_vec4 a, gi_vec4 b)
+{
+	return (gi_vec4){fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z), fmaxf(a.w, b.w)};
+}
+
+/* The sky has rho 0: its E / (1 - rho) is E. */
+static gi_vec4 ceiling_of(const gi_context *gi)
+{
+	const float *sky = gi->def.sky_exitance;
+	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		if (gi->scene.objects[k].committed)
+			ceiling = higher_of(ceiling, gi->scene.objects[k].ceiling);
+	return ceiling;
+}
+
 static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
@@ -403,10 +419,12 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
 	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, 0, 0},
+	    .ceiling = ceiling_of(gi),
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
+	gi->frame.update.w |= materials_changed(gi) ? GI_UPDATE_MATERIAL : 0;
 	if (p->part) {
-		gi->frame.update.w |= GI_UPDATE_PART | (materials_changed(gi) ? GI_UPDATE_MATERIAL : 0);
+		gi->frame.update.w |= GI_UPDATE_PART;
 		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
 		budget_limits(gi, budget, &gi->frame);
 	}

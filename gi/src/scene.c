@@ -88,12 +88,25 @@ static void set_emitter(uint32_t *flags, bool emits, uint32_t steps)
 		*flags |= GI_NODE_EMITTER | steps << GI_NODE_FINER_SHIFT;
 }
 
+static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
+{
+	float *most[] = {&ceiling->x, &ceiling->y, &ceiling->z};
+	for (int c = 0; c < 3; c++) {
+		const double left = 1 - (double)m->rho[c];
+		*most[c] = fmaxf(*most[c], nextafterf((float)(m->exitance[c] / left), INFINITY));
+		ceiling->w = fmaxf(ceiling->w, nextafterf((float)(1 / left), INFINITY));
+	}
+}
+
 /* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
  * is cut as fine as the finest of its leaves that emit. */
 void scene_update_exitance(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
 	const gi_hierarchy *h = &o->hierarchy;
+	o->ceiling = (gi_vec4){0};
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
+		include_ceiling(&o->ceiling, &o->materials[h->leaf_material[leaf]]);
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
 		double sum[4] = {0}, area = 0;

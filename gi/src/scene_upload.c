@@ -331,16 +331,26 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	return GI_OK;
 }
 
-/* B of objects that stay moves from the old buffers to the new ones; new objects start from E (solver.c). */
-static void carry_radiosity(gi_context *gi, gi_solver *before, const carried *old, uint32_t old_count)
+/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones; new objects start from
+ * E (solver.c). */
+static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
+			    uint32_t old_count)
 {
+	static const uint32_t leaf_parts[] = {GI_LEAF_B, GI_LEAF_R, GI_LEAF_BEFORE};
+	const gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < old_count; k++) {
 		const scene_object *o = &gi->scene.objects[old[k].index];
 		const uint64_t vec = sizeof(gi_vec4);
-		gpu_buffer_copy(&before->radiosity, vec * old[k].node_base, &gi->solver.radiosity, vec * o->node_base,
-				vec * o->hierarchy.node_count);
-		gpu_buffer_copy(&before->leaf_radiosity, vec * old[k].leaf_base, &gi->solver.leaf_radiosity,
-				vec * o->leaf_base, vec * o->hierarchy.leaf_count);
+		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
+			gpu_buffer_copy(&before->radiosity, vec * (p * scene->node_count + old[k].node_base),
+					&gi->solver.radiosity, vec * (p * s->node_count + o->node_base),
+					vec * o->hierarchy.node_count);
+		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
+			const uint64_t p = leaf_parts[part];
+			gpu_buffer_copy(&before->leaf_radiosity, vec * (p * scene->leaf_count + old[k].leaf_base),
+					&gi->solver.leaf_radiosity, vec * (p * s->leaf_count + o->leaf_base),
+					vec * o->hierarchy.leaf_count);
+		}
 	}
 }
 
@@ -444,7 +454,8 @@ gi_result scene_upload(gi_context *gi)
 	if (result) {
 		put_back(gi, &before);
 	} else {
-		carry_radiosity(gi, &before.solver, old, old_count);
+		carry_radiosity(gi, &before.solver, &before.scene, old, old_count);
+		gi->solver.cold = gi->solver.cold || !old_count;
 		let_go(gi, &before);
 	}
 	free(old);

@@ -18,35 +18,44 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
+/* A warm start that is worse than a cold one takes a sweep to tell and a step to end; steps that went astray take one
+ * to come back and a sweep to certify what came back. */
+enum { SPARE_SWEEPS = 4 };
+
 void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 {
 	const gpu_program_file programs[SOLVER_PROGRAMS] = {
-	    {"gather.comp", &s->gather_program},     {"certify.comp", &s->certify_program},
-	    {"pull.comp", &s->pull_program},         {"pull_wide.comp", &s->wide_program},
-	    {"check.comp", &s->check_program},       {"start.comp", &s->start_program},
-	    {"indirect.comp", &s->indirect_program}, {"light.comp", &s->light_program}};
+	    {"emitted.comp", &s->emitted_program}, {"gather.comp", &s->gather_program},
+	    {"certify.comp", &s->certify_program}, {"weigh.comp", &s->weigh_program},
+	    {"pull.comp", &s->pull_program},       {"pull_wide.comp", &s->wide_program},
+	    {"check.comp", &s->check_program},     {"start.comp", &s->start_program},
+	    {"light.comp", &s->light_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
-/* What start.comp writes, for nodes (to_leaves false) or for leaves, twice as their buffer has them. */
+/* What start.comp writes, for nodes (to_leaves false) or for leaves; other parts of their buffers are 0. */
 static void fill_start(const gi_scene *s, bool to_leaves, gi_vec4 *out)
 {
 	for (uint32_t n = 0; n < s->node_count; n++) {
 		const gi_uvec4 range = s->topology[n].range;
 		const bool sky = range.w & GI_NODE_SKY;
-		gi_vec4 start = s->node_exitance[n];
-		start.w = sky ? 0 : 1;
-		if (!to_leaves)
-			out[n] = start;
-		else if (!sky && (range.w & GI_NODE_LEAF))
-			out[range.y] = out[s->leaf_count + range.y] = start;
+		const gi_vec4 e = s->node_exitance[n], b = {e.x, e.y, e.z, 0}, r = {0, 0, 0, sky ? 0 : 1};
+		if (!to_leaves) {
+			out[GI_NODE_B * s->node_count + n] = b;
+			out[GI_NODE_R * s->node_count + n] = r;
+		} else if (!sky && (range.w & GI_NODE_LEAF)) {
+			out[GI_LEAF_B * s->leaf_count + range.y] = b;
+			out[GI_LEAF_R * s->leaf_count + range.y] = r;
+			out[GI_LEAF_BEFORE * s->leaf_count + range.y] = r;
+		}
 	}
 }
 
 static gi_result allocate_start(gi_context *gi, gpu_buffer *buffer, bool to_leaves)
 {
 	const gi_scene *s = &gi->scene;
-	const uint64_t count = to_leaves ? 2 * (uint64_t)s->leaf_count : s->node_count;
+	const uint64_t count =
+	    to_leaves ? GI_LEAF_PARTS * (uint64_t)s->leaf_count : GI_NODE_PARTS * (uint64_t)s->node_count;
 	gi_vec4 *start = calloc(count + 1, sizeof *start);
 	if (!start)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -75,13 +84,15 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-/* certify: the program of certifying sweeps. */
-static void sweep(gi_context *gi, uint32_t certify)
+/* certify: the program of certifying sweeps; weigh: is it to be found out whether a cold start is nearer? */
+static void sweep(gi_context *gi, uint32_t certify, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
 	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
 	gpu_dispatch_indirect(&gi->gpu, certify, &gi->state, word * GI_STATE_ARGS_CERTIFY);
+	if (weigh)
+		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
 	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
 	if (gi->scene.wide_count)
 		gpu_dispatch_indirect(&gi->gpu, s->wide_program, &gi->state, word * GI_STATE_ARGS_WIDE);
@@ -100,33 +111,31 @@ static bool is_lit(const gi_scene *s)
 	return false;
 }
 
-/* The light by lamps of the rows that this update refreshed, or of all. */
-static void remember_lamps(gi_context *gi)
+/* What is emitted into each row, of the rows that this update refreshed or of all, and the bounds that follow. */
+static void gather_emitted(gi_context *gi)
 {
-	gi_solver *s = &gi->solver;
-	const bool all = !s->lamps_known || (gi->frame.update.w & GI_UPDATE_MATERIAL);
-	gpu_set_uint(s->lamps_program, 0, all);
-	if (all)
-		gpu_dispatch(&gi->gpu, s->lamps_program, gi->scene.leaf_count);
-	else
-		gpu_dispatch_indirect(&gi->gpu, s->lamps_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
+			 sizeof(uint32_t) * (GI_STATE_WEIGHED - GI_STATE_DIRECT_BITS), 0);
+	gpu_set_uint(gi->solver.emitted_program, 0, (gi->frame.update.w & GI_UPDATE_MATERIAL) != 0);
+	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
 }
 
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps, bool brief)
 {
 	gi_solver *s = &gi->solver;
+	const bool cold = s->cold || !is_lit(&gi->scene);
 	frame_progress(gi, GI_PASS_SOLVE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
-	if (brief)
-		remember_lamps(gi);
-	if (s->cold || !is_lit(&gi->scene))
+	if (stage == STAGE_BEGIN)
+		gather_emitted(gi);
+	if (cold)
 		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
 	gpu_set_uint(s->check_program, CHECK_STAGE, stage);
 	gpu_set_uint(s->check_program, CHECK_MAX_SWEEPS, sweeps);
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
-	for (uint32_t k = 0; k < sweeps; k++)
-		sweep(gi, brief ? s->brief_program : s->certify_program);
+	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
+		sweep(gi, brief ? s->brief_program : s->certify_program, k == 0 && stage == STAGE_BEGIN && !cold);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 
@@ -140,12 +149,9 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	solver_bind(gi);
 	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps, brief);
 	s->cold = false;
-	s->lamps_known = brief || (s->lamps_known && !anew);
 
 	frame_progress(gi, GI_PASS_LIGHT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
-	if (!brief)
-		gpu_dispatch(&gi->gpu, s->indirect_program, gi->scene.leaf_count);
 	gpu_dispatch(&gi->gpu, s->light_program, gi->scene.light_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 }

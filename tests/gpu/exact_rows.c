@@ -92,11 +92,17 @@ static void solve(const exact_rows *e, double contraction, reference_solution *o
 	assert_true(dense ? reference_solve_dense(&e->rows, out) : reference_solve(&e->rows, 100000, out));
 }
 
-double exact_distance(const snapshot *s, const gi_report *r, const float sky_exitance[3], double needed)
+void exact_solution(const snapshot *s, const gi_report *r, const float sky_exitance[3], reference_solution *out)
 {
 	exact_rows e = exact_rows_of(s, r->nodes, sky_exitance);
+	solve(&e, (double)r->contraction, out);
+	exact_rows_free(&e);
+}
+
+double exact_distance(const snapshot *s, const gi_report *r, const float sky_exitance[3], double needed)
+{
 	reference_solution solution;
-	solve(&e, (double)r->contraction, &solution);
+	exact_solution(s, r, sky_exitance, &solution);
 	double distance = 0, largest = 0;
 	for (uint32_t k = 0; k < 3 * s->leaf_count; k++) {
 		distance = fmax(distance, fabs((double)s->leaves[k / 3].radiosity[k % 3] - solution.radiosity[k]));
@@ -106,6 +112,5 @@ double exact_distance(const snapshot *s, const gi_report *r, const float sky_exi
 		fail_msg("the double-precision solution is only known to %.3g, and %.3g is asked for",
 			 solution.bound * largest, 1e-3 * needed);
 	reference_solution_free(&solution);
-	exact_rows_free(&e);
 	return distance;
 }

@@ -23,6 +23,9 @@ typedef struct exact_rows {
 exact_rows exact_rows_of(const snapshot *s, uint32_t node_count, const float sky_exitance[3]);
 void exact_rows_free(exact_rows *e);
 
+/* B* of the snapshot's rows; reference_solution_free(). */
+void exact_solution(const snapshot *s, const gi_report *r, const float sky_exitance[3], reference_solution *out);
+
 /* Largest |B - B*| of the snapshot: B* by sweeps, or where they would be many (q above 0.98) by LU.
  * Fails the test when B* is not good to a thousandth of `needed`, W/m2. */
 double exact_distance(const snapshot *s, const gi_report *r, const float sky_exitance[3], double needed);

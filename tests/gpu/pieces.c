@@ -38,7 +38,7 @@ gi_context *open_context(float row_tolerance)
 {
 	gi_context_def def = harness_def();
 	def.row_tolerance = row_tolerance;
-	def.solve_tolerance = 1e-6f;
+	def.solve_tolerance = 1e-4f;
 	def.max_sweeps = 1000;
 	def.profile = false;
 	return harness_context(&def);

@@ -95,16 +95,29 @@ static void add_thing(gi_context *gi, random_scene *s, bool lit)
 	s->objects[s->count++] = object;
 }
 
+static void fill(gi_context *gi, random_scene *s)
+{
+	add_surroundings(gi, s);
+	const uint32_t things = 1 + below(s, 4);
+	for (uint32_t k = 0; k < things; k++)
+		add_thing(gi, s, k == 0 || chance(s, 0.3));
+	assert_gi(gi_commit(gi));
+}
+
 random_scene random_scene_make(gi_context *gi, uint64_t seed)
 {
 	random_scene s = {.state = seed * 0xd1342543de82ef95u + 1};
 	const double kind = random_scene_draw(&s);
 	s.brightest_rho = kind < 0.1 ? 0.9999f : kind < 0.4 ? 0.999f : kind < 0.6 ? 0.99f : 0.8f;
-	add_surroundings(gi, &s);
-	const uint32_t things = 1 + below(&s, 4);
-	for (uint32_t k = 0; k < things; k++)
-		add_thing(gi, &s, k == 0 || chance(&s, 0.3));
-	assert_gi(gi_commit(gi));
+	fill(gi, &s);
+	return s;
+}
+
+random_scene random_scene_make_stiff(gi_context *gi, uint64_t seed)
+{
+	random_scene s = {.state = seed * 0xd1342543de82ef95u + 1};
+	s.brightest_rho = (float)(1 - pow(10, -1 - 5 * random_scene_draw(&s)));
+	fill(gi, &s);
 	return s;
 }
 

@@ -22,6 +22,9 @@ typedef struct random_scene {
 /* Creates the scene of that seed in a context and commits it. */
 random_scene random_scene_make(gi_context *gi, uint64_t seed);
 
+/* The same with reflectances of up to 1 - 1e-6: one brightest in each scene, between 0.9 and that. */
+random_scene random_scene_make_stiff(gi_context *gi, uint64_t seed);
+
 /* The next move: new poses for some objects, near their old ones or anywhere, sometimes a new material or only that;
  * the caller updates. */
 void random_scene_move(gi_context *gi, random_scene *scene);

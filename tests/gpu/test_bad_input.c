@@ -62,7 +62,7 @@ static gi_context_def loud_def(void)
 	def.message = hear;
 	def.user = &heard;
 	def.row_tolerance = 0.05f;
-	def.solve_tolerance = 1e-6f;
+	def.solve_tolerance = 1e-4f;
 	return def;
 }
 

@@ -62,8 +62,7 @@ static void expect_converged(const gi_report *r, const gi_context_def *def)
 	assert_true((double)r->solve_bound <= (amplified + 1.2e-7 * (double)r->radiosity_max) * (1 + 1e-5));
 	assert_true(r->amplification >= 1 && (double)r->amplification <= (1 + 1e-5) / (1 - (double)r->contraction));
 	assert_true(r->rounding_bound <= r->solve_bound);
-	assert_int_equal(r->method, GI_METHOD_JACOBI);
-	assert_true(r->jacobi_sweeps <= 25);
+	assert_true(r->sweeps <= 25);
 }
 
 static int order_doubles(const void *a, const void *b)
@@ -203,8 +202,10 @@ static void rounding_floor(void **state)
 		assert_int_equal(r.outcome, GI_OUTCOME_ROUNDING);
 		assert_true(r.solve_relative > def.solve_tolerance);
 		/* Half a unit in the last place, 2^-24, and the doubts of a row, as much, times 1 / (1 - q); twice the
-		 * floor is where the solve may end. */
-		assert_true(r.solve_relative < 4 * 6e-8f * 100);
+		 * floor is where the solve may end, and of the light reflected, 0.98 of it, the bound knows 1.1 times.
+		 */
+		assert_true(r.solve_bound / r.radiosity_max < 4 * 6e-8f * 100);
+		assert_true(r.solve_relative < 1.15f * 4 * 6e-8f * 100);
 		assert_true(r.rounding_bound >= .3f * r.solve_bound);
 		expect_certified(gi, &r, "at rounding", (uint32_t)k);
 		const gi_report rest = harness_update(gi);

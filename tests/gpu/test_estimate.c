@@ -259,7 +259,7 @@ static gi_context *create(const scene *s, const settings *with)
 	def.near_samples = with->near_samples;
 	def.estimate_leaves = with->leaves;
 	def.sky = s->sky;
-	def.solve_tolerance = 1e-5f;
+	def.solve_tolerance = 1e-4f;
 	if (s->furnace)
 		def.emitter_refinement = 1; /* all of it emits: finer cuts of what emits would be finer cuts of all */
 	gi_context *gi = harness_context(&def);

@@ -716,7 +716,7 @@ static void black_and_shining(void **state)
 		gi_context_def def = harness_def();
 		def.row_tolerance = .02f;
 		def.max_sweeps = 1000;
-		def.solve_tolerance = kind == 2 ? 1e-3f : 1e-6f; /* single precision stops at 1e-7 / (1 - rho) */
+		def.solve_tolerance = kind == 2 ? 1e-3f : 1e-4f; /* single precision stops at 1e-7 / (1 - rho) */
 		gi_context *gi = harness_context(&def);
 		add_room(gi, &like, (box){{-2, 0, -2}, {2, 3, 2}});
 		const gi_object block = add_block(gi, &like, (box){{-1, .5f, -1}, {0, 1, 0}});

@@ -89,7 +89,7 @@ static measured solve_box(float row_tolerance, truth *t)
 	gi_context_def def = harness_def();
 	def.row_tolerance = row_tolerance;
 	def.near_samples = 1;
-	def.solve_tolerance = 1e-5f;
+	def.solve_tolerance = 1e-4f;
 	gi_context *gi = harness_context(&def);
 	const cornell_def box = cornell_def_default();
 	cornell made;

@@ -114,11 +114,16 @@ typedef struct gi_context_def {
 
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
 
-	/* When the solve stops: certified bound <= solve_tolerance * largest B of the scene; (0, 1], default 1e-4.
-	 * Single precision ends at about 1e-7 times gi_report.amplification: below that the solve ends with
-	 * GI_OUTCOME_ROUNDING, and the report has the bound. */
+	/* When the solve stops: it is certain that at every leaf, channel by channel, B is off by at most solve_tolerance *
+	 * (R + largest R / 1000). R = B - E is the light that the leaf reflects, the largest that of all leaves: what lamps
+	 * give does not count, and where it is dark the light there does, down to a thousandth of the brightest place.
+	 * (0, 1], default 0.05: the worst leaf is then off by some 5 per mille in truth, others by far less. Single
+	 * precision ends at about 1e-6 times gi_report.amplification: below that the solve ends with GI_OUTCOME_ROUNDING,
+	 * and the report has the bound. */
 	float solve_tolerance;
-	uint32_t max_sweeps; /* per frame, 1..1000, default 100 */
+	/* Per frame, 1..1000, default 100. Few sweeps make no light: B stays within [E, largest E / (1 - rho)] whatever they
+	 * leave to do, and where light from before is no help the solve starts from B = E by itself. */
+	uint32_t max_sweeps;
 
 	gi_sky sky;
 	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; 0..1e12, default 0 */
@@ -346,7 +351,7 @@ typedef enum gi_outcome {
 /* How the solve went on from sweep to sweep. */
 typedef enum gi_method {
 	GI_METHOD_JACOBI,
-	GI_METHOD_CHEBYSHEV, /* takes about the square root of the sweeps; from 25 of Jacobi's on */
+	GI_METHOD_CHEBYSHEV, /* takes about the square root of the sweeps; where Jacobi would take some more */
 } gi_method;
 
 typedef enum gi_pass {
@@ -396,7 +401,8 @@ typedef struct gi_report {
 	float contraction;   /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
 	float amplification; /* A >= 1: |B - B*|max <= A * residual, whatever B; at most 1 / (1 - q), and often far less */
 	float solve_bound;   /* certified: |B - B*|max for the B stored and the rows as they are, rounding included, W/m2 */
-	float solve_relative; /* solve_bound over the largest B */
+	float solve_relative; /* certified: no B is off by more than this times (R + largest R / 1000), see solve_tolerance; 3e38
+			       * where nothing is certain yet */
 	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest B, W/m2 */
 	float radiosity_max; /* largest B, W/m2 */
 
@@ -436,7 +442,7 @@ typedef enum gi_overlay {
 	GI_OVERLAY_WIREFRAME, /* the leaves' edges over the picture */
 	/* Heat maps take the picture's place: display colours in [0,1], linear; show them with an exposure of 1. */
 	GI_OVERLAY_DIRTY,     /* share of each row's entries touched by the last update */
-	GI_OVERLAY_RESIDUAL,  /* last |B_k+1 - B_k| of each leaf over the largest B, logarithmic: 1e-8 to 0.1 */
+	GI_OVERLAY_RESIDUAL,  /* last |R_k+1 - R_k| of each leaf over the largest B, logarithmic: 1e-8 to 0.1 */
 } gi_overlay;
 
 typedef struct gi_view {
@@ -463,7 +469,7 @@ gi_result gi_draw(gi_context *gi, const gi_view *view);
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit; GI_ERROR_NOT_COMMITTED before
  * the first. All std430. */
 typedef struct gi_buffers {
-	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2; what follows, and w, are the solver's */
+	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
 	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
 	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
 } gi_buffers;

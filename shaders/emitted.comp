@@ -1,0 +1,83 @@
+#version 450 core
+// Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum over
+// links of weight * E, in double precision, and the part of it by what is not drawn per pixel. Walks the rows that were
+// refreshed, or with ALL every row. One thread a leaf.
+//
+// Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected light
+// exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_ROWS
+#define READ_LINKS
+#define READ_NODE_EXITANCE
+#define READ_LEAF_RADIOSITY
+#define WRITE_LEAF_RADIOSITY
+#define WRITE_STATE
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "solve.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint all;
+
+const uint FOUND = 6u;
+shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
+
+// More than the rounding of rho * irradiance and of a division.
+const float OUTWARD = 1.0 + 1.0 / 1048576.0;
+
+void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
+{
+	vec3 exitance = load_exitance(node).xyz;
+	if (exitance == vec3(0.0))
+		return;
+	dvec3 light = double(uintBitsToFloat(weight)) * dvec3(exitance);
+	sum += light;
+	if ((load_range(node).w & GI_NODE_LAMP) == 0u)
+		undrawn += light;
+}
+
+vec3 walk(uint leaf, uvec4 row)
+{
+	dvec3 sum = dvec3(0.0lf), undrawn = dvec3(0.0lf);
+	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
+	for (uint k = row.x / 2u; 2u * k < end; k++) {
+		uvec4 two = load_two_links(k);
+		add(sum, undrawn, two.x, two.y);
+		add(sum, undrawn, two.z, two.w);
+	}
+	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
+	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, uintBitsToFloat(row.z));
+	float area = load_rest(load_leaf(leaf).x).moment.w;
+	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn, area);
+	return emitted;
+}
+
+void report(uint leaf, vec3 emitted)
+{
+	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz, s = OUTWARD * rho * emitted, ceiling = OUTWARD * s / (1.0 - rho);
+	for (uint c = 0u; c < 3u; c++) {
+		atomicMax(found[c], floatBitsToUint(s[c]));
+		atomicMax(found[3u + c], floatBitsToUint(ceiling[c]));
+	}
+}
+
+void main()
+{
+	uint local = gl_LocalInvocationID.x, leaf = thread_number();
+	if (local < FOUND)
+		found[local] = 0u;
+	barrier();
+	if (leaf < frame.counts.x) {
+		uvec4 row = load_row(leaf);
+		vec4 known = load_leaf_part(GI_LEAF_EMITTED, leaf);
+		bool stays = all == 0u && floatBitsToUint(known.w) == row.z;
+		report(leaf, stays ? known.xyz : walk(leaf, row));
+	}
+	barrier();
+	if (local < FOUND)
+		atomicMax(state[GI_STATE_DIRECT_BITS + local], found[local]);
+}
