@@ -70,8 +70,8 @@ bool segment_is_free(vec3 from, vec3 to)
 		uint object = next_leaf(tlas_texels, r, 1.0, frame.misc.x, n);
 		if (object == GI_NONE)
 			break;
-		free = !object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, vec2(0.0), GI_NONE,
-				     GI_NONE);
+		free = !object_hides(object, tree_ray(rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, 1.0, vec2(0.0),
+						      uvec2(GI_NONE), true));
 	}
 	return free;
 }

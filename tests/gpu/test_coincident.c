@@ -1,0 +1,460 @@
+/* Surfaces that lie in one place count once: rooms that share a wall, faces given twice, plates in the plane of a wall.
+ *
+ * A closed room of six walls and a lamp, alone and with what must not change its light; every sheet an object, and all
+ * of them one mesh; as it is, and turned and far from the origin.
+ */
+#include "pieces.h"
+
+#include "scenes/shapes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- scenes of sheets ---- */
+
+typedef struct sheet {
+	float corner[3], u[3], v[3]; /* its front is the side u x v points to */
+	uint32_t n;                  /* n x n faces */
+	float rho, exitance;
+} sheet;
+
+enum { MOST_SHEETS = 32 };
+
+typedef struct sheets {
+	sheet list[MOST_SHEETS];
+	uint32_t count;
+	uint32_t levels; /* each face is 4^levels leaves */
+} sheets;
+
+/* Walls have a reflectance of their own, by which their leaves are known; what is added differs from it by nothing that
+ * shows. */
+static const float WALL = .7f, ADDED = .70001f;
+
+static void add(sheets *s, sheet one)
+{
+	assert_true(s->count < MOST_SHEETS);
+	s->list[s->count++] = one;
+}
+
+static sheet turned_round(sheet s)
+{
+	float u[3];
+	memcpy(u, s.u, sizeof u);
+	memcpy(s.u, s.v, sizeof u);
+	memcpy(s.v, u, sizeof u);
+	return s;
+}
+
+static sheet like(sheet s, float rho, float exitance)
+{
+	s.rho = rho;
+	s.exitance = exitance;
+	return s;
+}
+
+/* The side of a box that lies at the low or the high end of an axis, facing inward. */
+static sheet side_of(box b, int axis, bool high, float rho)
+{
+	const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+	sheet s = {.n = 1, .rho = rho};
+	memcpy(s.corner, b.lower, sizeof s.corner);
+	s.corner[axis] = high ? b.upper[axis] : b.lower[axis];
+	s.u[u] = b.upper[u] - b.lower[u];
+	s.v[v] = b.upper[v] - b.lower[v];
+	return high ? turned_round(s) : s;
+}
+
+static void add_walls(sheets *s, box b, float rho)
+{
+	for (int side = 0; side < 6; side++)
+		add(s, side_of(b, side >> 1, side & 1, rho));
+}
+
+/* Part of a sheet, in its plane: from (u0, v0) to (u1, v1) in shares of its sides. */
+static sheet part_of(sheet s, float u0, float v0, float u1, float v1)
+{
+	sheet part = s;
+	for (int c = 0; c < 3; c++) {
+		part.corner[c] = s.corner[c] + u0 * s.u[c] + v0 * s.v[c];
+		part.u[c] = (u1 - u0) * s.u[c];
+		part.v[c] = (v1 - v0) * s.v[c];
+	}
+	return part;
+}
+
+/* ---- solving them ---- */
+
+typedef enum way { OBJECTS, ONE_MESH } way;
+static const char *const WAY_NAMES[] = {"objects", "one mesh"};
+
+typedef struct place {
+	const char *name;
+	gi_pose pose;
+} place;
+
+static const place PLACES[] = {
+    {"here", {{0, 0, 0}, {0, 0, 0, 1}}},
+    {"turned, far off", {{310, -75, 140}, {.2f, -.5f, .3f, .7874f}}},
+};
+
+static void create(gi_context *gi, engine_mesh *mesh, const gi_material *materials, uint32_t count, uint32_t levels,
+		   gi_pose pose)
+{
+	gi_object_def def = gi_object_def_default();
+	def.positions = mesh->positions;
+	def.vertex_count = mesh->vertex_count;
+	def.face_counts = mesh->face_counts;
+	def.face_count = mesh->face_count;
+	def.indices = mesh->indices;
+	def.index_count = mesh->index_count;
+	def.face_materials = mesh->face_materials;
+	def.materials = materials;
+	def.material_count = count;
+	def.levels = levels;
+	def.pose = pose;
+	gi_object object;
+	if (gi_create_object(gi, &def, &object))
+		fail_msg("gi_create_object: %s", harness_last_message());
+	engine_mesh_free(mesh);
+}
+
+static gi_material material_of(const sheet *s)
+{
+	return (gi_material){{s->rho, s->rho, s->rho}, {s->exitance, s->exitance, s->exitance}};
+}
+
+static void create_sheets(gi_context *gi, const sheets *s, way as, gi_pose pose)
+{
+	gi_material materials[MOST_SHEETS];
+	engine_mesh all = {0};
+	uint32_t faces = 0;
+	for (uint32_t k = 0; k < s->count; k++) {
+		const sheet *one = &s->list[k];
+		engine_mesh mesh;
+		materials[k] = material_of(one);
+		assert_true(shape_quad(one->corner, one->u, one->v, one->n, one->n, &mesh));
+		if (as == OBJECTS)
+			create(gi, &mesh, &materials[k], 1, s->levels, pose);
+		else
+			assert_true(shape_append(&all, &mesh));
+	}
+	if (as == OBJECTS)
+		return;
+	all.face_materials = calloc(all.face_count, sizeof *all.face_materials);
+	assert_non_null(all.face_materials);
+	for (uint32_t k = 0; k < s->count; k++)
+		for (uint32_t f = 0; f < s->list[k].n * s->list[k].n; f++)
+			all.face_materials[faces++] = k;
+	create(gi, &all, materials, s->count, s->levels, pose);
+}
+
+static snapshot solved(const sheets *s, way as, const place *at)
+{
+	gi_context *gi = open_context(.01f);
+	create_sheets(gi, s, as, at->pose);
+	assert_gi(gi_commit(gi));
+	solve(gi);
+	const snapshot result = snapshot_take(gi);
+	expect_sane_rows(&result);
+	gi_context_destroy(gi);
+	return result;
+}
+
+/* ---- comparing ---- */
+
+static double distance2(const gi_leaf *a, const gi_leaf *b)
+{
+	double sum = 0;
+	for (int k = 0; k < 4; k++)
+		for (int c = 0; c < 3; c++) {
+			const double d = (double)a->corners[k][c] - b->corners[k][c];
+			sum += d * d;
+		}
+	return sum;
+}
+
+static bool is_wall(const gi_leaf *l)
+{
+	return l->rho[0] == WALL;
+}
+
+/* Relative RMS difference of H over the walls' leaves, area-weighted, and of their mean. */
+static void compare(const snapshot *right, const snapshot *got, double *rms, double *mean)
+{
+	double off = 0, all = 0, sum_right = 0, sum_got = 0;
+	for (uint32_t k = 0; k < right->leaf_count; k++) {
+		const gi_leaf *l = &right->leaves[k], *same = NULL;
+		if (!is_wall(l))
+			continue;
+		for (uint32_t j = 0; j < got->leaf_count && !same; j++)
+			if (is_wall(&got->leaves[j]) && distance2(l, &got->leaves[j]) < 1e-6)
+				same = &got->leaves[j];
+		assert_non_null(same);
+		const double h = l->irradiance[0], d = same->irradiance[0] - h, area = l->area;
+		off += area * d * d;
+		all += area * h * h;
+		sum_right += area * h;
+		sum_got += area * same->irradiance[0];
+	}
+	*rms = sqrt(off / all);
+	*mean = sum_got / sum_right - 1;
+}
+
+/* What the issue asks for. */
+static const double TOLERANCE = .01;
+
+/* The walls' H in `with` is theirs in `alone`. */
+static void expect_same_light(const char *what, const sheets *alone, const sheets *with)
+{
+	double worst = 0;
+	for (size_t at = 0; at < sizeof PLACES / sizeof *PLACES; at++)
+		for (way as = OBJECTS; as <= ONE_MESH; as++) {
+			snapshot right = solved(alone, as, &PLACES[at]), got = solved(with, as, &PLACES[at]);
+			double rms, mean;
+			compare(&right, &got, &rms, &mean);
+			printf("  %s, %s, %s: mean H %+.2f %%, leaves %.2f %% RMS\n", what, WAY_NAMES[as],
+			       PLACES[at].name, 100 * mean, 100 * rms);
+			worst = fmax(worst, fmax(rms, fabs(mean)));
+			snapshot_free(&right);
+			snapshot_free(&got);
+		}
+	if (!getenv("RELUME_PRINT") && !(worst <= TOLERANCE))
+		fail_msg("%s: off by %.2f %%", what, 100 * worst);
+}
+
+/* ---- cases ---- */
+
+static const box ROOM = {{-1, -1, -1}, {1, 1, 1}}, LOW_ROOM = {{0, .3f, -.7f}, {3.1f, 2, 1.4f}};
+
+static sheet ceiling_of(box b)
+{
+	return side_of(b, 1, true, WALL);
+}
+
+static sheet lamp_below(box b)
+{
+	sheet lamp = like(part_of(ceiling_of(b), .35f, .3f, .65f, .7f), 0, 31.4f);
+	lamp.corner[1] -= .2f * (b.upper[1] - b.lower[1]);
+	return lamp;
+}
+
+static sheets lit_room(box b)
+{
+	sheets s = {.levels = 2};
+	add_walls(&s, b, WALL);
+	add(&s, lamp_below(b));
+	return s;
+}
+
+static void rooms_that_share_a_plane(void **state)
+{
+	(void)state;
+	const sheets alone = lit_room(ROOM);
+	/* Of one size, and such as share only part of the plane. */
+	const box next[] = {
+	    {{1, -1, -1}, {3, 1, 1}}, {{1, -1, -.45f}, {2.2f, .3f, 1.8f}}, {{-.6f, -4, -.8f}, {.3f, -1, 1}}};
+	for (size_t k = 0; k < sizeof next / sizeof *next; k++) {
+		char what[64];
+		snprintf(what, sizeof what, "next room %zu", k + 1);
+		sheets with = alone;
+		add_walls(&with, next[k], ADDED);
+		expect_same_light(what, &alone, &with);
+	}
+}
+
+static void faces_that_are_there_twice(void **state)
+{
+	(void)state;
+	const sheets alone = lit_room(LOW_ROOM);
+	sheets with = alone;
+	for (uint32_t k = 0; k < alone.count; k++) {
+		sheet copy = like(alone.list[k], k < 6 ? ADDED : alone.list[k].rho, alone.list[k].exitance);
+		copy.n = 2; /* the same place, other faces */
+		with = alone;
+		add(&with, copy);
+		char what[64];
+		snprintf(what, sizeof what, k < 6 ? "wall %u twice" : "the lamp twice", k);
+		expect_same_light(what, &alone, &with);
+	}
+}
+
+static void plates_in_a_plane(void **state)
+{
+	(void)state;
+	sheets alone = lit_room(ROOM);
+	alone.levels = 3; /* leaves of a plate are smaller than those that it covers, and say more */
+	const sheet plates[] = {part_of(side_of(ROOM, 1, false, ADDED), .1f, .2f, .8f, .55f),
+				part_of(side_of(ROOM, 0, true, ADDED), .4f, .4f, .55f, .9f),
+				part_of(side_of(ROOM, 1, true, ADDED), .05f, .05f, .95f, .95f)};
+	sheets all = alone;
+	for (size_t k = 0; k < sizeof plates / sizeof *plates; k++) {
+		sheets with = alone;
+		add(&with, plates[k]);
+		add(&all, plates[k]);
+		char what[64];
+		snprintf(what, sizeof what, "plate %zu", k + 1);
+		expect_same_light(what, &alone, &with);
+		with.list[with.count - 1] = turned_round(plates[k]);
+		snprintf(what, sizeof what, "plate %zu, facing the wall", k + 1);
+		expect_same_light(what, &alone, &with);
+	}
+	expect_same_light("all plates", &alone, &all);
+}
+
+/* The same ceiling with a hole that the lamp fills. */
+static sheets room_with_hole(box b)
+{
+	static const float cuts[4] = {0, .35f, .65f, 1};
+	sheets s = {.levels = 2};
+	add_walls(&s, b, WALL);
+	const sheet ceiling = s.list[3];
+	s.list[3] = like(part_of(ceiling, cuts[1], cuts[1], cuts[2], cuts[2]), 0, 31.4f);
+	for (int k = 0; k < 9; k++)
+		if (k != 4)
+			add(&s, like(part_of(ceiling, cuts[k % 3], cuts[k / 3], cuts[k % 3 + 1], cuts[k / 3 + 1]),
+				     ADDED, 0));
+	return s;
+}
+
+static void lamp_in_the_ceiling(void **state)
+{
+	(void)state;
+	const sheets right = room_with_hole(ROOM);
+	for (int first = 0; first < 2; first++) {
+		sheets with = {.levels = right.levels};
+		const sheet ceiling = like(ceiling_of(ROOM), ADDED, 0);
+		const sheet lamp = like(part_of(ceiling, .35f, .35f, .65f, .65f), 0, 31.4f);
+		if (first)
+			add(&with, lamp);
+		add_walls(&with, ROOM, WALL);
+		with.list[3 + first] = ceiling;
+		if (!first)
+			add(&with, lamp);
+		expect_same_light(first ? "lamp in the ceiling, made before it" : "lamp in the ceiling", &right, &with);
+	}
+}
+
+/* Two faces back to back are the two sides of a sheet; both are seen. */
+static void sheets_of_two_faces(void **state)
+{
+	(void)state;
+	sheets thin = lit_room(ROOM), thick;
+	sheet upper = like(part_of(side_of(ROOM, 1, false, ADDED), .2f, .3f, .8f, .7f), .3f, 0);
+	upper.corner[1] += .8f;
+	thick = thin;
+	add(&thin, upper);
+	add(&thin, turned_round(upper));
+	upper.corner[1] += 1e-3f;
+	add(&thick, upper);
+	upper.corner[1] -= 1e-3f;
+	add(&thick, turned_round(upper));
+	expect_same_light("a sheet of two faces", &thick, &thin);
+}
+
+/* ---- moving into one place and out of it ---- */
+
+enum { MOVERS = 4, RESTS = 4, FRAMES = 60 };
+
+typedef struct moving {
+	gi_context *gi;
+	gi_object movers[MOVERS];
+} moving;
+
+static void open_moving(moving *m)
+{
+	m->gi = open_context(.03f);
+	create_sheets(m->gi,
+		      &(sheets){.list = {side_of(ROOM, 0, false, WALL), side_of(ROOM, 1, false, WALL),
+					 side_of(ROOM, 2, false, WALL), side_of(ROOM, 0, true, WALL)},
+				.count = 4,
+				.levels = 2},
+		      OBJECTS, gi_pose_identity());
+	const float x[3] = {1, 0, 0}, z[3] = {0, 0, 1};
+	const harness_object plate = {.name = "plate", .levels = 1, .rho = {.3f, .3f, .3f}},
+			     lamp = {.name = "lamp", .levels = 1, .exitance = {9, 9, 9}};
+	m->movers[0] = add_quad(m->gi, &plate, (float[]){-.5f, 0, -.5f}, z, x);
+	m->movers[1] = add_quad(m->gi, &lamp, (float[]){-.4f, 0, -.5f}, z, x);
+	m->movers[2] = add_block(m->gi, &plate, (box){{-.3f, 0, -.3f}, {.3f, .6f, .3f}});
+	m->movers[3] = add_room(m->gi, &plate, (box){{-.5f, 0, -.5f}, {.5f, .5f, .5f}});
+	assert_gi(gi_commit(m->gi));
+}
+
+static uint32_t draw(uint32_t *state, uint32_t below)
+{
+	*state = *state * 1664525u + 1013904223u;
+	return (*state >> 8) % below;
+}
+
+/* On the floor, on one height above it, on a wall, or anywhere; in steps, so that movers meet. */
+static gi_pose drawn_pose(uint32_t *state)
+{
+	gi_pose p = gi_pose_identity();
+	p.position[0] = -.5f + .25f * (float)draw(state, 5);
+	p.position[2] = -.5f + .25f * (float)draw(state, 5);
+	switch (draw(state, RESTS)) {
+	case 0:
+		p.position[1] = -1;
+		break;
+	case 1:
+		p.position[1] = -.4f;
+		break;
+	case 2: /* about z: what was level stands on the wall x = -1 */
+		p.position[0] = -1;
+		p.rotation[2] = -sqrtf(.5f);
+		p.rotation[3] = sqrtf(.5f);
+		break;
+	default:
+		p.position[1] = -.9f + .01f * (float)draw(state, 150);
+		p.rotation[0] = .01f * (float)draw(state, 100);
+	}
+	return p;
+}
+
+static void compare_rows(moving *kept, moving *rebuilt, uint32_t frame)
+{
+	char when[32];
+	snprintf(when, sizeof when, "frame %u", frame);
+	gi_invalidate(rebuilt->gi);
+	harness_update(kept->gi);
+	harness_update(rebuilt->gi);
+	snapshot a = snapshot_take(kept->gi), b = snapshot_take(rebuilt->gi);
+	snapshot_expect_same_rows(&a, &b, when);
+	snapshot_free(&a);
+	snapshot_free(&b);
+}
+
+static void updated_rows_are_a_rebuilds(void **state)
+{
+	(void)state;
+	moving kept, rebuilt;
+	open_moving(&kept);
+	open_moving(&rebuilt);
+	uint32_t numbers = 20261126;
+	for (uint32_t frame = 0; frame < FRAMES; frame++) {
+		for (int k = 0; k < MOVERS; k++) {
+			if (draw(&numbers, 2))
+				continue;
+			const gi_pose pose = drawn_pose(&numbers);
+			assert_gi(gi_set_pose(kept.gi, kept.movers[k], pose));
+			assert_gi(gi_set_pose(rebuilt.gi, rebuilt.movers[k], pose));
+		}
+		compare_rows(&kept, &rebuilt, frame);
+	}
+	gi_context_destroy(kept.gi);
+	gi_context_destroy(rebuilt.gi);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(rooms_that_share_a_plane), cmocka_unit_test(faces_that_are_there_twice),
+	    cmocka_unit_test(plates_in_a_plane),        cmocka_unit_test(lamp_in_the_ceiling),
+	    cmocka_unit_test(sheets_of_two_faces),      cmocka_unit_test(updated_rows_are_a_rebuilds),
+	};
+	const char *only = getenv("RELUME_TEST");
+	if (only)
+		cmocka_set_test_filter(only);
+	return cmocka_run_group_tests(tests, harness_open, harness_close);
+}
