@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* ---- scenes of sheets ---- */
 
@@ -353,6 +354,103 @@ static void sheets_of_two_faces(void **state)
 	expect_same_light("a sheet of two faces", &thick, &thin);
 }
 
+/* ---- the same face twice in one object ---- */
+
+/* Adds to the mesh each of its faces `copies` times more, their lists begun at one corner after the other; every other
+ * copy on vertices of its own. */
+static void repeat_faces(engine_mesh *mesh, uint32_t copies)
+{
+	engine_mesh once;
+	assert_true(engine_mesh_copy(mesh, &once));
+	for (uint32_t copy = 1; copy <= copies; copy++) {
+		engine_mesh more;
+		const uint32_t before = mesh->vertex_count;
+		assert_true(engine_mesh_copy(&once, &more));
+		for (uint32_t k = 0; k < more.index_count; k++)
+			more.indices[k] = once.indices[4 * (k / 4) + (k + copy) % 4];
+		assert_true(shape_append(mesh, &more));
+		for (uint32_t k = mesh->index_count - once.index_count; k < mesh->index_count && copy % 2; k++)
+			mesh->indices[k] -= before;
+	}
+	engine_mesh_free(&once);
+}
+
+/* Creates a box of n x n faces a side, each there `copies` times more, and returns how many leaves there are. */
+static uint32_t leaves_of_copies(uint32_t n, uint32_t copies, gi_scheme scheme, bool double_sided, double *seconds)
+{
+	gi_context *gi = open_context(.1f);
+	engine_mesh mesh;
+	assert_true(shape_box((float[]){-1, -2, 0}, (float[]){1, 1, 3}, n, false, &mesh));
+	const uint32_t once = mesh.face_count;
+	repeat_faces(&mesh, copies);
+	assert_int_equal(mesh.face_count, once * (copies + 1));
+	struct timespec begin, end;
+	timespec_get(&begin, TIME_UTC);
+	harness_add(gi, &(harness_object){.name = "copies", .scheme = scheme, .double_sided = double_sided}, &mesh);
+	timespec_get(&end, TIME_UTC);
+	*seconds = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+	char said[128];
+	snprintf(said, sizeof said, "object 'copies': %u of its %u faces", once * copies, once * (copies + 1));
+	if (copies)
+		assert_non_null(strstr(harness_last_message(), said));
+	else
+		assert_string_equal(harness_last_message(), "");
+	assert_gi(gi_commit(gi));
+	uint32_t leaves;
+	assert_gi(gi_read_leaves(gi, NULL, 0, &leaves));
+	gi_context_destroy(gi);
+	return leaves;
+}
+
+static void copies_within_an_object_are_dropped(void **state)
+{
+	(void)state;
+	static const gi_scheme schemes[] = {GI_SCHEME_BILINEAR, GI_SCHEME_CATMULL_CLARK};
+	double seconds;
+	for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++)
+		for (uint32_t copies = 0; copies < 4; copies++) {
+			assert_int_equal(leaves_of_copies(2, copies, schemes[k], false, &seconds), 24);
+			assert_int_equal(leaves_of_copies(2, copies, schemes[k], true, &seconds), 48);
+		}
+	for (uint32_t copies = 1000; copies <= 4000; copies *= 2) {
+		assert_int_equal(leaves_of_copies(4, copies, GI_SCHEME_BILINEAR, false, &seconds), 96);
+		printf("  96 faces, %u copies of each: %.3f s\n", copies, seconds);
+	}
+}
+
+/* The first of two keeps its material; the other side of a sheet is no copy. */
+static void the_first_of_two_faces_stays(void **state)
+{
+	(void)state;
+	const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+	const uint32_t indices[] = {0, 1, 2, 3, 3, 2, 1, 0, 2, 3, 0, 1, 0, 3, 2, 1}, materials[] = {1, 0, 0, 1};
+	const gi_material two[2] = {{.rho = {.1f, .1f, .1f}}, {.rho = {.2f, .2f, .2f}}};
+	gi_context *gi = open_context(.1f);
+	gi_object_def def = gi_object_def_default();
+	def.positions = positions;
+	def.vertex_count = 4;
+	def.indices = indices;
+	def.index_count = 16;
+	def.face_count = 4;
+	def.face_materials = materials;
+	def.materials = two;
+	def.material_count = 2;
+	gi_object object;
+	assert_gi(gi_create_object(gi, &def, &object));
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	gi_leaf leaves[4];
+	uint32_t count;
+	assert_gi(gi_read_leaves(gi, leaves, 4, &count));
+	assert_int_equal(count, 2);
+	for (int k = 0; k < 2; k++) {
+		const float *a = leaves[k].corners[0], *b = leaves[k].corners[1], *c = leaves[k].corners[2];
+		const bool up = (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
+		assert_true(leaves[k].rho[0] == two[up ? 1 : 0].rho[0]);
+	}
+	gi_context_destroy(gi);
+}
+
 /* ---- moving into one place and out of it ---- */
 
 enum { MOVERS = 4, RESTS = 4, FRAMES = 60 };
@@ -449,9 +547,14 @@ static void updated_rows_are_a_rebuilds(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(rooms_that_share_a_plane), cmocka_unit_test(faces_that_are_there_twice),
-	    cmocka_unit_test(plates_in_a_plane),        cmocka_unit_test(lamp_in_the_ceiling),
-	    cmocka_unit_test(sheets_of_two_faces),      cmocka_unit_test(updated_rows_are_a_rebuilds),
+	    cmocka_unit_test(rooms_that_share_a_plane),
+	    cmocka_unit_test(faces_that_are_there_twice),
+	    cmocka_unit_test(plates_in_a_plane),
+	    cmocka_unit_test(lamp_in_the_ceiling),
+	    cmocka_unit_test(sheets_of_two_faces),
+	    cmocka_unit_test(copies_within_an_object_are_dropped),
+	    cmocka_unit_test(the_first_of_two_faces_stays),
+	    cmocka_unit_test(updated_rows_are_a_rebuilds),
 	};
 	const char *only = getenv("RELUME_TEST");
 	if (only)
