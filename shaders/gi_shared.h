@@ -399,7 +399,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
 
 /* An emitting triangle: its corners as float bits, and in the fourth words
- *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 0 */
+ *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 a leaf of its primitive */
 #define GI_SOBOL_DIMENSIONS 7u
 
 /* Where a thread's paths are between two dispatches.
