@@ -77,7 +77,7 @@ uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, b
 		return CUT_TAKE;
 	float d = f.d;
 	// Nor anything where the two face each other, a hair apart.
-	float reach = g.sphere.w + (dot(p.axis.xyz, g.axis.xyz) < 0.0 ? p.sphere.w : 0.0);
+	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
 	if (d < max(NEAR * g.sphere.w, reach))
 		return CUT_REFINE;
 	float shown = g.moment.w * min(1.0, f.faced / d);
