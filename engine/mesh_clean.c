@@ -1,5 +1,6 @@
 #include "mesh_clean.h"
 
+#include "mesh_duplicates.h"
 #include "mesh_polygon.h"
 
 #include <math.h>
@@ -230,7 +231,8 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 		return true;
 	if (weld(mesh, report)) {
 		drop_degenerate(mesh, report);
-		if (cut_polygons(mesh, report) && drop_unused_vertices(mesh))
+		if (engine_mesh_drop_duplicates(mesh, &report->duplicate_faces) && cut_polygons(mesh, report) &&
+		    drop_unused_vertices(mesh))
 			return true;
 	}
 	snprintf(message, message_size, "out of memory for a mesh of %u vertices", mesh->vertex_count);

@@ -14,6 +14,7 @@ extern "C" {
 typedef struct engine_clean_report {
 	uint32_t welded_vertices;  /* vertices that shared a position with another */
 	uint32_t degenerate_faces; /* dropped: no area */
+	uint32_t duplicate_faces;  /* dropped: the corners of another one, in the same order round */
 	uint32_t cut_faces;        /* not convex, or with a hole: now triangles */
 	uint32_t too_large;        /* dropped: not convex and of too many corners to be cut (mesh_polygon.h) */
 } engine_clean_report;
@@ -24,7 +25,7 @@ typedef struct engine_clean_report {
 bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material);
 
 /* Welds vertices of bitwise equal position (files split them by normal and texture coordinate, and a cage needs its
- * connections), drops degenerate faces and unused vertices, cuts faces that are not convex into
+ * connections), drops degenerate faces, faces that are there twice and unused vertices, cuts faces that are not convex into
  * triangles (see mesh_polygon.h); the order of all stays. Creases are dropped: no file
  * format read here has any. False with one line in message for a corner out of range, a face of fewer than three
  * corners, a position that is not finite or beyond ENGINE_MESH_FARTHEST, or lack of memory; mesh is then still good for

@@ -95,6 +95,7 @@ static bool clean(scene_loader *loader, engine_scene_object *object, bool pair_t
 	if (!engine_mesh_clean(&object->mesh, &report, fault, sizeof fault))
 		return scene_fail(loader, "object \"%.80s\": %s", object->name, fault);
 	scene_note_many(loader, report.degenerate_faces, object->name, "faces without area are dropped");
+	scene_note_many(loader, report.duplicate_faces, object->name, "faces with the corners of another one are dropped");
 	scene_note_many(loader, report.too_large, object->name,
 			"faces that are not convex and have thousands of corners are left out");
 	if (had_faces && object->mesh.face_count == 0)

@@ -1,12 +1,14 @@
 // Which object hides a segment.
 
-// The object that hides b from a, or GI_BLOCKER_NONE. `clear`: the bodies of a and b are known to hide nothing.
+// The object that hides b from a, or GI_BLOCKER_NONE. `front`: the segment arrives at a front. `clear`: the bodies of a
+// and b are known to hide nothing.
 // One loop over all trees, whichever they are: lanes of a vector walk different ones together, and the walk is compiled once.
-uint blocker_of(body body_a, segment_end a, body body_b, segment_end b, bool clear)
+uint blocker_of(body body_a, segment_end a, body body_b, segment_end b, bool front, bool clear)
 {
 	bool first = !clear && (body_a.flags & GI_OBJECT_FLAT) == 0u;
 	bool last = !clear && (body_b.flags & GI_OBJECT_FLAT) == 0u && body_b.object != body_a.object;
 	bool sky = body_b.object == GI_NONE;
+	segment_goal goal = goal_of(a, b, front);
 	grid_ray world = world_ray(a, b, sky);
 	uvec2 tree = scene_tree(sky);
 	uint n = tree.x, blocker = GI_BLOCKER_NONE;
@@ -18,8 +20,7 @@ uint blocker_of(body body_a, segment_end a, body body_b, segment_end b, bool cle
 			break;
 		last = last && first;
 		first = false;
-		tree_ray r = ray_for(load_body(object), body_a, a, body_b, b);
-		if (object_hides(object, r.origin, r.direction, sky ? 3e38 : 1.0, r.slack, r.first, r.last))
+		if (object_hides(object, ray_for(load_body(object), body_a, a, body_b, b, goal)))
 			blocker = object;
 	}
 	return blocker;

@@ -5,27 +5,29 @@ struct nearest {
 	float end;     // nothing farther counts; a back counts as `lift` deeper than it lies
 	float distance;
 	bool front;
+	uint rank;
 	uint object, primitive; // GI_NONE: nothing was met
 	bool second;   // the triangle a c d, not a b c
 	vec2 barycentric;
 };
 
-// Of two leaves in one place, back to back (a sheet), either may be met first by a rounding: the front counts.
-void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, uint object, uint primitive, bool second,
-		   float lift)
+// Of leaves in one place either may be met first by a rounding: a front counts before a back (of a sheet), and of two
+// fronts that of the higher rank.
+void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, uint rank, uint object, uint primitive,
+		   bool second, float lift)
 {
 	plane_meeting m = meet_plane(origin, direction, a, b, c);
 	if (!inside_triangle(m.barycentric))
 		return;
 	float t = m.height / m.determinant;
-	if (!(t > 0.0 && t < best.end))
-		return;
 	vec3 n = cross(b - a, c - a);
-	float size = length(n), along = dot(n, direction);
-	bool front = along < 0.0;
-	float depth = front ? t : t + lift * size / max(along, 1e-3 * size);
-	if (depth < best.end)
-		best = nearest(depth, t, front, object, primitive, second, m.barycentric);
+	float size = length(n), along = dot(n, direction), thick = lift * size / max(abs(along), 1e-3 * size);
+	if (!(t > 0.0 && t < best.end + thick))
+		return;
+	bool front = along < 0.0, tie = front && best.front && abs(t - best.distance) < thick;
+	float depth = front ? t : t + thick;
+	if (tie ? rank > best.rank : depth < best.end)
+		best = nearest(depth, t, front, rank, object, primitive, second, m.barycentric);
 }
 
 void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_direction, float lift)
@@ -35,19 +37,20 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	while (n < range.y) {
-		uint primitive = next_leaf(bvh_texels, r, best.end, range.y, n);
+		uint primitive = next_leaf(bvh_texels, r, best.end + lift, range.y, n);
 		if (primitive == GI_NONE)
 			break;
 		gi_primitive q = load_primitive(primitive);
-		meet_triangle(best, origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, object, primitive, false, lift);
-		meet_triangle(best, origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, object, primitive, true, lift);
+		uint rank = floatBitsToUint(q.b.w);
+		meet_triangle(best, origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, rank, object, primitive, false, lift);
+		meet_triangle(best, origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, rank, object, primitive, true, lift);
 	}
 }
 
 // Plain loops on purpose: with next_leaf() in the head of a for, Mesa 22.3 left after the first object.
 nearest find_nearest(vec3 origin, vec3 direction, float lift)
 {
-	nearest best = nearest(3e38, 3e38, false, GI_NONE, GI_NONE, false, vec2(0.0));
+	nearest best = nearest(3e38, 3e38, false, 0u, GI_NONE, GI_NONE, false, vec2(0.0));
 	grid_ray r = ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz);
 	uint n = 0u;
 	while (n < frame.misc.x) {
@@ -59,8 +62,8 @@ nearest find_nearest(vec3 origin, vec3 direction, float lift)
 	return best;
 }
 
-// Does anything lie between the two points?
-bool segment_is_free(vec3 from, vec3 to)
+// Does anything lie between the two points, or over the front of that rank that the second one lies on?
+bool segment_is_free(vec3 from, vec3 to, uint rank, float lift)
 {
 	vec3 d = to - from;
 	grid_ray r = ray_on_grid(from, d, frame.grid.xyz, frame.cells.xyz);
@@ -70,8 +73,8 @@ bool segment_is_free(vec3 from, vec3 to)
 		uint object = next_leaf(tlas_texels, r, 1.0, frame.misc.x, n);
 		if (object == GI_NONE)
 			break;
-		free = !object_hides(object, rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, vec2(0.0), GI_NONE,
-				     GI_NONE);
+		free = !object_hides(object, tree_ray(rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, 1.0 + lift,
+						      vec2(0.0, lift), uvec2(GI_NONE, rank), true));
 	}
 	return free;
 }

@@ -76,7 +76,9 @@ uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, b
 	if ((flags & GI_NODE_LEAF) != 0u)
 		return CUT_TAKE;
 	float d = f.d;
-	if (d < NEAR * g.sphere.w)
+	// Nor anything where the two face each other, a hair apart.
+	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
+	if (d < max(NEAR * g.sphere.w, reach))
 		return CUT_REFINE;
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {

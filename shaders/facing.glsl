@@ -1,7 +1,9 @@
 // How a source node lies to a receiver: whether any of its front can see any of the receiver's, and how squarely.
 
-// Heights below this share of the distance are rounding: coplanar patches do not see each other.
+// Heights below this share of the distance are rounding: coplanar patches do not see each other. So are those below the
+// second share of the coordinates: the patches may lie in one place, far from the origin.
 const float HORIZON_SLACK = 1e-5;
+const float POSITION_SLACK = 2.5e-7;
 
 float sine_of(float cosine)
 {
@@ -24,11 +26,10 @@ shape shape_of(gi_node_geometry g, uint flags)
 	return shape(g.sphere.xyz, g.axis.xyz, g.axis.w, g.sphere.w, steps / float(GI_NODE_THICKNESS_STEPS));
 }
 
-// How far a shape may reach from its centre along a direction with this cosine to its axis: what two planes leave of its
-// ball.
-float reach_along(shape s, float cosine)
+// How far a shape may reach from its centre along a direction at this angle to its axis: what two planes leave of its ball.
+float reach_along(shape s, float cosine, float sine)
 {
-	return s.radius * (cosine <= s.thickness ? 1.0 : s.thickness * cosine + sine_of(s.thickness) * sine_of(cosine));
+	return s.radius * (cosine <= s.thickness ? 1.0 : s.thickness * cosine + sine_of(s.thickness) * sine);
 }
 
 // The most that the way from any point of a to any of b goes along any of a's normals; `to` is that between the centres.
@@ -39,9 +40,11 @@ float most_along(shape a, shape b, vec3 to, float d)
 	float along = dot(a.axis, to), tilt = sine_of(a.cone);
 	float across = sqrt(max(0.0, d * d - along * along));
 	float between = along >= d * a.cone ? d : along * a.cone + across * tilt;
-	// Of the normals that one farthest from b's axis, or in b's plane.
-	float cosine = abs(dot(a.axis, b.axis));
-	return between + reach_along(a, a.cone) + reach_along(b, max(0.0, cosine * a.cone - sine_of(cosine) * tilt));
+	// Of the normals that one farthest from b's axis, or in b's plane. The cosine between the axes of patches in one place
+	// leaves nothing of their angle but its rounding.
+	float cosine = abs(dot(a.axis, b.axis)), sine = length(cross(a.axis, b.axis));
+	return between + reach_along(a, a.cone, tilt) +
+	       reach_along(b, max(0.0, cosine * a.cone - sine * tilt), min(1.0, sine * a.cone + cosine * tilt));
 }
 
 struct facing {
@@ -57,7 +60,8 @@ facing facing_of(shape receiver, gi_node_geometry g, uint flags)
 {
 	shape source = shape_of(g, flags);
 	vec3 to = source.centre - receiver.centre;
-	float d = length(to), slack = HORIZON_SLACK * (d + source.radius + receiver.radius);
+	float d = length(to), slack = HORIZON_SLACK * (d + source.radius + receiver.radius) +
+				      POSITION_SLACK * (length(source.centre) + length(receiver.centre));
 	float height = most_along(receiver, source, to, d);
 	float faced = source.cone < 0.0 ? d : most_along(source, receiver, -to, d);
 	bool turned = faced <= slack;

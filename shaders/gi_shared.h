@@ -104,13 +104,16 @@ GI_STRUCT(gi_bvh_node) {
 	GI_VEC4 upper;
 } GI_END(gi_bvh_node)
 
-/* What rays meet: a quad, as the two triangles a b c and a c d, standing for the leaves [first, end) of its object.
+/* What rays meet: a quad, as the two triangles a b c and a c d, standing for leaves of its object, one after the other.
  *
  *   //--------------- 16B ---------------
  *   a.xyz  a.w first leaf, as uint bits
- *   b.xyz  b.w end leaf, as uint bits
+ *   b.xyz  b.w rank, as uint bits
  *   c.xyz  c.w |ab x ac|
  *   d.xyz  d.w |ac x ad|
+ *
+ * Every primitive of a scene has a rank of its own. Of two that lie in one place and look the same way the one of higher
+ * rank is met.
  */
 GI_STRUCT(gi_primitive) {
 	GI_VEC4 a;
@@ -154,7 +157,7 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 
-/* A leaf: x node, y object slot, z material, w 0.
+/* A leaf: x node, y object slot, z material, w rank of its primitive.
  * A material: rho, then exitance. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
@@ -437,7 +440,7 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
 
 /* An emitting triangle: its corners as float bits, and in the fourth words
- *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 0 */
+ *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 a leaf of its primitive */
 #define GI_SOBOL_DIMENSIONS 7u
 
 /* Where a thread's paths are between two dispatches.

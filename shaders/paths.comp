@@ -205,7 +205,8 @@ vec3 light_from_emitters(vertex v, numbers u)
 	     c = uintBitsToFloat(load_light_triangle(k + 2u).xyz);
 	vec3 n = normalize(cross(b - a, c - a)), q = triangle_point(a, b, c, u.on_emitter), d = q - v.origin;
 	float r2 = dot(d, d), r = sqrt(r2), cos_here = dot(v.normal, d), cos_there = -dot(n, d);
-	if (!(cos_here > 0.0 && cos_there > 0.0) || !segment_is_free(v.origin, q + n * sky_and_lift.w))
+	uint rank = load_leaf(load_light_triangle(k + 2u).w).w;
+	if (!(cos_here > 0.0 && cos_there > 0.0) || !segment_is_free(v.origin, q, rank, sky_and_lift.w))
 		return vec3(0.0);
 	vec3 exitance = load_material(load_light_triangle(k + 1u).w).exitance.xyz;
 	float pdf_b = cos_here / (r * PI), pdf_l = light_density(exitance) * r2 * r / cos_there;

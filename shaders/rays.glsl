@@ -35,6 +35,7 @@ struct plane_meeting {
 	vec2 barycentric;  // of b and c
 	float height;      // the origin's distance from the plane times |ab x ac|
 	float determinant; // the same of the direction's length along the plane's normal; 0: parallel
+	bool front;        // the ray comes from where the normal points to
 };
 
 plane_meeting meet_plane(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
@@ -43,12 +44,12 @@ plane_meeting meet_plane(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
 	vec3 p = cross(direction, ac);
 	float determinant = dot(ab, p);
 	if (determinant == 0.0)
-		return plane_meeting(vec2(-1.0), 0.0, 0.0);
+		return plane_meeting(vec2(-1.0), 0.0, 0.0, false);
 	float inverse = 1.0 / determinant;
 	vec3 s = origin - a;
 	vec3 q = cross(s, ab);
 	float height = dot(ac, q);
-	return plane_meeting(vec2(dot(s, p), dot(direction, q)) * inverse, determinant < 0.0 ? -height : height, abs(determinant));
+	return plane_meeting(vec2(dot(s, p), dot(direction, q)) * inverse, determinant < 0.0 ? -height : height, abs(determinant), determinant > 0.0);
 }
 
 bool inside_triangle(vec2 barycentric)
@@ -56,12 +57,25 @@ bool inside_triangle(vec2 barycentric)
 	return barycentric.x >= -EDGE_SLACK && barycentric.y >= -EDGE_SLACK && barycentric.x + barycentric.y <= 1.0 + EDGE_SLACK;
 }
 
-// The ends of the segment, the far one at `end`, must lie off the triangle's plane by their slack: a distance times `area2`
-// (|ab x ac|).
-bool hits_triangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, float area2, float end, vec2 slack)
+// A segment as an object's tree is asked for it, in the object's rest frame. It goes from `origin` to `origin + end *
+// direction`.
+struct tree_ray {
+	vec3 origin, direction;
+	float end;
+	float reach;        // boxes that begin behind it, as a share of the direction, are not met: a little more than `end`
+	vec2 slack;         // how far an end may be off the plane that it lies in, metres
+	uvec2 ranks;        // of the primitives that it begins and ends on, which cannot hide it; GI_NONE
+	bool arrives_front; // at the front of the surface it ends on
+};
+
+// The origin must lie off the triangle's plane by its slack: a distance times `area2` (|ab x ac|); and so must the end,
+// unless the triangle covers what lies in its plane there: as a front does a back, and the higher rank the lower.
+bool hits_triangle(tree_ray r, vec3 a, vec3 b, vec3 c, float area2, bool outranks)
 {
-	plane_meeting m = meet_plane(origin, direction, a, b, c);
-	return inside_triangle(m.barycentric) && m.height > slack.x * area2 && m.determinant * end - m.height > slack.y * area2;
+	plane_meeting m = meet_plane(r.origin, r.direction, a, b, c);
+	bool covers = m.front == r.arrives_front ? outranks : m.front;
+	return inside_triangle(m.barycentric) && m.height > r.slack.x * area2 &&
+	       m.determinant * r.end - m.height > (covers ? -r.slack.y : r.slack.y) * area2;
 }
 
 // What the next leaf at or after node n of a packed tree names, whose box the ray meets: a quad, or an object of the
@@ -80,28 +94,27 @@ uint next_leaf(usamplerBuffer tree, grid_ray r, float end, uint last, inout uint
 	return found;
 }
 
-// skip_a and skip_b are leaves whose primitives do not count.
-bool primitive_hides(uint primitive, vec3 origin, vec3 direction, float end, vec2 slack, uint skip_a, uint skip_b)
+bool primitive_hides(uint primitive, tree_ray r)
 {
 	gi_primitive q = load_primitive(primitive);
-	uint first = floatBitsToUint(q.a.w), last = floatBitsToUint(q.b.w);
-	bool own = (skip_a >= first && skip_a < last) || (skip_b >= first && skip_b < last);
-	return !own && (hits_triangle(origin, direction, q.a.xyz, q.b.xyz, q.c.xyz, q.c.w, end, slack) ||
-			hits_triangle(origin, direction, q.a.xyz, q.c.xyz, q.d.xyz, q.d.w, end, slack));
+	uint rank = floatBitsToUint(q.b.w);
+	bool own = rank == r.ranks.x || rank == r.ranks.y, outranks = rank > r.ranks.y;
+	return !own && (hits_triangle(r, q.a.xyz, q.b.xyz, q.c.xyz, q.c.w, outranks) ||
+			hits_triangle(r, q.a.xyz, q.c.xyz, q.d.xyz, q.d.w, outranks));
 }
 
 // Does one object cut the segment?
-bool object_hides(uint object, vec3 origin, vec3 direction, float end, vec2 slack, uint skip_a, uint skip_b)
+bool object_hides(uint object, tree_ray ray)
 {
 	uvec4 range = object_bvh(object);
-	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
+	grid_ray r = ray_on_grid(ray.origin, ray.direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	bool hidden = false;
 	while (n < range.y && !hidden) {
-		uint primitive = next_leaf(bvh_texels, r, end, range.y, n);
+		uint primitive = next_leaf(bvh_texels, r, ray.reach, range.y, n);
 		if (primitive == GI_NONE)
 			break;
-		hidden = primitive_hides(primitive, origin, direction, end, slack, skip_a, skip_b);
+		hidden = primitive_hides(primitive, ray);
 	}
 	return hidden;
 }

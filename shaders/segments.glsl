@@ -4,10 +4,19 @@
 // computed in the blocker's rest frame; an end that lies on the blocker itself is used as it is, without a turn through
 // the world. So the answer for a pair of points is the same bits whenever those poses are.
 
-// A surface that an end of the segment lies in, within rounding, does not hide it: rounding of the plane's distance is
-// below this share of the coordinates it is computed from. A share of the segment's length would do for that, but a
-// wall just before the lamp, or a small sealed room in a large scene, would leak.
+// A surface whose plane an end of the segment lies in, within rounding, does not lie between the ends: rounding of the
+// plane's distance is below this share of the coordinates it is computed from. A share of the segment's length would do
+// for that, but a wall just before the lamp, or a small sealed room in a large scene, would leak.
+//
+// Of surfaces that lie in one place the ray meets one: it arrives at a front before any back (of a sheet, or of two
+// rooms that share a plane), and else at the surface of the highest rank (gi_primitive). Where it begins all of them
+// receive, as if each were the one on top: the light there is the same for all, and none of them sends more than is
+// seen of it.
 const float PLANE_SLACK = 2.5e-7;
+
+// How much farther than its end boxes are met, in units of the slack: a surface in the end's plane may lie behind it by
+// the slack over the cosine there. What arrives more obliquely carries hardly any light.
+const float END_REACH = 16.0;
 
 // An object's pose, loaded once for all samples of an entry.
 struct body {
@@ -67,23 +76,29 @@ float reach_of(vec3 v)
 	return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// A segment as an object's tree is asked for it, in the object's rest frame.
-struct tree_ray {
-	vec3 origin, direction;
-	vec2 slack;        // what its ends must lie off a plane to be behind it, metres
-	uint first, last;  // leaves of the object that it begins and ends on; GI_NONE
+// What a segment is to meet, by the primitives at its ends: ranks, and on which side it arrives.
+struct segment_goal {
+	uvec2 ranks;
+	bool front;
 };
+
+segment_goal goal_of(segment_end a, segment_end b, bool front)
+{
+	return segment_goal(uvec2(load_leaf(a.leaf).w, b.leaf == GI_NONE ? GI_NONE : load_leaf(b.leaf).w), front);
+}
 
 // An end that lies on the object is used as it is, without a turn through the world, and world coordinates play no part
 // where both do.
-tree_ray ray_for(body by, body body_a, segment_end a, body body_b, segment_end b)
+tree_ray ray_for(body by, body body_a, segment_end a, body body_b, segment_end b, segment_goal goal)
 {
 	bool own_a = by.object == body_a.object, own_b = by.object == body_b.object, sky = body_b.object == GI_NONE;
 	vec3 origin = own_a ? a.rest : to_rest(by, a.world);
 	vec3 target = sky ? direction_to_rest(by, b.world) : (own_b ? b.rest : to_rest(by, b.world)) - origin;
 	float near = reach_of(own_a ? a.rest : a.world) + reach_of(origin);
 	float far = sky ? 0.0 : near + reach_of(own_b ? b.rest : b.world) + reach_of(target);
-	return tree_ray(origin, target, PLANE_SLACK * vec2(near, far), own_a ? a.leaf : GI_NONE, own_b ? b.leaf : GI_NONE);
+	vec2 slack = PLANE_SLACK * vec2(near, far);
+	float end = sky ? 3e38 : 1.0, reach = sky ? 3e38 : 1.0 + END_REACH * slack.y / max(reach_of(target), 1e-30);
+	return tree_ray(origin, target, end, reach, slack, goal.ranks, goal.front);
 }
 
 grid_ray world_ray(segment_end a, segment_end b, bool sky)
@@ -91,15 +106,16 @@ grid_ray world_ray(segment_end a, segment_end b, bool sky)
 	return ray_on_grid(a.world, sky ? b.world : b.world - a.world, frame.grid.xyz, frame.cells.xyz);
 }
 
-// Do both ends lie on one side of the plane that all of the object lies in, or in it?
+// Do both ends lie on one side of the plane that all of the object lies in? A beginning in the plane is on either side,
+// an end in it on neither: the object may cover what is there.
 bool same_side(uint object, segment_end a, segment_end b, bool sky)
 {
 	vec4 plane = object_plane(object);
 	if (plane.xyz == vec3(0.0))
 		return false;
 	float from = dot(plane.xyz, a.world) - plane.w, to = sky ? dot(plane.xyz, b.world) : dot(plane.xyz, b.world) - plane.w;
-	float slack_a = PLANE_SLACK * reach_of(a.world), slack_b = sky ? 0.0 : PLANE_SLACK * reach_of(b.world);
-	return (from >= -slack_a && to >= -slack_b) || (from <= slack_a && to <= slack_b);
+	float slack_a = PLANE_SLACK * reach_of(a.world), slack_b = sky ? 0.0 : END_REACH * PLANE_SLACK * reach_of(b.world);
+	return (from >= -slack_a && to >= slack_b) || (from <= slack_a && to <= -slack_b);
 }
 
 // The scene's tree for segments to the sky, and for others the one without what encloses the scene: first and end.

@@ -119,7 +119,7 @@ void main()
 		// What is not before the receiver must not shine through its back.
 		uint by = p.receiver.object;
 		if (choose_segment(p, taken, candidates, a, b)) {
-			by = blocker_of(p.receiver, a, p.source, b, (clear & (1u << taken)) != 0u);
+			by = blocker_of(p.receiver, a, p.source, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;

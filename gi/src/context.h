@@ -46,15 +46,19 @@ typedef struct scene_object {
 	gi_skin skin;
 
 	/* Place in the uploaded scene. */
+	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
 	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
 	bool plane; /* all of it in one plane */
+	bool overlaps; /* and parts of it cover each other */
+	uint64_t created; /* how many were created before it */
 } scene_object;
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
+	uint64_t created_count; /* objects ever created */
 	bool uncommitted;
 	bool ever_committed;
 

@@ -32,19 +32,32 @@ static void keep_to_one_line(char *line)
 			*line = ' ';
 }
 
-gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
+static void say(const gi_log *log, gi_result result, const char *format, va_list arguments)
 {
 	char line[1024];
-	va_list arguments;
-	va_start(arguments, format);
 	vsnprintf(line, sizeof line, format, arguments);
-	va_end(arguments);
 	keep_to_one_line(line);
 	if (log->message)
 		log->message(result, line, log->user);
 	else
 		fprintf(stderr, "gi: %s\n", line);
+}
+
+gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	say(log, result, format, arguments);
+	va_end(arguments);
 	return result;
+}
+
+void gi_warn(const gi_log *log, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	say(log, GI_OK, format, arguments);
+	va_end(arguments);
 }
 
 void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...)

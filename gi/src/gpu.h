@@ -20,6 +20,9 @@ typedef struct gi_log {
 /* Formats one line, hands it to the host and returns `result`. */
 __attribute__((format(printf, 3, 4))) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
 
+/* Hands the host one line about something that is no error. */
+__attribute__((format(printf, 2, 3))) void gi_warn(const gi_log *log, const char *format, ...);
+
 /* Tells the host, if it wants to know, that step `done` of `total` begins. */
 __attribute__((format(printf, 4, 5))) void gi_progress(const gi_log *log, uint32_t done, uint32_t total,
 							const char *format, ...);

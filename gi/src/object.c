@@ -1,6 +1,7 @@
 /* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU.
  */
 #include "context.h"
+#include "duplicates.h"
 
 #include "split.h"
 
@@ -516,6 +517,28 @@ static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine
 	return result;
 }
 
+/* The same, of a definition that may hold faces twice. */
+static gi_result make(gi_context *gi, const gi_object_def *def, const char *name, scene_object *o)
+{
+	const gi_log *log = &gi->gpu.log;
+	gi_unique_faces unique;
+	if (!gi_unique_faces_make(def, &unique))
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	if (unique.dropped)
+		gi_warn(log, "object '%s': %u of its %u faces have the corners of another one and are left out", name,
+			unique.dropped, def->face_count);
+	own_cage own = {0};
+	gi_refine_cage cage = cage_of(&unique.def);
+	gi_result result;
+	if (def->double_sided && !make_two_sided(&unique.def, &cage, &own))
+		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	else
+		result = build(gi, &unique.def, &cage, name, o);
+	own_cage_free(&own);
+	gi_unique_faces_free(&unique);
+	return result;
+}
+
 static uint32_t free_place(gi_scene *scene)
 {
 	for (uint32_t k = 0; k < scene->object_count; k++)
@@ -554,13 +577,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 
 	gi_progress(&gi->gpu.log, gi->scene.object_count, 0, "building object '%s'", name);
 	scene_object made = {0};
-	own_cage own = {0};
-	gi_refine_cage cage = cage_of(def);
-	if (def->double_sided && !make_two_sided(def, &cage, &own))
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
-	else
-		result = build(gi, def, &cage, name, &made);
-	own_cage_free(&own);
+	result = make(gi, def, name, &made);
 	const uint32_t place = result ? GI_NONE : free_place(&gi->scene);
 	if (!result && place == GI_NONE)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
@@ -570,6 +587,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 	}
 	made.pose = pose;
 	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
+	made.created = gi->scene.created_count++;
 	gi->scene.objects[place] = made;
 	gi->scene.uncommitted = true;
 	*out = scene_handle(gi, place);

@@ -135,7 +135,7 @@ static double triangle_area(const float a[3], const float b[3], const float c[3]
 	return gi_quad_area(a, b, c, c);
 }
 
-static void add_light(lights *l, float corners[3][3], double luminance, uint32_t material)
+static void add_light(lights *l, float corners[3][3], double luminance, uint32_t material, uint32_t leaf)
 {
 	const double power = luminance * triangle_area(corners[0], corners[1], corners[2]);
 	if (!(power > 0))
@@ -144,6 +144,7 @@ static void add_light(lights *l, float corners[3][3], double luminance, uint32_t
 	for (int k = 0; k < 3; k++)
 		memcpy(&out[k], corners[k], sizeof corners[k]);
 	out[1].w = material;
+	out[2].w = leaf;
 	l->powers[l->count++] = power;
 	l->power += power;
 }
@@ -163,7 +164,8 @@ static void add_object_lights(const gi_scene *s, const scene_object *o, lights *
 			float world[3][3];
 			for (int c = 0; c < 3; c++)
 				to_world(&s->object_data[o->slot], corners[half][c], world[c]);
-			add_light(l, world, luminance, o->material_base + o->hierarchy.leaf_material[leaf]);
+			add_light(l, world, luminance, o->material_base + o->hierarchy.leaf_material[leaf],
+				  o->leaf_base + leaf);
 		}
 	}
 }

@@ -174,7 +174,7 @@ gi_result scene_upload_changes(gi_context *gi)
 		gi_object_data *data = &s->object_data[slot];
 		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 		data->bvh.z = o ? 0 : GI_OBJECT_SKY;
-		if (o && o->plane)
+		if (o && o->plane && !o->overlaps)
 			data->bvh.z |= GI_OBJECT_FLAT;
 		if (o && o->moved)
 			scene_place_object(o, data);

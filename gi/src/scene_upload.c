@@ -6,7 +6,9 @@
  */
 #include "bits.h"
 #include "context.h"
+#include "overlap.h"
 #include "pack.h"
+#include "rank.h"
 #include "vec3d.h"
 
 #include <math.h>
@@ -166,7 +168,6 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
 		gi_primitive p = o->bvh.primitives[k];
 		p.a.w = add_bits(p.a.w, o->leaf_base);
-		p.b.w = add_bits(p.b.w, o->leaf_base);
 		g->primitives[o->primitive_base + k] = p;
 	}
 }
@@ -249,6 +250,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
 		o->plane = is_plane(&o->hierarchy);
+		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
@@ -381,6 +383,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	const bool ready = allocate_all(g);
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
+	g->next.created_count = s->created_count;
 	g->next.uncommitted = s->uncommitted;
 	g->next.ever_committed = s->ever_committed;
 	*s = g->next;
@@ -388,6 +391,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, g, old, old_count);
 	place_vertices(g);
+	if (!rank_primitives(s, g->primitive_count, g->primitives, g->leaves))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	s->wide_count = g->next.wide_count;
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
@@ -442,6 +447,7 @@ gi_result scene_upload(gi_context *gi)
 		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * gi->scene.object_count);
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
+			       .created_count = before.scene.created_count,
 			       .uncommitted = before.scene.uncommitted,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);

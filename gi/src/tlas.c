@@ -3,6 +3,7 @@
  *
  *   tlas_gpu   | all objects: 2 n - 1 nodes | inner objects | unused
  */
+#include "bits.h"
 #include "context.h"
 #include "pack.h"
 
@@ -12,6 +13,16 @@
 /* What pokes through a plane by less, as a share of the coordinates involved, lies in it: rays' ends must lie farther
  * off to be behind it (PLANE_SLACK of segments.glsl is this). */
 static const double HULL_SLACK = 2.5e-7;
+
+/* What comes within so many times that may lie in the plane for some ray: more than rounding adds in the frame of
+ * another object. */
+static const double TOUCHING = 16;
+
+/* Cosine between the normals of two planes that may be one. */
+static const double PARALLEL = 0.999;
+
+/* World boxes that share less than this of the smaller one's side only touch: tiles of one floor. */
+static const float OVERLAPPING = 1e-3f;
 
 /* How far an object's box reaches along a unit normal, from its centre: a turned box, not a world box about it. */
 static double reach_along(const scene_object *o, const gi_object_data *data, gi_vec4 n)
@@ -27,8 +38,92 @@ static double reach_along(const scene_object *o, const gi_object_data *data, gi_
 	return reach;
 }
 
-/* Does the object lie in a plane with all others on one side of it, as a wall of a room does? Then it hides only what
- * is beyond all objects. */
+/* Do their boxes have more in common than an edge? */
+static bool share_a_face(const scene_object *a, const scene_object *b)
+{
+	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
+	bool shared = true;
+	for (int k = 0; k < 3; k++) {
+		const float smaller = fminf(au[k] - al[k], bu[k] - bl[k]);
+		shared = shared && fminf(au[k], bu[k]) - fmaxf(al[k], bl[k]) > OVERLAPPING * smaller;
+	}
+	return shared;
+}
+
+/* A plane in an object's rest frame: normal, height along it. */
+typedef struct rest_plane {
+	double normal[3], height;
+} rest_plane;
+
+static rest_plane plane_at_rest(gi_vec4 world, const gi_object_data *data)
+{
+	const gi_vec4 rows[3] = {data->row0, data->row1, data->row2};
+	rest_plane p = {.height = world.w};
+	for (int r = 0; r < 3; r++) {
+		const double n = (&world.x)[r];
+		p.normal[0] += n * rows[r].x;
+		p.normal[1] += n * rows[r].y;
+		p.normal[2] += n * rows[r].z;
+		p.height -= n * rows[r].w;
+	}
+	return p;
+}
+
+static double off_plane(const rest_plane *p, const float x[3])
+{
+	return p->normal[0] * x[0] + p->normal[1] * x[1] + p->normal[2] * x[2] - p->height;
+}
+
+static bool box_meets(const gi_bvh_node *n, const rest_plane *p, double slack)
+{
+	float middle[3];
+	double reach = slack;
+	for (int k = 0; k < 3; k++) {
+		const float lower = (&n->lower.x)[k], upper = (&n->upper.x)[k];
+		middle[k] = 0.5f * lower + 0.5f * upper;
+		reach += 0.5 * ((double)upper - lower) * fabs(p->normal[k]);
+	}
+	return fabs(off_plane(p, middle)) <= reach;
+}
+
+static bool lies_in(const gi_primitive *q, const rest_plane *p, double slack)
+{
+	const float *corners[4] = {&q->a.x, &q->b.x, &q->c.x, &q->d.x};
+	for (int i = 0; i < 4; i++)
+		if (!(fabs(off_plane(p, corners[i])) <= slack))
+			return false;
+	return true;
+}
+
+static bool has_face_in(const gi_bvh *bvh, const rest_plane *p, double slack)
+{
+	for (uint32_t n = 0; n < bvh->node_count;) {
+		const uint32_t primitive = gi_bits_from_float(bvh->nodes[n].upper.w);
+		const bool meets = box_meets(&bvh->nodes[n], p, slack);
+		if (meets && primitive != GI_NONE && lies_in(&bvh->primitives[primitive], p, slack))
+			return true;
+		n = meets ? n + 1 : gi_bits_from_float(bvh->nodes[n].lower.w);
+	}
+	return false;
+}
+
+/* Does the other object have a surface in the plane of the flat one that the flat one hides from where all objects are
+ * (rank.h)? Closed ones turn their backs to it. */
+static bool may_cover(const gi_scene *s, uint32_t flat, uint32_t slot, double slack)
+{
+	const scene_object *by = &s->objects[s->slots[flat]], *o = &s->objects[s->slots[slot]];
+	const gi_object_data *data = &s->object_data[slot];
+	const gi_vec4 n = s->object_data[flat].plane, m = data->plane;
+	const double cosine = (double)n.x * m.x + (double)n.y * m.y + (double)n.z * m.z;
+	if (o->plane)
+		return (cosine < -PARALLEL || (cosine > PARALLEL && by->highest_rank > o->lowest_rank)) &&
+		       share_a_face(by, o);
+	const rest_plane p = plane_at_rest(n, data);
+	return !(o->hierarchy.closed && o->hierarchy.volume > 0) && has_face_in(&o->bvh, &p, slack);
+}
+
+/* Does the object lie in a plane with all others on one side of it and none in it, as a wall of a room does? Then it
+ * hides only what is beyond all objects. */
 static bool encloses(const gi_scene *s, uint32_t slot)
 {
 	const gi_vec4 plane = s->object_data[slot].plane;
@@ -43,6 +138,10 @@ static bool encloses(const gi_scene *s, uint32_t slot)
 		const double slack = HULL_SLACK * (fabs(along) + reach + fabs((double)plane.w));
 		front = front || along + reach - plane.w > slack;
 		behind = behind || along - reach - plane.w < -slack;
+		const double far = fabs((double)c.x) + fabs((double)c.y) + fabs((double)c.z) + c.w;
+		const double near = TOUCHING * HULL_SLACK * far;
+		if (fabs(along - plane.w) - reach <= near && may_cover(s, slot, k, near))
+			return false;
 	}
 	return !(front && behind);
 }

@@ -41,8 +41,17 @@ static void expect_finite_light(const snapshot *s, const char *what)
 static const double MAXIMUM_TOLERANCE = 1e-5;
 
 /* Irradiance received by all over what all radiate: at most 1 but for the reciprocity of rows, whose visibility is one
- * ray an entry. The most measured below is 1.013: two boxes in one place, where each side is both seen and hidden. */
+ * ray an entry. */
 static const double RECEIVED_TOLERANCE = 0.02;
+
+/* Of leaves in one place all receive what the one on top does: it is counted once. */
+static bool is_there_again(const snapshot *s, uint32_t leaf)
+{
+	for (uint32_t k = leaf + 1; k < s->leaf_count; k++)
+		if (memcmp(s->leaves[leaf].corners, s->leaves[k].corners, sizeof s->leaves[k].corners) == 0)
+			return true;
+	return false;
+}
 
 static double expect_no_energy_made(const snapshot *s, const char *what)
 {
@@ -54,6 +63,8 @@ static double expect_no_energy_made(const snapshot *s, const char *what)
 			e = fmax(e, (double)l->exitance[c]);
 			rho = fmax(rho, (double)l->rho[c]);
 			b = fmax(b, (double)l->radiosity[c]);
+			if (is_there_again(s, k))
+				continue;
 			received += (double)l->area * (double)l->irradiance[c];
 			radiated += (double)l->area * (double)l->radiosity[c];
 		}

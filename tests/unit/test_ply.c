@@ -256,7 +256,7 @@ static void strips_of_triangles(void **state)
 {
 	(void)state;
 	engine_scene scene = load_ply(ASCII VERTEX "element tristrips 2\nproperty list int int vertex_indices\n"
-						   "end_header\n" SQUARE "4 0 1 3 2\n9 0 1 3 -1 -1 1 2 3 3\n");
+						   "end_header\n" SQUARE "4 0 1 3 2\n9 0 1 2 -1 -1 0 2 3 3\n");
 	const engine_mesh *mesh = &scene.objects[0].mesh;
 	assert_int_equal(mesh->face_count, 4);
 	assert_true(fabs(area_of(&scene.objects[0]) - 2) < 1e-6);

@@ -162,6 +162,33 @@ static void cleaning_drops_what_has_no_area(void **state)
 	engine_mesh_free(&mesh);
 }
 
+/* A triangle, the same from another corner, on vertices of its own and turned round, and a quad four times. */
+static void cleaning_drops_faces_that_are_there_twice(void **state)
+{
+	(void)state;
+	float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0};
+	uint32_t counts[] = {3, 3, 3, 3, 4, 4, 4, 4}, indices[] = {0, 1, 2, 1, 2, 0, 6, 4, 5, 2, 1, 0, 0, 1, 2, 3,
+								   3, 0, 1, 2, 2, 3, 0, 1, 5, 6, 3, 4};
+	uint32_t materials[] = {4, 1, 2, 5, 6, 3, 7, 8};
+	engine_mesh part = {.positions = positions,
+			    .vertex_count = 7,
+			    .face_counts = counts,
+			    .indices = indices,
+			    .face_materials = materials,
+			    .face_count = 8,
+			    .index_count = 28};
+	engine_mesh mesh = {0};
+	engine_clean_report report;
+	assert_true(engine_mesh_append(&mesh, &part, 0));
+	assert_true(engine_mesh_clean(&mesh, &report, message, sizeof message));
+	assert_int_equal(report.duplicate_faces, 5);
+	assert_int_equal(mesh.face_count, 3);
+	assert_int_equal(mesh.index_count, 10);
+	for (int f = 0; f < 3; f++)
+		assert_int_equal(mesh.face_materials[f], 4 + f);
+	engine_mesh_free(&mesh);
+}
+
 static void cleaning_refuses_broken_meshes(void **state)
 {
 	(void)state;
@@ -328,6 +355,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(cleaning_connects_and_keeps_order),
 	    cmocka_unit_test(cleaning_drops_what_has_no_area),
+	    cmocka_unit_test(cleaning_drops_faces_that_are_there_twice),
 	    cmocka_unit_test(cleaning_refuses_broken_meshes),
 	    cmocka_unit_test(only_halves_of_quads_are_paired),
 	    cmocka_unit_test(a_sphere_stays_a_closed_sphere),

@@ -25,6 +25,11 @@
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
+ * Where surfaces lie in one place, nearer than about 1e-6 of their coordinates, one is seen: a front before any back; of
+ * those that look the same way one that emitted at gi_commit, else that of the object of less area, else of the one created
+ * later; within an object the smaller polygon. A carpet lies on the floor, a lamp on the ceiling, a wall that is there twice
+ * counts once. Leaves that are covered keep B and H as if they were on top; nothing of them arrives anywhere.
+ *
  * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to
  * do about it went to the message callback. All but those that only set and get values need the OpenGL context current
  * and say GI_ERROR_WRONG_CONTEXT where it is not; a context that shares objects with it is another one.
@@ -66,7 +71,7 @@ typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
 /* The text of the table above; never NULL. */
 const char *gi_result_text(gi_result result);
 
-/* Receives one line, without a newline, for every error and warning. The text is gone when the callback returns. */
+/* Receives one line, without a newline, for every error and warning (GI_OK). The text is gone when the callback returns. */
 typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
 /* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
@@ -246,7 +251,9 @@ typedef struct gi_object_def {
 
 gi_object_def gi_object_def_default(void);
 
-/* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. */
+/* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. Faces with the corners of
+ * an earlier one in the same order round, wherever their list begins, are left out, with a warning that counts them: by
+ * position, or by number where there are creases. */
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 
 /* How fine a whole scene is cut, where the host has no sizes of its own. */
