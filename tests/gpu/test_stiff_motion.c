@@ -57,8 +57,8 @@ static void expect_within(const snapshot *s, uint64_t seed, int frame, tally *t)
 		const gi_leaf *l = &s->leaves[k / 3];
 		const double b = (double)l->radiosity[k % 3], e = (double)l->exitance[k % 3], most = ceiling[k % 3];
 		if (!(b >= e && b <= most * (1 + ULP)))
-			fail_msg("scene %llu, frame %d: B is %.9g, outside [%.9g, %.9g]", (unsigned long long)seed, frame, b,
-				 e, most);
+			fail_msg("scene %llu, frame %d: B is %.9g, outside [%.9g, %.9g]", (unsigned long long)seed,
+				 frame, b, e, most);
 		t->most_of_ceiling = fmax(t->most_of_ceiling, most > 0 ? b / most : 0);
 	}
 }
