@@ -40,8 +40,9 @@
 // back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
 //
 // Not farther than from a cold start. R of before has the residual r over the new rows, R = 0 has s. What is missing is
-// M^-1 of that: the mean flux A times, what is local about once. Where a channel begins worse by that estimate than from R = 0, all
-// begin again from there; one with too much light in a scene that hardly loses any, from the part of R whose flux is right.
+// M^-1 of that, in flux A times the flux of |r| at most, and about A times that of s; what is local counts about once. Where a
+// channel begins worse by that estimate than from R = 0, all begin again from there; one with too much light, from the part of R
+// whose flux is right, if that is better (weigh.comp).
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -81,9 +82,8 @@ const float BLOWN_UP = 10.0;
 // Largest entries rise in between even where all goes well: a frame may end so much above where the window began.
 const float ENDS_WELL = 2.0;
 
-// A warm start against a cold one. Where light is amplified more than SLOW times flux is what counts, and what is too much by
-// so much of the flux first reflected is taken back. What is local may spread worse than it looks.
-const float SLOW = 10.0, TOO_MUCH = -0.25, UNSURE = 4.0, UNSURE_WHERE_SLOW = 16.0;
+// A warm start against a cold one: what is local may spread worse than it looks.
+const float UNSURE = 2.0;
 
 // What errors by M u may count of a leaf's light, before it is known.
 const float FIRST_SPREAD = 1.0;
@@ -448,18 +448,13 @@ void judge(bool certified, float last_residual, float residual)
 
 // ---- warm or cold ----
 
-// How much of R before the sweep a channel should have begun with: all of it, where that is no farther from the solution than
-// none; the part whose flux is right, where there was too much of it; or none.
+// How much of R before the sweep a channel should have begun with: the part that weigh.comp chose, where that is no farther from
+// the solution than none is.
 float part_of_warm(uint c, float a)
 {
-	float lacks = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c), part = 1.0;
+	float astray = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c);
 	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_DIRECT_BITS + c);
-	if (a > SLOW && lacks < TOO_MUCH * mean && mean > 0.0) {
-		part = mean / (mean - lacks);
-		local = (1.0 - part) * most + part * local;
-		lacks = 0.0;
-	}
-	return a * abs(lacks) + (a > SLOW ? UNSURE_WHERE_SLOW : UNSURE) * local <= a * mean + most ? part : 0.0;
+	return a * astray + UNSURE * local <= a * mean + most ? load(GI_STATE_FACTOR_BITS + c) : 0.0;
 }
 
 bool should_have_begun_otherwise()

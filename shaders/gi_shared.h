@@ -322,7 +322,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_DIRECT_BITS 78u   /* 3: largest light first reflected (emitted.comp) */
 #define GI_STATE_CEILING_BITS 81u  /* 3: no reflected light is more */
 #define GI_STATE_WEIGHED 84u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */
-#define GI_STATE_WARM_MEAN_BITS 85u /* 3: mean flux that it lacks, below 0 has too much, W/m2 */
+#define GI_STATE_WARM_MEAN_BITS 85u /* 3: mean flux of its residual, W/m2 */
 #define GI_STATE_WARM_MOST_BITS 88u /* 3: largest residual */
 #define GI_STATE_COLD_MEAN_BITS 91u /* 3: the same of a cold start */
 #define GI_STATE_FACTOR_BITS 94u   /* 4: what becomes of R and v of before */
