@@ -134,18 +134,28 @@ static bool meets(const file_triangle *t, const float origin[3], const float dir
 	return u >= 0 && v >= 0 && u + v <= 1;
 }
 
+/* Within this share of the scene's radius two triangles lie in one place. */
+static const float ONE_PLACE = 1e-5f;
+
+/* Of two in one place that look apart, walls of two rooms, the one that looks at the ray is what it meets. */
+static bool is_before(const file_hit *hit, const file_hit *other, float one_place)
+{
+	const float nearer = other->distance - hit->distance;
+	return fabsf(nearer) <= one_place && hit->back != other->back ? other->back : nearer > 0;
+}
+
 file_hit file_rays_shoot(const file_rays *r, const float origin[3], const float direction[3], float least,
 			 bool through_backs)
 {
 	file_hit hit = {UINT32_MAX, FLT_MAX, false};
 	for (uint32_t k = 0; k < r->count; k++) {
 		const file_triangle *t = &r->triangles[k];
-		float distance;
-		bool back = glm_vec3_dot((float *)t->normal, (float *)direction) > 0;
-		if (through_backs && back && !t->double_sided)
+		file_hit met = {k, 0, glm_vec3_dot((float *)t->normal, (float *)direction) > 0};
+		if (through_backs && met.back && !t->double_sided)
 			continue;
-		if (meets(t, origin, direction, &distance) && distance > least && distance < hit.distance)
-			hit = (file_hit){k, distance, back};
+		if (meets(t, origin, direction, &met.distance) && met.distance > least &&
+		    is_before(&met, &hit, ONE_PLACE * r->radius))
+			hit = met;
 	}
 	return hit;
 }

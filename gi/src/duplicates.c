@@ -125,6 +125,31 @@ static bool find_repeats(const gi_object_def *def, bool *repeats, uint32_t *coun
 	return enough;
 }
 
+/* Leaf sizes and cuts go by the faces' numbers, those of repeats with them. */
+static bool copy_fineness(const gi_object_def *def, const bool *repeats, gi_unique_faces *out)
+{
+	uint32_t *number = allocate(def->face_count, sizeof *number), faces = 0, cuts = 0;
+	out->leaf_sizes = allocate(def->face_count, sizeof *out->leaf_sizes);
+	out->leaf_cuts = allocate(def->leaf_cut_count, sizeof *out->leaf_cuts);
+	const bool enough = number && out->leaf_sizes && out->leaf_cuts;
+	for (uint32_t k = 0; enough && k < def->face_count; k++) {
+		number[k] = faces;
+		out->leaf_sizes[faces] = def->leaf_sizes ? def->leaf_sizes[k] : 0;
+		faces += !repeats[k];
+	}
+	for (uint32_t k = 0; enough && k < def->leaf_cut_count; k++) {
+		if (repeats[def->leaf_cuts[k].face])
+			continue;
+		out->leaf_cuts[cuts] = def->leaf_cuts[k];
+		out->leaf_cuts[cuts++].face = number[def->leaf_cuts[k].face];
+	}
+	free(number);
+	out->def.leaf_sizes = out->leaf_sizes;
+	out->def.leaf_cuts = out->leaf_cuts;
+	out->def.leaf_cut_count = cuts;
+	return enough;
+}
+
 static bool copy_others(const gi_object_def *def, const bool *repeats, gi_unique_faces *out)
 {
 	out->face_counts = allocate(def->face_count, sizeof *out->face_counts);
@@ -157,7 +182,7 @@ bool gi_unique_faces_make(const gi_object_def *def, gi_unique_faces *out)
 	bool *repeats = allocate(def->face_count, sizeof *repeats);
 	bool enough = repeats && find_repeats(def, repeats, &out->dropped);
 	if (enough && out->dropped)
-		enough = copy_others(def, repeats, out);
+		enough = copy_others(def, repeats, out) && copy_fineness(def, repeats, out);
 	free(repeats);
 	if (!enough)
 		gi_unique_faces_free(out);
@@ -169,5 +194,7 @@ void gi_unique_faces_free(gi_unique_faces *unique)
 	free(unique->face_counts);
 	free(unique->indices);
 	free(unique->face_materials);
+	free(unique->leaf_sizes);
+	free(unique->leaf_cuts);
 	*unique = (gi_unique_faces){.dropped = 0};
 }

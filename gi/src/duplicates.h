@@ -11,6 +11,8 @@ typedef struct gi_unique_faces {
 	gi_object_def def;
 	uint32_t dropped;
 	uint32_t *face_counts, *indices, *face_materials; /* its own; NULL where nothing was dropped */
+	float *leaf_sizes;
+	gi_leaf_cut *leaf_cuts;
 } gi_unique_faces;
 
 /* `def` has passed its checks. Corners are compared by where they are, or, so that creases keep their edges, by number

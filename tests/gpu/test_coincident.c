@@ -497,6 +497,39 @@ static void the_first_of_two_faces_stays(void **state)
 	gi_context_destroy(gi);
 }
 
+/* A floor of four leaves that is there twice, the copy with a size and a cut of its own, and a shelf that is cut in
+ * two: what is said of faces by their numbers stays with them. */
+static void sizes_and_cuts_stay_with_their_faces(void **state)
+{
+	(void)state;
+	const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+	const uint32_t indices[] = {0, 1, 2, 3, 1, 2, 3, 0, 4, 5, 6, 7};
+	const float sizes[] = {.5f, .1f, 1};
+	const gi_leaf_cut cuts[] = {{1, {.3f, 0, 0}, {.3f, 1, 0}}, {2, {.3f, 0, 1}, {.3f, 1, 1}}};
+	for (int sides = 1; sides <= 2; sides++) {
+		gi_context *gi = open_context(.1f);
+		gi_object_def def = gi_object_def_default();
+		gi_object object;
+		uint32_t leaves;
+		def.positions = positions;
+		def.vertex_count = 8;
+		def.indices = indices;
+		def.index_count = 12;
+		def.face_count = 3;
+		def.leaf_size = 1;
+		def.leaf_sizes = sizes;
+		def.leaf_cuts = cuts;
+		def.leaf_cut_count = 2;
+		def.double_sided = sides == 2;
+		assert_gi(gi_create_object(gi, &def, &object));
+		assert_gi(gi_commit(gi));
+		assert_gi(gi_read_leaves(gi, NULL, 0, &leaves));
+		printf("  %d sides: %u leaves\n", sides, leaves);
+		assert_int_equal(leaves, 6 * sides);
+		gi_context_destroy(gi);
+	}
+}
+
 /* ---- moving into one place and out of it ---- */
 
 enum { MOVERS = 4, RESTS = 4, FRAMES = 60 };
@@ -601,6 +634,7 @@ int main(void)
 	    cmocka_unit_test(sheets_of_two_faces),
 	    cmocka_unit_test(copies_within_an_object_are_dropped),
 	    cmocka_unit_test(the_first_of_two_faces_stays),
+	    cmocka_unit_test(sizes_and_cuts_stay_with_their_faces),
 	    cmocka_unit_test(updated_rows_are_a_rebuilds),
 	};
 	const char *only = getenv("RELUME_TEST");
