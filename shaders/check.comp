@@ -79,9 +79,6 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// Largest entries rise in between even where all goes well: a frame may end so much above where the window began.
-const float ENDS_WELL = 2.0;
-
 // A warm start against a cold one: what is local may spread worse than it looks.
 const float UNSURE = 2.0;
 
@@ -365,7 +362,7 @@ void step_chebyshev(float amplified, float residual, bool near_floor)
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
 	} else if (bad && near_floor) {
 		settle_for(GI_MANNER_POLISH, residual);
-	} else if (bad || (last && residual > ENDS_WELL * begun)) {
+	} else if (bad || (last && residual > begun)) {
 		fail_chebyshev();
 	} else if (judged) {
 		open_window(residual);
