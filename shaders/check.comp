@@ -213,6 +213,13 @@ void begin_anew()
 	note_first_scale();
 }
 
+// The next sweep begins with an R to come back to.
+void keep(float residual)
+{
+	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
+	store(GI_STATE_KEPT_BITS, residual);
+}
+
 void begin()
 {
 	words[GI_STATE_SWEEPS] = words[GI_STATE_WEIGHED] = 0u;
@@ -222,6 +229,8 @@ void begin()
 	put_groups(GI_STATE_ARGS_CHECK, 1u);
 	if (stage == STAGE_BEGIN)
 		begin_anew();
+	else if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV && words[GI_STATE_ACTION] == 0u)
+		keep(load(GI_STATE_DONE_RESIDUAL_BITS));
 	clear_findings();
 	queue_next();
 	if (frame.counts.x == 0u) {
@@ -317,13 +326,6 @@ void open_window(float residual)
 	store(GI_STATE_WINDOW_BITS, residual);
 }
 
-// The next sweep begins with an R to come back to.
-void keep(float residual)
-{
-	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
-	store(GI_STATE_KEPT_BITS, residual);
-}
-
 void settle_for(uint manner, float residual)
 {
 	words[GI_STATE_MANNER] = manner;
@@ -362,7 +364,7 @@ void step_chebyshev(float amplified, float residual, bool near_floor)
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
 	} else if (bad && near_floor) {
 		settle_for(GI_MANNER_POLISH, residual);
-	} else if (bad || (last && residual > begun)) {
+	} else if (bad || (last && residual > load(GI_STATE_KEPT_BITS))) {
 		fail_chebyshev();
 	} else if (judged) {
 		open_window(residual);
