@@ -82,6 +82,9 @@ const float BLOWN_UP = 10.0;
 // A warm start against a cold one: what is local may spread worse than it looks.
 const float UNSURE = 2.0;
 
+// v of rows that amplified so many times more or less tells nothing of these.
+const float OTHER_ROWS = 4.0;
+
 // What errors by M u may count of a leaf's light, before it is known.
 const float FIRST_SPREAD = 1.0;
 
@@ -463,8 +466,10 @@ bool should_have_begun_otherwise()
 	float least = min(part.x, min(part.y, part.z));
 	for (uint c = 0u; c < 3u; c++)
 		store(GI_STATE_FACTOR_BITS + c, least > 0.0 ? part[c] : 0.0);
-	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 ? 1.0 : 0.0);
-	return least < 1.0;
+	float known = abs(load(GI_STATE_ESTIMATE_BITS));
+	bool other_rows = a > OTHER_ROWS * known || known > OTHER_ROWS * a;
+	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 && !other_rows ? 1.0 : 0.0);
+	return least < 1.0 || other_rows;
 }
 
 // The sweep that told so does not count.
