@@ -83,7 +83,7 @@ const float BLOWN_UP = 10.0;
 const float UNSURE = 2.0;
 
 // v of rows that amplified so many times more or less tells nothing of these.
-const float OTHER_ROWS = 4.0;
+const float OTHER_ROWS = 16.0;
 
 // What errors by M u may count of a leaf's light, before it is known.
 const float FIRST_SPREAD = 1.0;
