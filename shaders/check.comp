@@ -207,8 +207,8 @@ void begin_anew()
 	words[GI_STATE_MANNER] = GI_MANNER_JACOBI;
 	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = 0u;
 	words[GI_STATE_REACH_BITS] = 0u;
-	if ((frame.update.w & GI_UPDATE_REBUILD) != 0u)
-		words[GI_STATE_ELLIPSE] = 0u;
+	// A narrower ellipse may do for these rows.
+	words[GI_STATE_ELLIPSE] = (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
 	store(GI_STATE_OMEGA_BITS, 1.0);
 	store(GI_STATE_AMPLIFICATION_BITS, HUGE);
 	// Below 0: seen over the rows before, to compare with and not to count on (judge).
