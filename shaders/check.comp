@@ -1,10 +1,10 @@
 #version 450 core
 // Judges a sweep: does the certified bound meet the tolerance, is what is left rounding, and how does the next one go?
-// The group counts of all sweeps lie in the state, so that ending the solve, or choosing the certifying gather instead
-// of the ordinary one, is a matter of zeroes: the frame never waits for a read-back.
+// The group counts of all sweeps lie in the state, so that ending the solve, or having the next gather in double precision
+// instead of single, is a matter of zeroes: the frame never waits for a read-back.
 //
 // What is solved is the light reflected, R = B - E: with M = I - diag(rho) W (W: links and area means) and s = rho * the
-// irradiance by exitance, M R = s. T R = s + R - M R, and r = T R - R, what R lacks to the solution R* is e = M^-1 r.
+// irradiance by exitance, M R = s. T R = s + R - M R, and r = T R - R; what R lacks to the solution R* is e = M^-1 r.
 //
 // The bounds. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0. Hence for any u with M u > 0
 // (Collatz 1942)
@@ -14,24 +14,22 @@
 // - Everywhere alike: u = v, the fourth channel, which solves M v = 1 for the largest rho of the three; its M has the largest
 //   inverse. |T R - R*| <= |r| (v_max / m - 1), m = min (M v)_i. u = 1 gives the row sums' norm, 1 / (1 - q). Of A = v_max / m
 //   and that the lesser counts: the amplification. It bounds the spectrum too, whose radius is at most 1 - 1 / A.
-// - By the light of each leaf: u = R* + t v, t >= 0. M u = s + t M v, which the gather has at hand: where light comes first, s,
-//   much may be missing; where it is dark, little, t M v, and u says that from where much is missing little arrives. R* is not
-//   known, but R* <= R + kappa u, so that kappa u <= kappa / (1 - kappa) (R + t v), where kappa < 1, and likewise behind I - M.
-//   t is the largest with t v_i <= R_i + dark everywhere, as of the sweep before: theta * scale, channel by channel.
-// - By its own light: R^3/4 more in u, in units of (largest R)^1/4. Means of R^3/4 are at most its values at means (Jensen), so
-//   M of it is at least R_i^3/4 - (rho_i S_i)^1/4 (rho W R)_i^3/4, S_i the row's sum: in the solution a share of R_i^3/4 that is
-//   the same however dark it is. Far from the solution it may be below 0; the better of this u and the one before counts.
+// - By the light of each leaf, channel by channel: u = R + sqrt(R max R) + theta v max R. M R = s - r, much where light comes first.
+//   Means of a root are at most the root of the mean, so M of the second is at least sqrt(max R) (sqrt(R_i) - sqrt(S_i (rho W R)_i)),
+//   S_i rho times the row's sum: near the solution a share of sqrt(R_i) that is the same however dark it is. M of the third
+//   is theta max R, with theta v <= GI_DARK_SHARE: what is left where R is nothing yet. So u says that where much is missing
+//   it is where there is much light, and that little of it arrives where it is dark.
 //
 // The tolerance is of the light reflected: the solve has converged when, leaf by leaf and channel by channel, it is certain that
 //
 //     |R - R*| <= tolerance * (R_i + GI_DARK_SHARE * max R)
 //
-// What is stored, R', is T R but for rounding (or Chebyshev's step), and the certifying gather knows by how much, w:
+// What is stored, R', is T R but for rounding (or Chebyshev's step), and the gather knows by how much, w:
 //
 //     |R' - R*| <= |r| (A - 1) + w,    |R' - R*| <= kappa (I - M) u + w,
 //
-// r, w with all doubts of single and double precision (gather.glsl). Once R' rounds to R again, |r| is at most FLOOR, what half
-// a unit in the last place makes of it, and more sweeps keep FLOOR * A of the bound.
+// r, w with all doubts of the precision it summed in (gather.glsl). Once R' rounds to R again r is what half a unit in the last
+// place makes of it, and more sweeps take nothing from the bound.
 //
 // No light from nothing. All rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 - rho); likewise
 // R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R there whatever it
@@ -46,7 +44,7 @@
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
-//     B_k+1 = omega_k+1 (T B_k - B_k-1) + B_k-1
+//     R_k+1 = omega_k+1 (T R_k - R_k-1) + R_k-1
 //     omega_1 = 1, omega_2 = 1 / (1 - q^2 / 2), omega_k+1 = 1 / (1 - q^2 omega_k / 4)
 //
 // takes about sqrt(2 (1 - q)) off the error where Jacobi takes 1 - q. Rows are sampled, so eigenvalues stray from the
@@ -67,9 +65,13 @@ const uint STAGE_SWEPT = 0u, STAGE_BEGIN = 1u, STAGE_GO_ON = 2u;
 // Jacobi where it needs no more sweeps than this: it is then as good as Chebyshev, whose first steps are like it.
 const uint JACOBI_MOST = 8u;
 
+// What moved is wrong near it, and wrong again where that is seen: two sweeps of Jacobi take that away, and Chebyshev, whose second
+// step would bring four tenths of it back, begins behind them.
+const uint LOCAL_SWEEPS = 3u;
+
 // Rounding of sums in floats, amplified more than AMPLIFIED times, would spoil a tolerance of 1e-4. From here on sweeps sum in
-// double precision.
-const float AMPLIFIED = 100.0;
+// double precision, and where what single precision may hide is more than a part in IN_DOUBLE of what was found.
+const float AMPLIFIED = 100.0, IN_DOUBLE = 4.0;
 
 // More than the rounding of a division (2.5 units in the last place) and of the few operations around it.
 const float OUTWARD = 1.0 + 1.0 / 1048576.0;
@@ -85,27 +87,24 @@ const float UNSURE = 2.0;
 // v of rows that amplified so many times more or less tells nothing of these.
 const float OTHER_ROWS = 16.0;
 
-// What errors by M u may count of a leaf's light, before it is known.
-const float FIRST_SPREAD = 1.0;
-
 // What is not known, or too large to tell.
 const float HUGE = 3e38;
 
-// Times FLOOR. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T B + B) / 2, take them away, those
-// of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
+// Times what rounding alone may leave. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T R + R) / 2, take
+// them away, those of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
 const float NEAR_FLOOR = 64.0, AT_FLOOR = 2.0;
-
-// What sums in single precision would make of the residual, likewise (gather.glsl: SUM_NOISE).
-const float SUMS_IN_SINGLE = 16.0;
 const uint POLISH_SWEEPS = 16u;
+
+// B is stored rounded.
+const float STORED = 1.0 / 16777216.0;
 
 // The words of the state that the solve goes by, as registers: read at the start, written at the end. In place, their
 // hundred loads and stores took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
-uint words[100];
+uint words[92];
 
 void read_words()
 {
-	for (uint k = 0u; k < 25u; k++) {
+	for (uint k = 0u; k < 23u; k++) {
 		uvec4 four = load_four_words(k);
 		for (uint c = 0u; c < 4u; c++)
 			words[4u * k + c] = four[c];
@@ -120,10 +119,10 @@ void write_words()
 		state[k] = words[k];
 	for (uint k = GI_STATE_ARGS_GATHER; k < GI_STATE_ARGS_RECYCLE; k++)
 		state[k] = words[k];
-	for (uint k = GI_STATE_ARGS_CERTIFY; k < GI_STATE_DIRECT_BITS; k++)
+	for (uint k = GI_STATE_ARGS_DOUBLE; k < GI_STATE_DIRECT_BITS; k++)
 		state[k] = words[k];
 	state[GI_STATE_WEIGHED] = words[GI_STATE_WEIGHED];
-	for (uint k = GI_STATE_FACTOR_BITS; k <= GI_STATE_SPREADS_BITS + 1u; k++)
+	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_FACTOR_BITS + 4u; k++)
 		state[k] = words[k];
 }
 
@@ -160,13 +159,15 @@ void clear_findings()
 
 // ---- the solve's pace ----
 
-void queue_sweep(bool certify)
+// What GI_ACTION_ says in a sweep's place the gather in single precision does.
+void queue_sweep(bool in_double)
 {
+	bool chosen = in_double && words[GI_STATE_ACTION] <= GI_ACTION_KEEP;
 	uint groups = groups_for(frame.counts.x);
-	put_groups(GI_STATE_ARGS_GATHER, certify ? 0u : groups);
-	put_groups(GI_STATE_ARGS_CERTIFY, certify ? groups : 0u);
+	put_groups(GI_STATE_ARGS_GATHER, chosen ? 0u : groups);
+	put_groups(GI_STATE_ARGS_DOUBLE, chosen ? groups : 0u);
 	// Says which it was, after a sweep of no leaves too.
-	words[GI_STATE_ARGS_CERTIFY + 2u] = certify ? 1u : 0u;
+	words[GI_STATE_ARGS_DOUBLE + 2u] = chosen ? 1u : 0u;
 }
 
 void stop(uint verdict)
@@ -176,27 +177,23 @@ void stop(uint verdict)
 		words[GI_STATE_ELLIPSE] -= 1u;
 	words[GI_STATE_VERDICT] = verdict;
 	words[GI_STATE_ARGS_GATHER] = 0u;
-	words[GI_STATE_ARGS_CERTIFY] = 0u;
+	words[GI_STATE_ARGS_DOUBLE] = 0u;
 	words[GI_STATE_ARGS_PULL] = 0u;
 	words[GI_STATE_ARGS_WIDE] = 0u;
 	words[GI_STATE_ARGS_CHECK] = 0u;
 }
 
-// Of a sweep about which nothing else is known, or what GI_ACTION_ says in its place.
+// Of a sweep about which nothing else is known.
 void queue_next()
 {
-	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
-	queue_sweep(words[GI_STATE_ACTION] <= GI_ACTION_KEEP && (last || load(GI_STATE_ESTIMATE_BITS) > AMPLIFIED));
+	queue_sweep(load(GI_STATE_SEEN_BITS) > AMPLIFIED);
 }
 
 // The largest light reflected, as far as it is known before the first sweep. A cold start has R = 0 and v = 1.
 void note_first_scale()
 {
-	if (largest_of_three(GI_STATE_SCALE_BITS) == 0.0) {
+	if (largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
 		store(GI_STATE_THETA_BITS, GI_DARK_SHARE);
-		store(GI_STATE_SPREADS_BITS, FIRST_SPREAD);
-		store(GI_STATE_SPREADS_BITS + 1u, FIRST_SPREAD);
-	}
 	for (uint c = 0u; c < 3u; c++)
 		store(GI_STATE_SCALE_BITS + c, max(load(GI_STATE_SCALE_BITS + c), load(GI_STATE_DIRECT_BITS + c)));
 }
@@ -211,8 +208,6 @@ void begin_anew()
 	words[GI_STATE_ELLIPSE] = (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
 	store(GI_STATE_OMEGA_BITS, 1.0);
 	store(GI_STATE_AMPLIFICATION_BITS, HUGE);
-	// Below 0: seen over the rows before, to compare with and not to count on (judge).
-	store(GI_STATE_ESTIMATE_BITS, -abs(load(GI_STATE_ESTIMATE_BITS)));
 	note_first_scale();
 }
 
@@ -247,18 +242,12 @@ void begin()
 
 // ---- what a sweep found ----
 
-float least_gap()
-{
-	float gap = min(load(GI_STATE_GAP_BITS), min(load(GI_STATE_GAP_BITS + 1u), load(GI_STATE_GAP_BITS + 2u)));
-	return min(gap, 1.0);
-}
-
 float amplification()
 {
-	float a = 1.0 / least_gap(), m = load(GI_STATE_DESCENT_BITS);
+	float a = 1.0 / min(load(GI_STATE_GAP_BITS), 1.0), m = load(GI_STATE_DESCENT_BITS);
 	if (m > 0.0)
-		a = min(a, load(GI_STATE_U_MAX_BITS) / m);
-	return max(a, 1.0) * OUTWARD;
+		a = min(a, load(GI_STATE_V_MAX_BITS) / m);
+	return min(max(a, 1.0) * OUTWARD, HUGE);
 }
 
 // What errors count by is R + GI_DARK_SHARE * scale; the largest R may be less than the scale by now.
@@ -272,34 +261,23 @@ float shrunk()
 	return most;
 }
 
-float bound_by(uint kappa_word)
-{
-	float kappa = load(kappa_word) * OUTWARD;
-	return kappa < 1.0 ? min(kappa / (1.0 - kappa) * OUTWARD * load(kappa_word + 1u) * OUTWARD, HUGE) : HUGE;
-}
-
 // Bound on what T R is off by, of the light reflected; HUGE: none is known.
 float relative_bound()
 {
-	float bound = min(bound_by(GI_STATE_KAPPA_BITS), bound_by(GI_STATE_OWN_BITS));
-	return min(bound * shrunk() * OUTWARD, HUGE);
+	return min(load(GI_STATE_KAPPA_BITS) * load(GI_STATE_SPREAD_BITS) * shrunk() * OUTWARD, HUGE);
 }
 
 void certify()
 {
-	float amplified = min(load(GI_STATE_AMPLIFICATION_BITS), amplification()), bound = 0.0;
-	for (uint c = 0u; c < 3u; c++) {
-		float a = min(amplified, OUTWARD / min(load(GI_STATE_GAP_BITS + c), 1.0));
-		bound = max(bound, load(GI_STATE_RESIDUAL_BITS + c) * (a - 1.0));
-	}
-	float relative = relative_bound(), light = (1.0 + GI_DARK_SHARE) * largest_of_three(GI_STATE_R_MAX_BITS);
-	if (relative < HUGE)
-		bound = min(bound, relative * light * OUTWARD);
-	bound = (bound + load(GI_STATE_WRITE_BITS)) * OUTWARD;
+	float amplified = min(load(GI_STATE_AMPLIFICATION_BITS), amplification()), relative = relative_bound();
+	float most = largest_of_three(GI_STATE_R_MAX_BITS), bound = load(GI_STATE_RESIDUAL_BITS) * (amplified - 1.0);
+	if (relative < 1.0)
+		bound = min(bound, relative * (1.0 + GI_DARK_SHARE) * most);
+	bound = (bound + load(GI_STATE_WRITE_BITS) + STORED * load(GI_STATE_B_MAX_BITS)) * OUTWARD;
 	store(GI_STATE_AMPLIFICATION_BITS, amplified);
-	store(GI_STATE_BOUND_BITS, bound);
-	store(GI_STATE_BOUND_RELATIVE_BITS, min(relative + load(GI_STATE_STRAY_BITS) * shrunk() * OUTWARD, HUGE) * OUTWARD);
-	store(GI_STATE_ROUNDING_BITS, min(bound, load(GI_STATE_FLOOR_BITS) * amplified));
+	store(GI_STATE_BOUND_BITS, min(bound, HUGE));
+	store(GI_STATE_BOUND_RELATIVE_BITS, min((relative + load(GI_STATE_STRAY_BITS) * shrunk()) * OUTWARD, HUGE));
+	store(GI_STATE_ROUNDING_BITS, min(bound, 2.0 * STORED * most * amplified));
 }
 
 bool meets_tolerance()
@@ -387,65 +365,62 @@ uint foretell_jacobi(float amplified, float off)
 
 // Exact sweeps shrink the residual, in as many as the amplification by e: those that do not are rounding. Polishing
 // takes away noise, or has nothing to take.
-bool is_stuck(float amplified, float residual, bool certified, bool polished)
+bool is_stuck(float amplified, float residual, bool in_double, bool polished)
 {
 	words[GI_STATE_WINDOW] += 1u;
 	uint enough = polished ? POLISH_SWEEPS : POLISH_SWEEPS + uint(min(amplified, 1e6));
-	if (certified && words[GI_STATE_WINDOW] < enough)
+	if (in_double && words[GI_STATE_WINDOW] < enough)
 		return false;
-	bool stuck = certified && residual > (polished ? 0.5 : 0.9) * load(GI_STATE_WINDOW_BITS);
+	bool stuck = in_double && residual > (polished ? 0.5 : 0.9) * load(GI_STATE_WINDOW_BITS);
 	open_window(residual);
 	return stuck;
 }
 
 // ---- after a sweep ----
 
-void judge(bool certified, float last_residual, float residual)
+// What is left of the bound by the next sweep: by the last one's progress, or the theory's.
+float foretold(float amplified, float last_residual, float residual)
 {
-	float known = load(GI_STATE_ESTIMATE_BITS), now = amplification(), kappa = load(GI_STATE_KAPPA_BITS);
-	float amplified = known > 0.0 ? min(known, now) : now;
-	bool steady = amplified >= 0.9 * abs(known) && amplified <= 1.1 * abs(known);
-	store(GI_STATE_ESTIMATE_BITS, amplified);
+	if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV)
+		return rate(half_axes());
+	float left = 1.0 - 1.0 / amplified;
+	return last_residual > 0.0 ? min(left, residual / last_residual) : left;
+}
 
-	float off = min(kappa * load(GI_STATE_SPREADS_BITS), HUGE), own = load(GI_STATE_OWN_BITS);
-	float own_off = min(own * load(GI_STATE_SPREADS_BITS + 1u), HUGE), least = load(GI_STATE_NOISE_BITS);
-	if (own_off < off) {
-		off = own_off;
-		kappa = own;
-		least = load(GI_STATE_OWN_BITS + 2u);
-	}
-	bool near_floor = certified && kappa <= NEAR_FLOOR * least;
-	if (certified && kappa <= AT_FLOOR * least && off > frame.tolerance.w && kappa < HUGE) {
-		stop(GI_SOLVE_ROUNDING);
-		return;
-	}
-	uint more = foretell_jacobi(amplified, off);
-	uint manner = words[GI_STATE_MANNER];
+// How the next sweep goes. False: more bring nothing.
+bool go_on(bool in_double, bool near_floor, float residual)
+{
+	float amplified = load(GI_STATE_AMPLIFICATION_BITS), seen = load(GI_STATE_SEEN_BITS);
+	bool steady = amplified >= 0.9 * seen && amplified <= 1.1 * seen;
+	uint more = foretell_jacobi(amplified, relative_bound()), manner = words[GI_STATE_MANNER];
 	if (manner == GI_MANNER_JACOBI || manner == GI_MANNER_GIVEN_UP)
 		words[GI_STATE_JACOBI_SWEEPS] = words[GI_STATE_SWEEPS] + more;
 	if (manner == GI_MANNER_CHEBYSHEV) {
 		step_chebyshev(amplified, residual, near_floor);
-	} else if (manner == GI_MANNER_JACOBI && steady && more > JACOBI_MOST) {
+	} else if (manner == GI_MANNER_JACOBI && steady && words[GI_STATE_SWEEPS] >= LOCAL_SWEEPS && more > JACOBI_MOST) {
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
-	} else if (is_stuck(amplified, residual, certified, near_floor && manner == GI_MANNER_POLISH)) {
-		if (manner == GI_MANNER_POLISH) {
-			stop(GI_SOLVE_ROUNDING);
-			return;
-		}
+	} else if (is_stuck(amplified, residual, in_double, near_floor && manner == GI_MANNER_POLISH)) {
+		if (manner == GI_MANNER_POLISH)
+			return false;
 		settle_for(GI_MANNER_POLISH, residual);
 	}
-	// What the next sweep would certify: by the last one's progress, or the theory's.
-	float left = 1.0 - 1.0 / amplified;
-	if (manner == GI_MANNER_CHEBYSHEV)
-		left = rate(half_axes());
-	else if (last_residual > 0.0)
-		left = min(left, residual / last_residual);
-	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
-	bool enough = left * off <= frame.tolerance.w;
+	return true;
+}
+
+void judge(bool in_double, float last_residual, float residual)
+{
+	float kappa = load(GI_STATE_KAPPA_BITS), least = load(GI_STATE_NOISE_BITS), amplified = load(GI_STATE_AMPLIFICATION_BITS);
+	bool at_floor = in_double && kappa <= AT_FLOOR * least && kappa < HUGE;
+	if (at_floor || !go_on(in_double, in_double && kappa <= NEAR_FLOOR * least, residual)) {
+		stop(GI_SOLVE_ROUNDING);
+		return;
+	}
+	store(GI_STATE_SEEN_BITS, amplified);
 	// What a step adds to T R counts against the bound; Chebyshev begins anew behind it where it was not enough.
+	bool enough = foretold(amplified, last_residual, residual) * relative_bound() <= frame.tolerance.w;
 	if (enough && words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV)
 		store(GI_STATE_OMEGA_BITS, 1.0);
-	queue_sweep(words[GI_STATE_ACTION] <= GI_ACTION_KEEP && (last || enough || amplified > AMPLIFIED || kappa <= (certified ? SUMS_IN_SINGLE : 1.0) * least));
+	queue_sweep(amplified > AMPLIFIED || in_double || (kappa < HUGE && kappa <= IN_DOUBLE * least));
 }
 
 // ---- warm or cold ----
@@ -466,19 +441,19 @@ bool should_have_begun_otherwise()
 	float least = min(part.x, min(part.y, part.z));
 	for (uint c = 0u; c < 3u; c++)
 		store(GI_STATE_FACTOR_BITS + c, least > 0.0 ? part[c] : 0.0);
-	float known = abs(load(GI_STATE_ESTIMATE_BITS));
-	bool other_rows = a > OTHER_ROWS * known || known > OTHER_ROWS * a;
+	float seen = load(GI_STATE_SEEN_BITS);
+	bool other_rows = a > OTHER_ROWS * seen || seen > OTHER_ROWS * a;
 	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 && !other_rows ? 1.0 : 0.0);
 	return least < 1.0 || other_rows;
 }
 
 // The sweep that told so does not count.
-void begin_otherwise(float known)
+void begin_otherwise(float seen)
 {
 	for (uint c = 0u; c < 3u; c++)
 		store(GI_STATE_SCALE_BITS + c, load(GI_STATE_FACTOR_BITS + c) * load(GI_STATE_SCALE_BITS + c));
 	bool cold = load(GI_STATE_FACTOR_BITS + 3u) == 0.0;
-	store(GI_STATE_ESTIMATE_BITS, cold ? 0.0 : known);
+	store(GI_STATE_SEEN_BITS, cold ? 0.0 : seen);
 	if (cold)
 		words[GI_STATE_ELLIPSE] = 0u;
 	begin_anew();
@@ -498,39 +473,34 @@ void end_frame()
 
 // ---- after a sweep, or what came in its place ----
 
-// What a certifying sweep found of the light, for those that follow.
+// What a sweep found of the light, for the one that follows.
 void note_light()
 {
 	for (uint c = 0u; c < 3u; c++)
 		words[GI_STATE_SCALE_BITS + c] = words[GI_STATE_R_MAX_BITS + c];
-	words[GI_STATE_THETA_BITS] = words[GI_STATE_SHARE_BITS];
-	words[GI_STATE_SPREADS_BITS] = words[GI_STATE_SPREAD_BITS];
-	words[GI_STATE_SPREADS_BITS + 1u] = words[GI_STATE_OWN_BITS + 1u];
+	store(GI_STATE_THETA_BITS, GI_DARK_SHARE / max(load(GI_STATE_V_MAX_BITS), 1.0));
 }
 
 void finish_sweep()
 {
-	bool certified = words[GI_STATE_ARGS_CERTIFY + 2u] != 0u;
-	float residual = largest_of_three(GI_STATE_RESIDUAL_BITS);
+	bool in_double = words[GI_STATE_ARGS_DOUBLE + 2u] != 0u;
+	float residual = load(GI_STATE_RESIDUAL_BITS), seen = load(GI_STATE_SEEN_BITS);
 	float last_residual = words[GI_STATE_SWEEPS] > 0u ? load(GI_STATE_DONE_RESIDUAL_BITS) : 0.0;
-	float known = load(GI_STATE_ESTIMATE_BITS);
 	bool otherwise = words[GI_STATE_WEIGHED] != 0u && should_have_begun_otherwise();
 	words[GI_STATE_WEIGHED] = 0u;
 	words[GI_STATE_ACTION] = 0u;
 	words[GI_STATE_SWEEPS] += 1u;
 	store(GI_STATE_DONE_RESIDUAL_BITS, residual);
-	store(GI_STATE_DONE_Q_BITS, 1.0 - least_gap());
-	if (certified) {
-		store(GI_STATE_DONE_B_MAX_BITS, load(GI_STATE_B_MAX_BITS));
-		certify();
-		note_light();
-	}
-	if (certified && meets_tolerance())
+	store(GI_STATE_DONE_Q_BITS, 1.0 - min(load(GI_STATE_GAP_BITS), 1.0));
+	store(GI_STATE_DONE_B_MAX_BITS, load(GI_STATE_B_MAX_BITS));
+	certify();
+	if (meets_tolerance())
 		stop(GI_SOLVE_CONVERGED);
 	else
-		judge(certified, last_residual, residual);
+		judge(in_double, last_residual, residual);
+	note_light();
 	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && otherwise)
-		begin_otherwise(known);
+		begin_otherwise(seen);
 	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && words[GI_STATE_SWEEPS] >= max_sweeps)
 		end_frame();
 	clear_findings();

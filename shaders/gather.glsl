@@ -6,10 +6,10 @@
 // damped one, omega (T R - R) + R (check.comp). It stays where the solution is known to be: no less than s, no more than
 // the ceilings. Sums have terms of one sign only.
 //
-// SUM is what links are summed in, REAL everything else. With CERTIFY the irradiance of everything but what is drawn per
-// pixel comes with it, at the R before the sweep and at no walk of its own.
-//
 // The fourth channel solves v = 1 + rho_max * sum of weight * v_node along with R: how much the scene amplifies.
+//
+// With it comes the irradiance of everything but what is drawn per pixel, at the R before the sweep, and what bounds the error:
+// all that is reported holds however REAL rounds: a sum by ROUNDING_OF_REAL a term, a few operations and roots by SLACK_OF_REAL.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS
@@ -19,202 +19,140 @@
 #define READ_LEAF_RADIOSITY
 #define READ_STATE
 #define WRITE_LEAF_RADIOSITY
-#define WRITE_STATE
-#ifdef CERTIFY
 #define WRITE_LEAF_INDIRECT
-#endif
+#define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-shared uint group_largest[GI_STATE_LARGEST];
-shared uint group_least[GI_STATE_LEAST];
+// What the group's leaves found, word by word; first the largest values wanted, from GI_STATE_RESIDUAL_BITS on, then the least.
+const uint FOUND = GI_STATE_LARGEST + GI_STATE_LEAST;
+shared float found[FOUND * GI_GROUP_SIZE];
 
-const uint INFINITY_BITS = 0x7F800000u;
 const float HUGE = 3e38;
 
+// More than a float is off by after a conversion, a division and a root.
+const float SLACK = 1e-6;
+
 struct gathered {
-	SUM4 sum;    // of weight * R_node, and of weight * v_node
-	SUM row_sum; // of weights
-	uint count;  // of links
+	REAL4 sum;    // of weight * R_node, and of weight * v_node
+	REAL row_sum; // of weights
+	uint count;   // of links
 };
 
 gathered gather(uint leaf)
 {
 	uvec4 row = load_row(leaf);
-	gathered g = gathered(SUM4(0.0), SUM(0.0), row.y & GI_BLOCK_COUNT_MASK);
+	gathered g = gathered(REAL4(0.0), REAL(0.0), row.y & GI_BLOCK_COUNT_MASK);
 	uint reflected = GI_NODE_R * frame.counts.y;
 	for (uint k = row.x / 2u; 2u * k < row.x + g.count; k++) {
 		uvec4 two = load_two_links(k);
-		SUM first = SUM(uintBitsToFloat(two.y)), second = SUM(uintBitsToFloat(two.w));
-		g.sum += first * SUM4(load_radiosity(reflected + two.x));
-		g.sum += second * SUM4(load_radiosity(reflected + two.z));
-#ifdef CERTIFY
+		REAL first = REAL(uintBitsToFloat(two.y)), second = REAL(uintBitsToFloat(two.w));
+		g.sum += first * REAL4(load_radiosity(reflected + two.x));
+		g.sum += second * REAL4(load_radiosity(reflected + two.z));
 		g.row_sum += first;
 		g.row_sum += second;
-#endif
 	}
-#ifndef CERTIFY
-	g.row_sum = uintBitsToFloat(row.w);
-#endif
 	return g;
 }
 
-// Floats >= 0 order as their bits do, so the results have no order.
-void report_largest(uint word, float value)
+vec3 load_three(uint word)
 {
-	atomicMax(group_largest[word - GI_STATE_RESIDUAL_BITS], floatBitsToUint(value));
+	return uintBitsToFloat(uvec3(load_state(word), load_state(word + 1u), load_state(word + 2u)));
 }
 
-void report_least(uint word, float value)
+void report_exactly(uint word, float value)
 {
-	atomicMin(group_least[word - GI_STATE_GAP_BITS], floatBitsToUint(max(value, 0.0)));
+	found[(word - GI_STATE_RESIDUAL_BITS) * GI_GROUP_SIZE + gl_LocalInvocationID.x] = value;
 }
 
-// A float no less, and one no greater: the conversion is off by 2^-24 of it, or lost below the least normal float.
-float outward(REAL x)
+void report_largest(uint word, REAL value)
 {
-	return x > REAL(0.0) ? min(float(x), HUGE) * (1.0 + 2.3841858e-7) + LEAST_NORMAL : 0.0;
+	report_exactly(word, value > REAL(0.0) ? min(float(value) * (1.0 + SLACK), HUGE) + LEAST_NORMAL : 0.0);
 }
 
-float inward(REAL x)
+void report_least(uint word, REAL value)
 {
-	return max(float(x) * (1.0 - 2.3841858e-7) - LEAST_NORMAL, 0.0);
+	report_exactly(word, max(float(value) * (1.0 - SLACK) - LEAST_NORMAL, 0.0));
 }
 
-// Of a x >= 0; what is nothing is no part of nothing.
-float ratio(REAL x, REAL of)
+REAL largest(REAL3 x)
 {
-	return x <= REAL(0.0) ? 0.0 : of > x / REAL(HUGE) ? outward(x / of) : HUGE;
+	return max(x.x, max(x.y, x.z));
 }
 
-// What a sweep worked with: the leaf's, and bounds on how far the results may be off.
+// Of x >= 0, the largest of three; what is nothing is no part of nothing.
+REAL ratio(REAL3 x, REAL3 of)
+{
+	REAL most = REAL(0.0);
+	for (uint c = 0u; c < 3u; c++)
+		if (x[c] > REAL(0.0))
+			most = max(most, of[c] > x[c] / REAL(HUGE) ? x[c] / of[c] : REAL(HUGE));
+	return most;
+}
+
+// What a sweep worked with, and bounds on how far arrived and image may be off.
 struct swept {
-	REAL4 rho, source, before, arrived, image;
-	REAL4 link_doubt, doubt, floor; // of arrived, of image; what sums in double precision would leave of the residual
-	REAL relative;                  // by how much terms of one sign may sum to more
+	REAL4 before, arrived, image; // R and v; rho * sum; T R
+	REAL4 arrived_doubt, doubt;
+	REAL3 row_sum;                // rho * the row's sum, rounded up
 };
 
-#ifdef CERTIFY
-// A term of a sum rounds by this share of the sum, and what is less than this of it is lost.
-#ifdef SUM_IN_SINGLE
-const double TERM_ROUNDING = 5.9604701e-8lf, TERM_LOST = 1.17549435e-38lf;
-#else
-const double TERM_ROUNDING = 1.1102230246251565e-16lf, TERM_LOST = 0.0lf;
-#endif
-
-dvec4 lost_of(dvec4 x)
+// Nodes are off by ROUNDING of their means, all terms of the sums are >= 0 and n of them, and what is done with the sum, add
+// n ROUNDING_OF_REAL; what is below the least normal float may be lost, and nodes are off by as much. The irradiance by exitance is off by ROUNDING twice: means and store. A leaf that sees nothing has R = 0, exactly,
+// and so have all where nothing is lit.
+swept work_out(gathered g, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
 {
-	return mix(dvec4(0.0lf), dvec4(2.0 * LEAST_NORMAL), greaterThan(x, dvec4(0.0lf)));
+	swept s;
+	s.before = REAL4(before);
+	s.arrived = rho * g.sum;
+	s.image = source + s.arrived;
+	REAL terms = g.count == 0u ? REAL(0.0) : REAL(g.count + 16u), relative = terms * ROUNDING_OF_REAL;
+	REAL4 lost = terms * REAL(LEAST_NORMAL) * REAL4(vec4(greaterThan(vec4(ceiling, 1.0), vec4(0.0))));
+	s.arrived_doubt = (REAL(ROUNDING) + relative) * s.arrived + lost;
+	s.doubt = s.arrived_doubt + REAL(4.0) * ROUNDING_OF_REAL * s.image + lost;
+	s.doubt.xyz += REAL(2.1 * ROUNDING) * source.xyz;
+	s.row_sum = rho.xyz * g.row_sum * (REAL(1.0) + relative);
+	return s;
 }
 
-// Nodes are off by ROUNDING of their means, all terms of the sums are >= 0 and n of them add n TERM_ROUNDING, a node below
-// the least normal float is off by no more than that. The irradiance by exitance is off by ROUNDING twice: means and store.
-void doubt(inout swept s, uint count)
+// Errors count by u = R + sqrt(largest R * R) + theta * largest R * v, channel by channel (check.comp). Means of a root are at
+// most the root of the mean, so that M u is at least what u has of its own less what is seen of others'.
+void report_errors(swept s, vec3 next)
 {
-	// A leaf that sees nothing has R = 0, exactly.
-	double terms = count == 0u ? 0.0lf : double(count + 8u);
-	s.relative = terms * TERM_ROUNDING;
-	dvec4 storing = ROUNDING * s.arrived + lost_of(s.arrived);
-	dvec4 given = dvec4((2.001lf * ROUNDING + terms * 1.1102230246251565e-16lf) * s.source.xyz, 0.0lf);
-	given.xyz += lost_of(s.source).xyz;
-	s.link_doubt = storing + s.relative * s.arrived + terms * TERM_LOST;
-	s.doubt = s.link_doubt + given;
-	s.floor = ROUNDING * s.image + storing + given + terms * 1.1102230246251565e-16lf * s.image;
-}
-#else
-// Where floats are summed, about the square root of hundreds of terms' worth of 2^-24 of R is noise.
-const float SUM_NOISE = 32.0 / 16777216.0;
-
-void doubt(inout swept s, uint count)
-{
-	s.relative = 0.0;
-	s.link_doubt = s.doubt = vec4(0.0);
-	s.floor = SUM_NOISE * s.image;
-}
-#endif
-
-REAL root(REAL x)
-{
-	return sqrt(sqrt(x));
+	REAL3 scale = REAL3(load_three(GI_STATE_SCALE_BITS)), mix_in = REAL(uintBitsToFloat(load_state(GI_STATE_THETA_BITS))) * scale;
+	REAL4 most = s.arrived + s.arrived_doubt;
+	REAL3 own = s.before.xyz + sqrt(scale) * sqrt(s.before.xyz) + mix_in * s.before.w;
+	REAL3 seen = most.xyz + sqrt(scale) * sqrt(s.row_sum * most.xyz) + mix_in * most.w;
+	own *= REAL(1.0) - SLACK_OF_REAL;
+	seen *= REAL(1.0) + SLACK_OF_REAL;
+	REAL3 mu = own - seen;
+	REAL3 light = REAL3(next) + REAL(GI_DARK_SHARE) * scale;
+	REAL3 residual = abs(s.image.xyz - s.before.xyz) + s.doubt.xyz, off = abs(REAL3(next) - s.image.xyz) + s.doubt.xyz;
+	report_largest(GI_STATE_RESIDUAL_BITS, largest(residual));
+	report_largest(GI_STATE_KAPPA_BITS, ratio(residual, mu));
+	report_largest(GI_STATE_NOISE_BITS, ratio(REAL(ROUNDING) * s.image.xyz + s.doubt.xyz, mu));
+	report_largest(GI_STATE_SPREAD_BITS, ratio(seen, light));
+	report_largest(GI_STATE_STRAY_BITS, ratio(off, light));
+	report_largest(GI_STATE_WRITE_BITS, largest(off));
 }
 
-// More than the rounding of a few roots and products.
-const REAL ROOTS = REAL(1e-6);
-
-// What a leaf says of channel c by which errors count (check.comp): M u, twice, and (I - M) u, twice.
-struct weighed {
-	REAL mu, own_mu, after, own_after;
-};
-
-weighed weigh(swept s, uint c, REAL row, float scale, float theta)
+void report(swept s, vec4 next, vec3 b)
 {
-	REAL mix_in = REAL(theta * scale), unit = root(REAL(scale)), more = s.arrived[c] + s.link_doubt[c];
-	REAL own = unit * s.before[c] / max(root(s.before[c]), REAL(LEAST_NORMAL));
-	REAL seen = unit * root(row) * more / max(root(more), REAL(LEAST_NORMAL)) * (REAL(1.0) + ROOTS);
-	REAL lit = s.source[c] - (s.doubt[c] - s.link_doubt[c]);
-	weighed w;
-	w.mu = lit + mix_in * (s.before.w - s.arrived.w - s.link_doubt.w);
-	w.own_mu = w.mu + own - seen;
-	w.after = more + mix_in * (s.arrived.w + s.link_doubt.w);
-	w.own_after = w.after + seen;
-	return w;
-}
-
-void report(swept s, gathered g, vec4 next, REAL3 b_off)
-{
-	vec3 scale = uintBitsToFloat(uvec3(load_state(GI_STATE_SCALE_BITS), load_state(GI_STATE_SCALE_BITS + 1u),
-					   load_state(GI_STATE_SCALE_BITS + 2u)));
-	float theta = uintBitsToFloat(load_state(GI_STATE_THETA_BITS));
-	REAL4 residual = abs(s.image - s.before) + s.doubt;
-	REAL3 row = s.rho.xyz * REAL(g.row_sum) * (REAL(1.0) + s.relative);
-	vec4 kappas = vec4(0.0); // and noises
-#ifdef CERTIFY
-	dvec4 written = abs(dvec4(next) - s.image) + s.doubt;
-	vec3 spreads = vec3(0.0); // and stray
-	float share = HUGE;
-#endif
-	for (uint c = 0u; c < 3u; c++) {
-		weighed w = weigh(s, c, row[c], scale[c], theta);
-		kappas = max(kappas, vec4(ratio(residual[c], w.mu), ratio(s.floor[c], w.mu), ratio(residual[c], w.own_mu),
-					  ratio(s.floor[c], w.own_mu)));
-#ifdef CERTIFY
-		double light = double(next[c]) + double(GI_DARK_SHARE * scale[c]);
-		spreads = max(spreads, vec3(ratio(w.after, light), ratio(w.own_after, light), ratio(written[c], light)));
-		if (scale[c] > 0.0)
-			share = min(share, float(light) / (scale[c] * max(next.w, float(s.before.w))));
-		report_largest(GI_STATE_RESIDUAL_BITS + c, outward(residual[c]));
-		report_largest(GI_STATE_R_MAX_BITS + c, next[c]);
-		report_least(GI_STATE_GAP_BITS + c, inward(1.0lf - row[c]));
-#endif
-	}
-	report_largest(GI_STATE_KAPPA_BITS, kappas.x);
-	report_largest(GI_STATE_NOISE_BITS, kappas.y);
-	report_largest(GI_STATE_OWN_BITS, kappas.z);
-	report_largest(GI_STATE_OWN_BITS + 2u, kappas.w);
-	report_largest(GI_STATE_U_MAX_BITS, float(s.before.w));
-	report_least(GI_STATE_DESCENT_BITS, inward(s.before.w - s.arrived.w - s.link_doubt.w));
-#ifdef CERTIFY
-	dvec3 off = written.xyz + b_off;
-	report_largest(GI_STATE_SPREAD_BITS, spreads.x);
-	report_largest(GI_STATE_OWN_BITS + 1u, spreads.y);
-	report_largest(GI_STATE_STRAY_BITS, spreads.z);
-	report_largest(GI_STATE_WRITE_BITS, outward(max(off.x, max(off.y, off.z))));
-	report_largest(GI_STATE_FLOOR_BITS, outward(max(s.floor.x, max(s.floor.y, s.floor.z))));
-	report_least(GI_STATE_SHARE_BITS, share);
-#else
-	report_largest(GI_STATE_RESIDUAL_BITS, max(residual.x, max(residual.y, residual.z)));
-	report_least(GI_STATE_GAP_BITS, 1.0 - max(row.x, max(row.y, row.z)));
-#endif
+	report_errors(s, next.xyz);
+	for (uint c = 0u; c < 3u; c++)
+		report_exactly(GI_STATE_R_MAX_BITS + c, next[c]);
+	report_exactly(GI_STATE_B_MAX_BITS, max(b.x, max(b.y, b.z)));
+	report_exactly(GI_STATE_V_MAX_BITS, float(s.before.w));
+	report_least(GI_STATE_GAP_BITS, REAL(1.0) - largest(s.row_sum));
+	report_least(GI_STATE_DESCENT_BITS, s.before.w * (REAL(1.0) - SLACK_OF_REAL) - s.arrived.w - s.arrived_doubt.w);
 }
 
 // Within what the solution is within; v likewise.
-REAL4 confined(REAL4 r, REAL4 source, vec3 exitance)
+REAL4 confined(REAL4 r, REAL4 source, vec3 ceiling, vec3 exitance)
 {
-	vec3 ceiling = uintBitsToFloat(uvec3(load_state(GI_STATE_CEILING_BITS), load_state(GI_STATE_CEILING_BITS + 1u),
-					     load_state(GI_STATE_CEILING_BITS + 2u)));
 	vec4 most = vec4(max(min(ceiling, frame.ceiling.xyz - exitance), vec3(0.0)), frame.ceiling.w);
 	return min(max(r, source), REAL4(most));
 }
@@ -226,29 +164,29 @@ void store(uint leaf, vec4 before, vec4 next, vec3 b)
 	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf] = vec4(b, 0.0);
 }
 
+// R and v, by what T makes of them.
+REAL4 step_from(swept s, uint leaf)
+{
+	REAL omega = REAL(uintBitsToFloat(load_state(GI_STATE_OMEGA_BITS)));
+	if (omega == REAL(1.0))
+		return s.image;
+	REAL4 earlier = omega < REAL(1.0) ? s.before : REAL4(load_leaf_part(GI_LEAF_BEFORE, leaf));
+	return omega * (s.image - earlier) + earlier;
+}
+
 void sweep(uint leaf, uint action)
 {
 	gathered g = gather(leaf);
 	gi_material_data m = load_material(load_leaf(leaf).z);
-	vec4 before = load_leaf_part(GI_LEAF_R, leaf), emitted = load_leaf_part(GI_LEAF_EMITTED, leaf);
+	vec4 before = load_leaf_part(GI_LEAF_R, leaf);
 	if ((action & GI_ACTION_KEEP) != 0u)
 		leaf_radiosity[GI_LEAF_KEPT * frame.counts.x + leaf] = before;
-#ifdef CERTIFY
 	leaf_indirect[leaf] = vec4(vec3(g.sum.xyz) + load_leaf_part(GI_LEAF_UNDRAWN, leaf).xyz, 0.0);
-#endif
-	swept s;
-	s.rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
-	s.source = REAL4(vec4(m.rho.xyz, 1.0)) * REAL4(vec4(emitted.xyz, 1.0));
-	s.before = REAL4(before);
-	s.arrived = s.rho * REAL4(g.sum);
-	s.image = s.source + s.arrived;
-	REAL omega = REAL(uintBitsToFloat(load_state(GI_STATE_OMEGA_BITS)));
-	REAL4 step_to = s.image;
-	if (omega != REAL(1.0)) {
-		REAL4 earlier = omega < REAL(1.0) ? s.before : REAL4(load_leaf_part(GI_LEAF_BEFORE, leaf));
-		step_to = omega * (s.image - earlier) + earlier;
-	}
-	vec4 next = to_single(confined(step_to, s.source, m.exitance.xyz));
+	vec3 ceiling = load_three(GI_STATE_CEILING_BITS);
+	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
+	REAL4 source = REAL4(vec4(m.rho.xyz, 1.0)) * REAL4(vec4(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 1.0));
+	swept s = work_out(g, rho, source, before, ceiling);
+	vec4 next = to_single(confined(step_from(s, leaf), source, ceiling, m.exitance.xyz));
 	bool finite = !any(isnan(next)) && !any(isinf(next));
 	if (!finite) {
 		atomicOr(state[GI_STATE_NOT_FINITE], 1u);
@@ -256,55 +194,51 @@ void sweep(uint leaf, uint action)
 	}
 	vec3 b = m.exitance.xyz + next.xyz;
 	store(leaf, before, next, b);
-	if (!finite)
-		return;
-#ifdef CERTIFY
-	report_largest(GI_STATE_B_MAX_BITS, max(b.x, max(b.y, b.z)));
-#endif
-	doubt(s, g.count);
-	report(s, g, next, abs(REAL3(m.exitance.xyz) + REAL3(next.xyz) - REAL3(b)));
+	if (finite)
+		report(s, next, b);
 }
 
-#ifndef CERTIFY
 // Instead of a sweep: the R that was kept, or a part of R; no part of R and v is a cold start.
 void go_back(uint leaf, uint action)
 {
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	vec4 r = load_leaf_part((action & GI_ACTION_RECALL) != 0u ? GI_LEAF_KEPT : GI_LEAF_R, leaf);
 	if ((action & GI_ACTION_SCALE) != 0u)
-		r *= uintBitsToFloat(uvec4(load_state(GI_STATE_FACTOR_BITS), load_state(GI_STATE_FACTOR_BITS + 1u),
-					   load_state(GI_STATE_FACTOR_BITS + 2u), load_state(GI_STATE_FACTOR_BITS + 3u)));
+		r *= vec4(load_three(GI_STATE_FACTOR_BITS), uintBitsToFloat(load_state(GI_STATE_FACTOR_BITS + 3u)));
 	vec4 next = to_single(vec4(r.xyz, max(r.w, 1.0)));
 	store(leaf, next, next, m.exitance.xyz + next.xyz);
 }
-#endif
 
-void work(uint leaf)
+// Of a leaf that is none.
+void report_nothing()
 {
-	uint action = load_state(GI_STATE_ACTION);
-#ifndef CERTIFY
-	if (action > GI_ACTION_KEEP) {
-		go_back(leaf, action);
-		return;
+	for (uint k = 0u; k < FOUND; k++)
+		report_exactly(GI_STATE_RESIDUAL_BITS + k, k < GI_STATE_LARGEST ? 0.0 : HUGE);
+}
+
+// Of the group. Floats >= 0 order as their bits do, so the results have no order.
+void report_group(uint word)
+{
+	float value = found[word * GI_GROUP_SIZE];
+	for (uint k = 1u; k < GI_GROUP_SIZE; k++) {
+		float other = found[word * GI_GROUP_SIZE + k];
+		value = word < GI_STATE_LARGEST ? max(value, other) : min(value, other);
 	}
-#endif
-	sweep(leaf, action);
+	if (word < GI_STATE_LARGEST)
+		atomicMax(state[GI_STATE_RESIDUAL_BITS + word], floatBitsToUint(value));
+	else
+		atomicMin(state[GI_STATE_RESIDUAL_BITS + word], floatBitsToUint(value));
 }
 
 void main()
 {
-	uint local = gl_LocalInvocationID.x;
-	if (local < GI_STATE_LARGEST)
-		group_largest[local] = 0u;
-	if (local < GI_STATE_LEAST)
-		group_least[local] = INFINITY_BITS;
+	report_nothing();
+	uint leaf = thread_number(), action = load_state(GI_STATE_ACTION);
+	if (leaf < frame.counts.x && action > GI_ACTION_KEEP)
+		go_back(leaf, action);
+	else if (leaf < frame.counts.x)
+		sweep(leaf, action);
 	barrier();
-	uint leaf = thread_number();
-	if (leaf < frame.counts.x)
-		work(leaf);
-	barrier();
-	if (local < GI_STATE_LARGEST)
-		atomicMax(state[GI_STATE_RESIDUAL_BITS + local], group_largest[local]);
-	if (local < GI_STATE_LEAST)
-		atomicMin(state[GI_STATE_GAP_BITS + local], group_least[local]);
+	if (gl_LocalInvocationID.x < FOUND)
+		report_group(gl_LocalInvocationID.x);
 }

@@ -280,8 +280,8 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened; kept over frames */
 #define GI_STATE_WINDOW 13u        /* sweeps since the progress was last judged */
 #define GI_STATE_WINDOW_BITS 14u   /* the residual then */
-#define GI_STATE_ESTIMATE_BITS 15u /* least amplification any sweep over these rows saw, in float */
-#define GI_STATE_AMPLIFICATION_BITS 16u /* the same of certifying sweeps alone, rounded up */
+#define GI_STATE_SEEN_BITS 15u     /* amplification as of the sweep before, over whatever rows */
+#define GI_STATE_AMPLIFICATION_BITS 16u /* least that any sweep over these rows saw */
 #define GI_STATE_JACOBI_SWEEPS 17u /* those Jacobi would take for this frame, as last foretold */
 #define GI_STATE_ROUNDING_BITS 18u
 #define GI_STATE_BOUND_BITS 19u    /* largest of rgb */
@@ -297,38 +297,35 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_ARGS_WIDE 36u
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
-#define GI_STATE_ARGS_CERTIFY 45u
+#define GI_STATE_ARGS_DOUBLE 45u
 /* What the sweep now running found: largest values, then least ones (gather.glsl). */
-#define GI_STATE_RESIDUAL_BITS 48u /* 3: rgb */
-#define GI_STATE_R_MAX_BITS 51u    /* 3: largest reflected light */
-#define GI_STATE_B_MAX_BITS 54u
-#define GI_STATE_U_MAX_BITS 55u
-#define GI_STATE_WRITE_BITS 56u    /* how far B as stored is from T B, of certifying sweeps */
-#define GI_STATE_FLOOR_BITS 57u    /* what rounding alone can leave of the residual, likewise */
-#define GI_STATE_KAPPA_BITS 58u    /* residual over M u */
-#define GI_STATE_SPREAD_BITS 59u   /* what kappa counts of the light that a leaf reflects, of certifying sweeps */
-#define GI_STATE_NOISE_BITS 60u    /* rounding over M u */
-#define GI_STATE_OWN_BITS 61u      /* 3: the same by u that has the leaf's own light in it */
-#define GI_STATE_STRAY_BITS 64u    /* how far R as stored is from T R, of that light, of certifying sweeps */
-#define GI_STATE_GAP_BITS 65u      /* 3: 1 - rho * row sum */
-#define GI_STATE_DESCENT_BITS 68u  /* (M v)_i */
-#define GI_STATE_SHARE_BITS 69u    /* for the next sweep's u */
-#define GI_STATE_MANNER 70u        /* GI_MANNER_ */
-#define GI_STATE_ACTION 71u        /* GI_ACTION_ bits: what the next gather does besides, or instead */
-#define GI_STATE_KEPT_BITS 72u     /* residual of the R that was kept */
-#define GI_STATE_FAILINGS 73u      /* how often Chebyshev failed in this solve */
-#define GI_STATE_THETA_BITS 74u    /* u = R + theta * scale * v of the sweep now running */
-#define GI_STATE_SCALE_BITS 75u    /* 3: largest reflected light before it */
-#define GI_STATE_DIRECT_BITS 78u   /* 3: largest light first reflected (emitted.comp) */
-#define GI_STATE_CEILING_BITS 81u  /* 3: no reflected light is more */
-#define GI_STATE_WEIGHED 84u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */
-#define GI_STATE_WARM_MEAN_BITS 85u /* 3: mean flux of its residual, W/m2 */
-#define GI_STATE_WARM_MOST_BITS 88u /* 3: largest residual */
-#define GI_STATE_COLD_MEAN_BITS 91u /* 3: the same of a cold start */
-#define GI_STATE_FACTOR_BITS 94u   /* 4: what becomes of R and v of before */
-#define GI_STATE_SPREADS_BITS 98u  /* 2: the last spreads that a certifying sweep found */
-#define GI_STATE_LARGEST 17u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
-#define GI_STATE_LEAST 5u          /* words of least values, from GI_STATE_GAP_BITS on */
+#define GI_STATE_RESIDUAL_BITS 48u
+#define GI_STATE_R_MAX_BITS 49u    /* 3: rgb, largest reflected light */
+#define GI_STATE_B_MAX_BITS 52u
+#define GI_STATE_V_MAX_BITS 53u
+#define GI_STATE_WRITE_BITS 54u    /* how far R as stored is from T R */
+#define GI_STATE_STRAY_BITS 55u    /* the same, of the light that the leaf reflects */
+#define GI_STATE_KAPPA_BITS 56u    /* residual over M u */
+#define GI_STATE_SPREAD_BITS 57u   /* (I - M) u, of the light that the leaf reflects */
+#define GI_STATE_NOISE_BITS 58u    /* what rounding alone can leave of the residual, over M u */
+#define GI_STATE_GAP_BITS 59u      /* 1 - rho * row sum */
+#define GI_STATE_DESCENT_BITS 60u  /* (M v)_i */
+#define GI_STATE_LARGEST 11u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
+#define GI_STATE_LEAST 2u          /* words of least values, from GI_STATE_GAP_BITS on */
+/* How the next one goes. */
+#define GI_STATE_MANNER 61u        /* GI_MANNER_ */
+#define GI_STATE_ACTION 62u        /* GI_ACTION_ bits: what the next gather does besides, or instead */
+#define GI_STATE_KEPT_BITS 63u     /* residual of the R that was kept */
+#define GI_STATE_FAILINGS 64u      /* how often Chebyshev failed in this solve */
+#define GI_STATE_THETA_BITS 65u    /* u = R + sqrt(scale R) + theta * scale * v */
+#define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it */
+#define GI_STATE_DIRECT_BITS 69u   /* 3: largest light first reflected (emitted.comp) */
+#define GI_STATE_CEILING_BITS 72u  /* 3: no reflected light is more */
+#define GI_STATE_WEIGHED 75u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */
+#define GI_STATE_WARM_MEAN_BITS 76u /* 3: mean flux of its residual, W/m2 */
+#define GI_STATE_WARM_MOST_BITS 79u /* 3: largest residual */
+#define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of a cold start */
+#define GI_STATE_FACTOR_BITS 85u   /* 4: what becomes of R and v of before */
 /* Rows under a budget. */
 #define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
 #define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */
@@ -380,7 +377,7 @@ GI_STRUCT(gi_pending) {
 
 /* What is dark: light reflected below this share of the largest. Errors count relative to the light there or, where it is
  * less, to this. */
-#define GI_DARK_SHARE 0.001f
+#define GI_DARK_SHARE 1e-5f
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u

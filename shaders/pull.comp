@@ -5,8 +5,6 @@
 // one rounding.
 #define READ_FRAME
 #define READ_TOPOLOGY
-#define READ_REST
-#define READ_LEAVES
 #define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
 #define WRITE_RADIOSITY
@@ -32,7 +30,7 @@ void main()
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint leaf = range.y; leaf < range.y + range.z; leaf++) {
-		double a = double(load_rest(load_leaf(leaf).x).moment.w);
+		double a = double(load_leaf_part(GI_LEAF_UNDRAWN, leaf).w);
 		sum += a * dvec4(load_leaf_part(GI_LEAF_R, leaf));
 		area += a;
 	}

@@ -2,8 +2,6 @@
 // The same as pull.comp for nodes that cover many leaves: one group a node, summed in a fixed order.
 #define READ_FRAME
 #define READ_TOPOLOGY
-#define READ_REST
-#define READ_LEAVES
 #define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
 #define READ_WIDE_NODES
@@ -26,7 +24,7 @@ void main()
 	double area = 0.0lf;
 	for (uint k = local; k < range.z; k += GI_GROUP_SIZE) {
 		uint leaf = range.y + k;
-		double a = double(load_rest(load_leaf(leaf).x).moment.w);
+		double a = double(load_leaf_part(GI_LEAF_UNDRAWN, leaf).w);
 		sum += a * dvec4(load_leaf_part(GI_LEAF_R, leaf));
 		area += a;
 	}

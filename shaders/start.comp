@@ -17,7 +17,7 @@ void main()
 	if (n < GI_STATE_DIRECT_BITS - GI_STATE_SCALE_BITS)
 		state[GI_STATE_SCALE_BITS + n] = 0u;
 	if (n == 0u)
-		state[GI_STATE_ESTIMATE_BITS] = state[GI_STATE_ELLIPSE] = 0u;
+		state[GI_STATE_SEEN_BITS] = state[GI_STATE_ELLIPSE] = 0u;
 	if (n >= frame.counts.y)
 		return;
 	uvec4 range = load_range(n);

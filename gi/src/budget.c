@@ -53,8 +53,7 @@ gi_result budget_allocate(gi_context *gi)
 						     {"assess.comp", &r->assess_program},
 						     {"choose.comp", &r->choose_program},
 						     {"enlist.comp", &r->enlist_program},
-						     {"stale.comp", &r->stale_program},
-						     {"certify_brief.comp", &gi->solver.brief_program}};
+						     {"stale.comp", &r->stale_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -227,8 +226,8 @@ void budget_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->choices, &r->pending, &r->shine};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,       &r->choose_program,
-				&r->enlist_program, &r->stale_program,  &gi->solver.brief_program};
+	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,
+				&r->choose_program, &r->enlist_program, &r->stale_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 }

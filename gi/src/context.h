@@ -116,8 +116,7 @@ typedef struct gi_solver {
 	bool cold;         /* start from B = E, though buffers hold another B; they begin with B = E */
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
-	uint32_t brief_program; /* made by the first update that has a budget */
-	uint32_t emitted_program, gather_program, certify_program, weigh_program, pull_program, wide_program,
+	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, wide_program,
 		check_program, start_program, light_program;
 } gi_solver;
 

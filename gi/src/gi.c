@@ -30,7 +30,7 @@ gi_context_def gi_context_def_default(void)
 	    .emitter_refinement = 20.0f,
 	    .emitter_samples = 16,
 	    .near_samples = 4,
-	    .solve_tolerance = 5e-2f,
+	    .solve_tolerance = .1f,
 	    .max_sweeps = 100,
 	    .pixel_lamps = GI_LAMP_MAX,
 	    .profile = true,

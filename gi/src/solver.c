@@ -1,13 +1,11 @@
 /* The solve: Jacobi, or Chebyshev where that would be slow, from last frame's B until the certified bound meets the
  * tolerance; then the light of what is drawn.
  *
- * A sweep is gather (leaves; in single precision, or certify in double), pull (ancestors as area means) and check,
- * which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued but not
- * wanted: no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound relies on.
- *
- * Under a budget of time a solve takes as many sweeps as fit and the next update goes on from there. While rows change
- * its last sweep is a brief one: it sums in single precision, certifies all the same, and leaves the light too. Once
- * they stay, solves end as they always do.
+ * A sweep is gather (leaves; in single precision, or in double where that would not do), pull (ancestors as area means)
+ * and check, which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued
+ * but not wanted: no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound
+ * relies on. Every sweep certifies its bound and leaves the light too, so that a solve may end with any: under a budget of
+ * time it takes as many as fit, and the next update goes on from there.
  */
 #include "context.h"
 
@@ -26,7 +24,7 @@ void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 {
 	const gpu_program_file programs[SOLVER_PROGRAMS] = {
 	    {"emitted.comp", &s->emitted_program}, {"gather.comp", &s->gather_program},
-	    {"certify.comp", &s->certify_program}, {"weigh.comp", &s->weigh_program},
+	    {"gather_double.comp", &s->double_program}, {"weigh.comp", &s->weigh_program},
 	    {"pull.comp", &s->pull_program},       {"pull_wide.comp", &s->wide_program},
 	    {"check.comp", &s->check_program},     {"start.comp", &s->start_program},
 	    {"light.comp", &s->light_program}};
@@ -84,13 +82,13 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-/* certify: the program of certifying sweeps; weigh: is it to be found out whether a cold start is nearer? */
-static void sweep(gi_context *gi, uint32_t certify, bool weigh)
+/* weigh: is it to be found out whether a cold start is nearer? */
+static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
 	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, certify, &gi->state, word * GI_STATE_ARGS_CERTIFY);
+	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
 	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
@@ -116,11 +114,11 @@ static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_WEIGHED - GI_STATE_DIRECT_BITS), 0);
-	gpu_set_uint(gi->solver.emitted_program, 0, (gi->frame.update.w & GI_UPDATE_MATERIAL) != 0);
+	gpu_set_uint(gi->solver.emitted_program, 0, (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
 }
 
-static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps, bool brief)
+static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 {
 	gi_solver *s = &gi->solver;
 	const bool cold = s->cold || !is_lit(&gi->scene);
@@ -135,19 +133,19 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps, bool brief)
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
-		sweep(gi, brief ? s->brief_program : s->certify_program, k == 0 && stage == STAGE_BEGIN && !cold);
+		sweep(gi, k == 0 && stage == STAGE_BEGIN && !cold);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 
 void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 {
 	gi_solver *s = &gi->solver;
-	const bool timed = budget_times_solve(gi, budget), brief = timed && anew;
+	const bool timed = budget_times_solve(gi, budget);
 	const bool begin = anew || s->cold || !is_lit(&gi->scene);
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
-	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps, brief);
+	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps);
 	s->cold = false;
 
 	frame_progress(gi, GI_PASS_LIGHT);

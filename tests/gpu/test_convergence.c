@@ -56,10 +56,9 @@ static void expect_converged(const gi_report *r, const gi_context_def *def)
 	assert_int_equal(r->outcome, GI_OUTCOME_CONVERGED);
 	assert_true(r->solve_relative <= def->solve_tolerance);
 	assert_true(r->contraction > 0 && r->contraction < 1);
-	/* The report's own formula and a unit in the last place of the largest B. Channel by channel, the largest of
-	 * each is no less. */
+	/* The report's own formula and what rounding does to a sum of at most 1,000 links in single precision. */
 	const double amplified = (double)r->residual * ((double)r->amplification - 1);
-	assert_true((double)r->solve_bound <= (amplified + 1.2e-7 * (double)r->radiosity_max) * (1 + 1e-5));
+	assert_true((double)r->solve_bound <= (amplified + 6e-5 * (double)r->radiosity_max) * (1 + 1e-5));
 	assert_true(r->amplification >= 1 && (double)r->amplification <= (1 + 1e-5) / (1 - (double)r->contraction));
 	assert_true(r->rounding_bound <= r->solve_bound);
 	assert_true(r->sweeps <= 25);

@@ -1,7 +1,7 @@
 /* What gi_context_def.solve_tolerance means. R = B - E is the light that a leaf reflects, R* what it reflects in the
  * solution of the rows. Where an update ended with GI_OUTCOME_CONVERGED, leaf by leaf and channel by channel
  *
- *     |R - R*| <= solve_tolerance * (R + max R / 1000),    max R over all leaves, of the same channel
+ *     |R - R*| <= solve_tolerance * (R + max R / 100000),    max R over all leaves, of the same channel
  *
  * whatever lamps emit, however dark it is there, and whatever the light was before.
  */
@@ -15,7 +15,7 @@
 #include <stdlib.h>
 
 static const float NO_SKY[3];
-static const double DARK_SHARE = .001;
+static const double DARK_SHARE = 1e-5;
 
 /* B is stored rounded: half a unit in its last place is not the solve's. */
 static const double HALF_ULP = 6e-8;
@@ -25,7 +25,7 @@ static double reflected(const snapshot *s, uint32_t k)
 	return (double)s->leaves[k / 3].radiosity[k % 3] - (double)s->leaves[k / 3].exitance[k % 3];
 }
 
-/* Largest |B - B*| over R + max R / 1000. */
+/* Largest |B - B*| over R + max R / 100000. */
 static double off_by(const snapshot *s, const double *solution)
 {
 	double most[3] = {0}, worst = 0;
