@@ -95,7 +95,8 @@ static bool clean(scene_loader *loader, engine_scene_object *object, bool pair_t
 	if (!engine_mesh_clean(&object->mesh, &report, fault, sizeof fault))
 		return scene_fail(loader, "object \"%.80s\": %s", object->name, fault);
 	scene_note_many(loader, report.degenerate_faces, object->name, "faces without area are dropped");
-	scene_note_many(loader, report.duplicate_faces, object->name, "faces with the corners of another one are dropped");
+	scene_note_many(loader, report.duplicate_faces, object->name,
+			"faces with the corners of another one are dropped");
 	scene_note_many(loader, report.too_large, object->name,
 			"faces that are not convex and have thousands of corners are left out");
 	if (had_faces && object->mesh.face_count == 0)
@@ -348,7 +349,7 @@ static uint32_t most_samples(const engine_scene_graph *graph)
 	uint32_t moving = 1;
 	for (uint32_t k = 0; k < graph->order_count; k++)
 		moving += graph->nodes[graph->order[k]].moves;
-	uint32_t samples = (1u << 20) / moving;
+	uint32_t samples = (1u << 19) / moving;
 	return samples < 4 ? 4 : samples > 200 ? 200 : samples;
 }
 
@@ -367,8 +368,8 @@ static void look_at_time(engine_scene *scene, double time_s, bool *placed)
 	}
 }
 
-/* At the keys, where animations are at their most; at every n-th where there are many. */
-static void look_at_animation(engine_scene *scene, bool *placed)
+/* At the keys, or halfway to the next ones; at every n-th where there are many. */
+static void look_at_keys(engine_scene *scene, bool halfway, bool *placed)
 {
 	const engine_scene_graph *graph = scene->graph;
 	uint64_t keys = 0, key = 0;
@@ -376,9 +377,23 @@ static void look_at_animation(engine_scene *scene, bool *placed)
 		keys += graph->channels[c].key_count;
 	uint64_t step = keys / most_samples(graph) + 1;
 	for (uint32_t c = 0; c < graph->channel_count; key -= graph->channels[c++].key_count) {
-		for (; key < graph->channels[c].key_count; key += step)
-			look_at_time(scene, (double)graph->channels[c].times[key], placed);
+		const scene_channel *channel = &graph->channels[c];
+		for (; key < channel->key_count; key += step) {
+			double time_s = (double)channel->times[key];
+			if (halfway && key + 1 < channel->key_count)
+				time_s = 0.5 * (time_s + (double)channel->times[key + 1]);
+			look_at_time(scene, time_s, placed);
+		}
 	}
+}
+
+/* Animations are at their most at the keys; what shrinks to nothing from one to the next is told apart from what is
+ * gone at once by what lies between.
+ */
+static void look_at_animation(engine_scene *scene, bool *placed)
+{
+	look_at_keys(scene, false, placed);
+	look_at_keys(scene, true, placed);
 }
 
 static void drop_unplaced(scene_loader *loader, const bool *placed, const scene_pose_result *results)
