@@ -271,7 +271,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 		f->names[k] = f->scene.objects[k].name;
 	measure(f);
 	warn(f, path);
-	if (!file_sides_mend(&f->scene, f->two_sided, f->program)) {
+	if (!file_sides_mend(&f->scene, f->two_sided, f->lit, f->program)) {
 		snprintf(message, message_size, "%s: out of memory", path);
 		file_scene_free(f);
 		return false;

@@ -186,7 +186,36 @@ static bool mend_by_light(engine_scene *scene, file_rays *r, sides *of_objects, 
 	return done;
 }
 
-static bool follow_light(engine_scene *scene, const char *program)
+/* Whether the sky is seen from the front of some face. */
+static bool sees_sky(file_rays *r)
+{
+	for (uint32_t k = 0; k < r->rays; k++) {
+		const file_triangle *t = &r->triangles[(uint32_t)(file_rays_random(r) * (float)r->count)];
+		vec3 origin, direction;
+		float u = file_rays_random(r), v = file_rays_random(r);
+		glm_vec3_copy((float *)t->corner, origin);
+		glm_vec3_muladds((float *)t->edge[0], u + v > 1 ? 1 - u : u, origin);
+		glm_vec3_muladds((float *)t->edge[1], u + v > 1 ? 1 - v : v, origin);
+		file_rays_scatter(r, t->normal, direction);
+		if (file_rays_shoot(r, origin, direction, 1e-5f * r->radius, false).triangle == UINT32_MAX)
+			return true;
+	}
+	return r->rays == 0; /* too many faces to tell */
+}
+
+/* A closed room whose faces look inward stays black below any sky: its outside is shown instead. */
+static bool mend_by_sky(engine_scene *scene, file_rays *r, const char *program)
+{
+	bool done = true;
+	if (r->powers[r->count - 1] > 0 || sees_sky(r))
+		return true;
+	for (uint32_t o = 0; o < scene->object_count && done; o++)
+		done = make_two_sided(scene, &scene->objects[o]);
+	options_say(program, "no face looks at the sky: all get two sides; --two-sided=off keeps them");
+	return done;
+}
+
+static bool follow_light(engine_scene *scene, bool sky, const char *program)
 {
 	file_rays r;
 	size_t faces = 0;
@@ -196,7 +225,8 @@ static bool follow_light(engine_scene *scene, const char *program)
 	sides *of_faces = calloc(faces + 1, sizeof *of_faces);
 	uint32_t *first_face = calloc((size_t)scene->object_count + 1, sizeof *first_face);
 	bool done = file_rays_make(&r, scene) && of_objects && of_faces && first_face &&
-		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program);
+		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program) &&
+		    (!sky || r.count == 0 || mend_by_sky(scene, &r, program));
 	file_rays_free(&r);
 	free(of_objects);
 	free(of_faces);
@@ -204,11 +234,11 @@ static bool follow_light(engine_scene *scene, const char *program)
 	return done;
 }
 
-bool file_sides_mend(engine_scene *scene, options_sides two_sided, const char *program)
+bool file_sides_mend(engine_scene *scene, options_sides two_sided, bool sky, const char *program)
 {
 	bool done = true;
 	if (two_sided == OPTIONS_SIDES_AUTO)
-		return follow_light(scene, program);
+		return follow_light(scene, sky, program);
 	for (uint32_t o = 0; o < scene->object_count && done && two_sided == OPTIONS_SIDES_ON; o++)
 		done = make_two_sided(scene, &scene->objects[o]);
 	return done;
