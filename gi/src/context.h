@@ -173,6 +173,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 void scene_free_object(scene_object *object);
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
+bool scene_emits(const gi_material *material);
 bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
 /* Lengths and places of objects, metres, and exitance, W/m2, are at most this: B and area times B stay in the range of
  * floats with every rho below 1, and so do the products of three lengths that rays take. */
