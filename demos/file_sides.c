@@ -45,15 +45,6 @@ static void follow(file_rays *r, sides *of_objects, sides *of_faces, const uint3
 
 /* ---- what is done ------------------------------------------------------------------------------------------------ */
 
-static void turn_face(uint32_t *corners, uint32_t count)
-{
-	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
-		uint32_t kept = corners[a];
-		corners[a] = corners[b];
-		corners[b] = kept;
-	}
-}
-
 static bool is_lamp(const engine_scene *scene, const engine_mesh *mesh, uint32_t face)
 {
 	const float *radiance = scene->materials[mesh->face_materials[face]].radiance;
@@ -68,7 +59,7 @@ static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides
 	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
 		bool lit_behind = of_faces[f].back > 0 && !is_lamp(scene, mesh, f);
 		if (lit_behind && of_faces[f].front == 0) {
-			turn_face(corners, mesh->face_counts[f]);
+			engine_mesh_turn_face(corners, mesh->face_counts[f]);
 			++*turned;
 		} else if (lit_behind) {
 			all = false;
@@ -77,26 +68,28 @@ static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides
 	return all;
 }
 
+typedef struct painted {
+	const engine_scene *scene;
+	const engine_mesh *mesh;
+} painted;
+
+static bool is_no_lamp(const void *context, uint32_t face, const uint32_t *corners)
+{
+	const painted *p = context;
+	(void)corners;
+	return !is_lamp(p->scene, p->mesh, face);
+}
+
 /* Appends every face that is no lamp the other way round, on vertices of its own. */
 static bool add_backs(const engine_scene *scene, engine_mesh *mesh)
 {
 	engine_mesh backs;
 	if (!engine_mesh_copy(mesh, &backs))
 		return false;
-	uint32_t read = 0, write = 0, faces = 0;
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		uint32_t count = mesh->face_counts[f];
-		if (!is_lamp(scene, mesh, f)) {
-			memmove(backs.indices + write, backs.indices + read, count * sizeof *backs.indices);
-			turn_face(backs.indices + write, count);
-			backs.face_counts[faces] = count;
-			backs.face_materials[faces++] = mesh->face_materials[f];
-			write += count;
-		}
-		read += count;
-	}
-	backs.face_count = faces;
-	backs.index_count = write;
+	engine_mesh_keep_faces(&backs, is_no_lamp, &(painted){scene, &backs});
+	uint32_t *corners = backs.indices;
+	for (uint32_t f = 0; f < backs.face_count; corners += backs.face_counts[f++])
+		engine_mesh_turn_face(corners, backs.face_counts[f]);
 	bool added = engine_mesh_append(mesh, &backs, 0);
 	engine_mesh_free(&backs);
 	return added;
@@ -142,7 +135,7 @@ static bool mend_object(engine_scene *scene, engine_scene_object *object, sides 
 		uint32_t *corners = object->mesh.indices;
 		for (uint32_t f = 0; f < object->mesh.face_count; corners += object->mesh.face_counts[f++]) {
 			if (!is_lamp(scene, &object->mesh, f))
-				turn_face(corners, object->mesh.face_counts[f]);
+				engine_mesh_turn_face(corners, object->mesh.face_counts[f]);
 		}
 		m->turned += object->mesh.face_count;
 		return true;
