@@ -336,12 +336,10 @@ static bool make_side_tables(gltf_document *document)
 
 bool gltf_open(gltf_document *document, scene_loader *loader)
 {
-	char why[128];
 	*document = (gltf_document){.loader = loader};
-	FILE *file = scene_open(loader->path, why, sizeof why);
-	document->file = scene_read_all(file, MAX_FILE_SIZE, &document->file_size, why, sizeof why);
+	document->file = scene_read_file(loader, &document->file_size);
 	if (!document->file)
-		return scene_fail(loader, "%s", why);
+		return false;
 	document->bytes_read = document->file_size;
 	if (!parse(document) || !check_extensions(document))
 		return false;

@@ -18,7 +18,7 @@
 
 /* Of one file, and bytes of each: more are no scene's, and would be looked for or read for hours. */
 enum { MOST_LIBRARIES = 64, MOST_NAMES = 1000 };
-static const size_t MOST_BYTES = (size_t)4 << 30, MOST_LIBRARY_BYTES = (size_t)64 << 20;
+static const size_t MOST_LIBRARY_BYTES = (size_t)64 << 20;
 /* Of all textures together. */
 static const uint64_t MOST_PIXELS = (uint64_t)1 << 28, MOST_TEXTURE_BYTES = (uint64_t)1 << 30;
 
@@ -439,12 +439,10 @@ static void free_reader(obj_reader *r)
 
 bool scene_read_obj(scene_loader *loader)
 {
-	char fault[200];
 	size_t size;
-	uint8_t *bytes =
-	    scene_read_all(scene_open(loader->path, fault, sizeof fault), MOST_BYTES, &size, fault, sizeof fault);
+	uint8_t *bytes = scene_read_file(loader, &size);
 	if (!bytes)
-		return scene_fail(loader, "%s", fault);
+		return false;
 	obj_reader r = {.loader = loader, .text = scene_text_of(bytes, size), .object = ""};
 	bool read = read_file(&r);
 	free_reader(&r);
