@@ -2,7 +2,8 @@
  *
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c, bvh.c, skin.c
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c,
+ *                                                 bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
@@ -126,7 +127,8 @@ typedef struct gi_solver {
 typedef struct gi_estimate {
 	bool fresh; /* chances are those of the committed scene */
 	double area; /* of all its leaves, m2 */
-	uint32_t choose_program, trace_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
+	/* Made by the first update that wants them, as the buffers. */
+	uint32_t choose_program, trace_program, sum_program, mean_program;
 	gpu_buffer chances, items, shares, results;
 } gi_estimate;
 
