@@ -10,7 +10,7 @@
 /* Triangles that are tried in about a quarter of a second. */
 enum { TESTS = 40000000, MOST_RAYS = 8192, LEAST_RAYS = 64 };
 
-static void world_from_object(const engine_pose *pose, mat4 out)
+void file_world_from_object(const engine_pose *pose, mat4 out)
 {
 	mat4 rotation;
 	versor q; /* aligned, as the file's is not */
@@ -62,7 +62,7 @@ static void add_face(file_rays *r, const engine_scene *scene, uint32_t o, uint32
 static void add_object(file_rays *r, const engine_scene *scene, uint32_t o)
 {
 	mat4 world;
-	world_from_object(&scene->objects[o].rest, world);
+	file_world_from_object(&scene->objects[o].rest, world);
 	const engine_mesh *mesh = &scene->objects[o].mesh;
 	const uint32_t *indices = mesh->indices;
 	for (uint32_t f = 0; f < mesh->face_count; indices += mesh->face_counts[f++])

@@ -6,6 +6,8 @@
 
 #include "scene_file.h"
 
+#include <cglm/cglm.h>
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -32,6 +34,9 @@ typedef struct file_hit {
 	float distance;
 	bool back; /* the ray came from behind the face */
 } file_hit;
+
+/* Scale, rotation, translation as a matrix. */
+void file_world_from_object(const engine_pose *pose, mat4 out);
 
 /* False: out of memory; file_rays_free() is fine on it. */
 bool file_rays_make(file_rays *r, const engine_scene *scene);

@@ -2,6 +2,7 @@
 
 #include "figure.h"
 #include "file_inside.h"
+#include "file_rays.h"
 #include "file_sides.h"
 #include "fineness.h"
 #include "options.h"
@@ -21,17 +22,6 @@ static const float PI = 3.14159265358979f;
 
 /* ---- where things are ---- */
 
-static void world_from_object(const engine_pose *pose, mat4 out)
-{
-	mat4 rotation;
-	versor q; /* aligned, as the file's is not */
-	memcpy(q, pose->rotation, sizeof q);
-	glm_translate_make(out, (float *)pose->translation);
-	glm_quat_mat4(q, rotation);
-	glm_mul(out, rotation, out);
-	glm_scale(out, (float *)pose->scale);
-}
-
 /* World corners of a face; more than four are not needed to tell where it is and where it looks. */
 static uint32_t face_corners(const engine_mesh *mesh, mat4 world, const uint32_t *indices, uint32_t count,
 			     vec3 corners[4])
@@ -45,7 +35,7 @@ static uint32_t face_corners(const engine_mesh *mesh, mat4 world, const uint32_t
 static void add_bounds(file_scene *f, const engine_scene_object *object)
 {
 	mat4 world;
-	world_from_object(&object->rest, world);
+	file_world_from_object(&object->rest, world);
 	for (uint32_t v = 0; v < object->mesh.vertex_count; v++) {
 		vec3 p;
 		glm_mat4_mulv3(world, object->mesh.positions + 3 * (size_t)v, 1, p);
@@ -101,7 +91,7 @@ static facing find_facing(const file_scene *f)
 	for (uint32_t o = 0; o < f->scene.object_count; o++) {
 		const engine_mesh *mesh = &f->scene.objects[o].mesh;
 		mat4 world;
-		world_from_object(&f->scene.objects[o].rest, world);
+		file_world_from_object(&f->scene.objects[o].rest, world);
 		const uint32_t *indices = mesh->indices;
 		for (uint32_t k = 0; k < mesh->face_count; indices += mesh->face_counts[k++]) {
 			vec3 corners[4];
@@ -271,7 +261,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 		f->names[k] = f->scene.objects[k].name;
 	measure(f);
 	warn(f, path);
-	if (!file_sides_mend(&f->scene, f->two_sided, f->program)) {
+	if (!file_sides_mend(&f->scene, f->two_sided, f->lit, f->program)) {
 		snprintf(message, message_size, "%s: out of memory", path);
 		file_scene_free(f);
 		return false;

@@ -45,15 +45,6 @@ static void follow(file_rays *r, sides *of_objects, sides *of_faces, const uint3
 
 /* ---- what is done ------------------------------------------------------------------------------------------------ */
 
-static void turn_face(uint32_t *corners, uint32_t count)
-{
-	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
-		uint32_t kept = corners[a];
-		corners[a] = corners[b];
-		corners[b] = kept;
-	}
-}
-
 static bool is_lamp(const engine_scene *scene, const engine_mesh *mesh, uint32_t face)
 {
 	const float *radiance = scene->materials[mesh->face_materials[face]].radiance;
@@ -68,7 +59,7 @@ static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides
 	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
 		bool lit_behind = of_faces[f].back > 0 && !is_lamp(scene, mesh, f);
 		if (lit_behind && of_faces[f].front == 0) {
-			turn_face(corners, mesh->face_counts[f]);
+			engine_mesh_turn_face(corners, mesh->face_counts[f]);
 			++*turned;
 		} else if (lit_behind) {
 			all = false;
@@ -77,26 +68,28 @@ static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides
 	return all;
 }
 
+typedef struct painted {
+	const engine_scene *scene;
+	const engine_mesh *mesh;
+} painted;
+
+static bool is_no_lamp(const void *context, uint32_t face, const uint32_t *corners)
+{
+	const painted *p = context;
+	(void)corners;
+	return !is_lamp(p->scene, p->mesh, face);
+}
+
 /* Appends every face that is no lamp the other way round, on vertices of its own. */
 static bool add_backs(const engine_scene *scene, engine_mesh *mesh)
 {
 	engine_mesh backs;
 	if (!engine_mesh_copy(mesh, &backs))
 		return false;
-	uint32_t read = 0, write = 0, faces = 0;
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		uint32_t count = mesh->face_counts[f];
-		if (!is_lamp(scene, mesh, f)) {
-			memmove(backs.indices + write, backs.indices + read, count * sizeof *backs.indices);
-			turn_face(backs.indices + write, count);
-			backs.face_counts[faces] = count;
-			backs.face_materials[faces++] = mesh->face_materials[f];
-			write += count;
-		}
-		read += count;
-	}
-	backs.face_count = faces;
-	backs.index_count = write;
+	engine_mesh_keep_faces(&backs, is_no_lamp, &(painted){scene, &backs});
+	uint32_t *corners = backs.indices;
+	for (uint32_t f = 0; f < backs.face_count; corners += backs.face_counts[f++])
+		engine_mesh_turn_face(corners, backs.face_counts[f]);
 	bool added = engine_mesh_append(mesh, &backs, 0);
 	engine_mesh_free(&backs);
 	return added;
@@ -142,7 +135,7 @@ static bool mend_object(engine_scene *scene, engine_scene_object *object, sides 
 		uint32_t *corners = object->mesh.indices;
 		for (uint32_t f = 0; f < object->mesh.face_count; corners += object->mesh.face_counts[f++]) {
 			if (!is_lamp(scene, &object->mesh, f))
-				turn_face(corners, object->mesh.face_counts[f]);
+				engine_mesh_turn_face(corners, object->mesh.face_counts[f]);
 		}
 		m->turned += object->mesh.face_count;
 		return true;
@@ -186,7 +179,36 @@ static bool mend_by_light(engine_scene *scene, file_rays *r, sides *of_objects, 
 	return done;
 }
 
-static bool follow_light(engine_scene *scene, const char *program)
+/* Whether the sky is seen from the front of some face. */
+static bool sees_sky(file_rays *r)
+{
+	for (uint32_t k = 0; k < r->rays; k++) {
+		const file_triangle *t = &r->triangles[(uint32_t)(file_rays_random(r) * (float)r->count)];
+		vec3 origin, direction;
+		float u = file_rays_random(r), v = file_rays_random(r);
+		glm_vec3_copy((float *)t->corner, origin);
+		glm_vec3_muladds((float *)t->edge[0], u + v > 1 ? 1 - u : u, origin);
+		glm_vec3_muladds((float *)t->edge[1], u + v > 1 ? 1 - v : v, origin);
+		file_rays_scatter(r, t->normal, direction);
+		if (file_rays_shoot(r, origin, direction, 1e-5f * r->radius, false).triangle == UINT32_MAX)
+			return true;
+	}
+	return r->rays == 0; /* too many faces to tell */
+}
+
+/* A closed room whose faces look inward stays black below any sky: its outside is shown instead. */
+static bool mend_by_sky(engine_scene *scene, file_rays *r, const char *program)
+{
+	bool done = true;
+	if (r->powers[r->count - 1] > 0 || sees_sky(r))
+		return true;
+	for (uint32_t o = 0; o < scene->object_count && done; o++)
+		done = make_two_sided(scene, &scene->objects[o]);
+	options_say(program, "no face looks at the sky: all get two sides; --two-sided=off keeps them");
+	return done;
+}
+
+static bool follow_light(engine_scene *scene, bool sky, const char *program)
 {
 	file_rays r;
 	size_t faces = 0;
@@ -196,7 +218,8 @@ static bool follow_light(engine_scene *scene, const char *program)
 	sides *of_faces = calloc(faces + 1, sizeof *of_faces);
 	uint32_t *first_face = calloc((size_t)scene->object_count + 1, sizeof *first_face);
 	bool done = file_rays_make(&r, scene) && of_objects && of_faces && first_face &&
-		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program);
+		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program) &&
+		    (!sky || r.count == 0 || mend_by_sky(scene, &r, program));
 	file_rays_free(&r);
 	free(of_objects);
 	free(of_faces);
@@ -204,11 +227,11 @@ static bool follow_light(engine_scene *scene, const char *program)
 	return done;
 }
 
-bool file_sides_mend(engine_scene *scene, options_sides two_sided, const char *program)
+bool file_sides_mend(engine_scene *scene, options_sides two_sided, bool sky, const char *program)
 {
 	bool done = true;
 	if (two_sided == OPTIONS_SIDES_AUTO)
-		return follow_light(scene, program);
+		return follow_light(scene, sky, program);
 	for (uint32_t o = 0; o < scene->object_count && done && two_sided == OPTIONS_SIDES_ON; o++)
 		done = make_two_sided(scene, &scene->objects[o]);
 	return done;

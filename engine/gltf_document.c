@@ -122,24 +122,29 @@ uint8_t *gltf_read_base64(const char *uri, size_t *size)
 	return out;
 }
 
-static bool read_beside(gltf_document *document, gltf_buffer *buffer, const char *uri)
+uint8_t *gltf_read_beside(const gltf_document *document, const char *uri, size_t limit, size_t *size, char *why,
+			  size_t why_size)
 {
-	char why[128] = "its name holds a zero byte";
+	uint8_t *bytes = NULL;
 	char *name = strdup(uri);
+	snprintf(why, why_size, name ? "has a zero byte in its name" : "is more than there is memory for");
 	if (name && scene_unescape(name)) {
-		FILE *file = scene_open_below(document->loader->path, name, why, sizeof why);
-		buffer->bytes = scene_read_all(file, MAX_FILE_SIZE, &buffer->size, why, sizeof why);
+		FILE *file = scene_open_below(document->loader->path, name, why, why_size);
+		bytes = scene_read_all(file, limit, size, why, why_size);
 	}
 	free(name);
-	return buffer->bytes || scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
+	return bytes;
 }
 
 static bool read_uri(gltf_document *document, gltf_buffer *buffer, const char *uri)
 {
-	if (strncmp(uri, "data:", 5) != 0)
-		return read_beside(document, buffer, uri);
-	buffer->bytes = gltf_read_base64(uri, &buffer->size);
-	return buffer->bytes || scene_fail(document->loader, "a buffer's data: address is not base64");
+	char why[128];
+	bool inside = strncmp(uri, "data:", 5) == 0;
+	buffer->bytes = inside ? gltf_read_base64(uri, &buffer->size)
+			       : gltf_read_beside(document, uri, MAX_FILE_SIZE, &buffer->size, why, sizeof why);
+	if (!buffer->bytes && inside)
+		return scene_fail(document->loader, "a buffer's data: address is not base64");
+	return buffer->bytes || scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
 }
 
 static bool read_buffer(gltf_document *document, uint32_t number)
@@ -226,6 +231,7 @@ static bool parse(gltf_document *document)
 
 static bool make_table(gltf_document *document, gltf_array which)
 {
+	static const cJSON empty = {.type = cJSON_Object};
 	const cJSON *array = gltf_member(document->root, array_names[which]), *item;
 	gltf_table *table = &document->tables[which];
 	table->items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *table->items);
@@ -236,8 +242,9 @@ static bool make_table(gltf_document *document, gltf_array which)
 	cJSON_ArrayForEach(item, array)
 	{
 		if (!cJSON_IsObject(item))
-			return scene_fail(document->loader, "\"%s\" must hold objects", array_names[which]);
-		table->items[table->count++] = item;
+			scene_note(document->loader, NULL, "members of \"%s\" that are no objects are taken as empty",
+				   array_names[which]);
+		table->items[table->count++] = cJSON_IsObject(item) ? item : &empty;
 	}
 	return true;
 }
@@ -267,7 +274,8 @@ static bool check_extensions(gltf_document *document)
 }
 
 static const char *const known_extensions[] = {
-    "KHR_materials_emissive_strength", "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
     "KHR_texture_transform", /* a mean has no place */
 };
 
@@ -328,12 +336,10 @@ static bool make_side_tables(gltf_document *document)
 
 bool gltf_open(gltf_document *document, scene_loader *loader)
 {
-	char why[128];
 	*document = (gltf_document){.loader = loader};
-	FILE *file = scene_open(loader->path, why, sizeof why);
-	document->file = scene_read_all(file, MAX_FILE_SIZE, &document->file_size, why, sizeof why);
+	document->file = scene_read_file(loader, &document->file_size);
 	if (!document->file)
-		return scene_fail(loader, "%s", why);
+		return false;
 	document->bytes_read = document->file_size;
 	if (!parse(document) || !check_extensions(document))
 		return false;

@@ -61,8 +61,8 @@ typedef struct gltf_accessor {
 /* The mean of an image, decoded when first asked for. */
 typedef struct gltf_image {
 	bool tried, read;
-	float mean[4];     /* r g b in linear light, alpha */
-	const char *fault; /* why it was not read */
+	float mean[4];   /* r g b in linear light, alpha */
+	char fault[128]; /* why it was not read */
 } gltf_image;
 
 typedef struct gltf_document {
@@ -115,6 +115,10 @@ bool gltf_number(const cJSON *object, const char *key, double *number);
 
 /* A whole number below 2^32 that counts or places bytes; left alone when not there. */
 bool gltf_size(const cJSON *object, const char *key, size_t *number);
+
+/* The bytes of a file beside the scene, at most `limit`; the caller frees them. NULL with the reason in why. */
+uint8_t *gltf_read_beside(const gltf_document *document, const char *uri, size_t limit, size_t *size, char *why,
+			  size_t why_size);
 
 /* The bytes of a data: address. NULL when it is not base64; the caller frees them. */
 uint8_t *gltf_read_base64(const char *uri, size_t *size);

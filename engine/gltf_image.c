@@ -1,8 +1,8 @@
 /* Images of a glTF file, decoded once each when a material asks for its mean. */
 #include "gltf_scene.h"
 #include "image_mean.h"
-#include "scene_path.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,27 +11,13 @@ enum { MAX_IMAGE_BYTES = 1 << 28 };
 /* Of all images of a file: what decoding takes a few seconds for. */
 #define MAX_ALL_PIXELS ((uint64_t)1 << 28)
 
-/* The file beside the scene; the caller frees. */
-static uint8_t *read_beside(const gltf_document *document, const char *uri, size_t *size)
-{
-	char why[128];
-	char *name = strdup(uri);
-	uint8_t *bytes = NULL;
-	if (name && scene_unescape(name)) {
-		FILE *file = scene_open_below(document->loader->path, name, why, sizeof why);
-		bytes = scene_read_all(file, MAX_IMAGE_BYTES, size, why, sizeof why);
-	}
-	free(name);
-	return bytes;
-}
-
 static bool decode(gltf_document *document, const uint8_t *bytes, size_t size, gltf_image *image)
 {
 	uint64_t pixels = 0;
-	image->fault = "the images of the file have too many pixels";
-	if (document->pixels_read > MAX_ALL_PIXELS)
-		return false;
-	bool read = engine_image_mean(bytes, size, image->mean, &pixels, &image->fault);
+	const char *fault = "the images of the file have too many pixels";
+	bool read =
+	    document->pixels_read <= MAX_ALL_PIXELS && engine_image_mean(bytes, size, image->mean, &pixels, &fault);
+	snprintf(image->fault, sizeof image->fault, "%s", fault);
 	document->pixels_read += pixels;
 	return read;
 }
@@ -41,7 +27,7 @@ static void read_image(gltf_document *document, const cJSON *from, gltf_image *i
 	const char *uri = gltf_text(from, "uri");
 	int64_t number = -1;
 	size_t size = 0;
-	image->fault = "an image cannot be read";
+	snprintf(image->fault, sizeof image->fault, "an image has no bytes");
 	if (!uri) {
 		bool found = gltf_index(document, from, "bufferView", GLTF_BUFFER_VIEWS, &number) && number >= 0;
 		const gltf_view *view = found ? &document->views[number] : NULL;
@@ -49,7 +35,9 @@ static void read_image(gltf_document *document, const cJSON *from, gltf_image *i
 		return;
 	}
 	bool inside = strncmp(uri, "data:", 5) == 0;
-	uint8_t *bytes = inside ? gltf_read_base64(uri, &size) : read_beside(document, uri, &size);
+	uint8_t *bytes =
+	    inside ? gltf_read_base64(uri, &size)
+		   : gltf_read_beside(document, uri, MAX_IMAGE_BYTES, &size, image->fault, sizeof image->fault);
 	image->read = bytes && decode(document, bytes, size, image);
 	free(bytes);
 }

@@ -334,18 +334,6 @@ bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *nod
 
 /* ---- skins ------------------------------------------------------------------------------------------------------- */
 
-static void multiply(const double a[16], const double b[16], double out[16])
-{
-	for (int column = 0; column < 4; column++) {
-		for (int row = 0; row < 4; row++) {
-			double sum = 0;
-			for (int k = 0; k < 4; k++)
-				sum += a[4 * k + row] * b[4 * column + k];
-			out[4 * column + row] = sum;
-		}
-	}
-}
-
 bool gltf_read_skin(gltf_document *document, int64_t number, gltf_skin *out, const char **fault)
 {
 	const cJSON *from = document->tables[GLTF_SKINS].items[number], *joints = gltf_member(from, "joints"), *joint;
@@ -367,7 +355,7 @@ bool gltf_read_skin(gltf_document *document, int64_t number, gltf_skin *out, con
 			return false;
 		if (inverse)
 			gltf_element(inverse, count, bind);
-		multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
+		scene_multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
 	}
 	return out->matrices != NULL && count > 0;
 }

@@ -22,8 +22,7 @@ static void count_pixels(histogram *h, const uint8_t *pixels, size_t count, int 
 	}
 }
 
-/* IEC 61966-2-1 */
-static double linear_of_srgb(double value)
+double engine_linear_of_srgb(double value)
 {
 	return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
@@ -33,7 +32,7 @@ static float mean_of(const uint64_t counts[256], bool srgb)
 	double sum = 0, count = 0;
 	for (int v = 0; v < 256; v++) {
 		double value = v / 255.0;
-		sum += (double)counts[v] * (srgb ? linear_of_srgb(value) : value);
+		sum += (double)counts[v] * (srgb ? engine_linear_of_srgb(value) : value);
 		count += (double)counts[v];
 	}
 	return count > 0 ? (float)(sum / count) : 1;

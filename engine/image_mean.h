@@ -13,6 +13,9 @@ extern "C" {
 /* The largest picture that is decoded, pixels. */
 enum { ENGINE_IMAGE_MAX_PIXELS = 1 << 26 };
 
+/* A value as pictures store it (sRGB, IEC 61966-2-1), 0..1, in linear light. */
+double engine_linear_of_srgb(double value);
+
 /* Decodes a PNG or JPEG of sRGB colours. mean: r g b in linear light, alpha, each 0..1. *pixels is how many there were,
  * also where decoding failed after its head. False with the reason in *fault: "it is neither PNG nor JPEG".
  */

@@ -179,6 +179,35 @@ static void drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 	mesh->index_count = write;
 }
 
+uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context)
+{
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		const uint32_t count = mesh->face_counts[f];
+		if (keep(context, f, mesh->indices + read)) {
+			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
+			if (mesh->face_materials)
+				mesh->face_materials[faces] = mesh->face_materials[f];
+			mesh->face_counts[faces++] = count;
+			write += count;
+		}
+		read += count;
+	}
+	const uint32_t dropped = mesh->face_count - faces;
+	mesh->face_count = faces;
+	mesh->index_count = write;
+	return dropped;
+}
+
+void engine_mesh_turn_face(uint32_t *corners, uint32_t count)
+{
+	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
+		uint32_t kept = corners[a];
+		corners[a] = corners[b];
+		corners[b] = kept;
+	}
+}
+
 /* Polygons that leave no triangle had no area either. */
 static bool cut_polygons(engine_mesh *mesh, engine_clean_report *report)
 {

@@ -25,13 +25,22 @@ typedef struct engine_clean_report {
 bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material);
 
 /* Welds vertices of bitwise equal position (files split them by normal and texture coordinate, and a cage needs its
- * connections), drops degenerate faces, faces that are there twice and unused vertices, cuts faces that are not convex into
- * triangles (see mesh_polygon.h); the order of all stays. Creases are dropped: no file
- * format read here has any. False with one line in message for a corner out of range, a face of fewer than three
- * corners, a position that is not finite or beyond ENGINE_MESH_FARTHEST, or lack of memory; mesh is then still good for
- * engine_mesh_free(). A mesh with no face left is no failure.
+ * connections), drops degenerate faces, faces that are there twice and unused vertices, cuts faces that are not convex
+ * into triangles (see mesh_polygon.h); the order of all stays. Creases are dropped: no file format read here has any.
+ * False with one line in message for a corner out of range, a face of fewer than three corners, a position that is not
+ * finite or beyond ENGINE_MESH_FARTHEST, or lack of memory; mesh is then still good for engine_mesh_free(). A mesh with
+ * no face left is no failure.
  */
 bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *message, size_t message_size);
+
+/* Keeps, in their order, the faces of which `keep` says so; returns how many went. It is asked once of each, from the
+ * first on, with the corners where they are.
+ */
+typedef bool engine_mesh_keep(const void *context, uint32_t face, const uint32_t *corners);
+uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context);
+
+/* Turns a face over: its corners run the other way. */
+void engine_mesh_turn_face(uint32_t *corners, uint32_t count);
 
 /* glTF has triangles only, and exporters write a quad as two triangles that follow each other. Puts such pairs back
  * together: faces f and f+1 that share an edge, have one material, are within 45 degrees of coplanar and form a convex

@@ -1,5 +1,7 @@
 #include "mesh_duplicates.h"
 
+#include "mesh_clean.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,22 +54,10 @@ static uint32_t mark(const engine_mesh *mesh, face *faces, bool *again)
 	return count;
 }
 
-static void drop(engine_mesh *mesh, const bool *again)
+static bool is_first(const void *again, uint32_t number, const uint32_t *corners)
 {
-	uint32_t read = 0, write = 0, faces = 0;
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		const uint32_t count = mesh->face_counts[f];
-		if (!again[f]) {
-			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
-			if (mesh->face_materials)
-				mesh->face_materials[faces] = mesh->face_materials[f];
-			mesh->face_counts[faces++] = count;
-			write += count;
-		}
-		read += count;
-	}
-	mesh->face_count = faces;
-	mesh->index_count = write;
+	(void)corners;
+	return !((const bool *)again)[number];
 }
 
 bool engine_mesh_drop_duplicates(engine_mesh *mesh, uint32_t *dropped)
@@ -77,7 +67,7 @@ bool engine_mesh_drop_duplicates(engine_mesh *mesh, uint32_t *dropped)
 	const bool enough = faces && again;
 	*dropped = enough ? mark(mesh, faces, again) : 0;
 	if (*dropped)
-		drop(mesh, again);
+		engine_mesh_keep_faces(mesh, is_first, again);
 	free(faces);
 	free(again);
 	return enough;

@@ -61,16 +61,25 @@ bool scene_make_graph(scene_loader *loader, uint32_t count)
 	return true;
 }
 
-/* Readers guess less well what is wrong with a file than this does. */
-static bool check_readable(scene_loader *loader)
+uint8_t *scene_read_file(scene_loader *loader, size_t *size)
+{
+	char why[128];
+	FILE *file = scene_open(loader->path, why, sizeof why);
+	uint8_t *bytes = scene_read_all(file, (size_t)4 << 30, size, why, sizeof why);
+	if (!bytes)
+		scene_fail(loader, "%s", why);
+	return bytes;
+}
+
+/* A folder, or what is not there, is told as that. */
+static bool fail_unknown(scene_loader *loader)
 {
 	char why[128];
 	FILE *file = scene_open(loader->path, why, sizeof why);
 	if (!file)
 		return scene_fail(loader, "%s", why);
-	bool has_bytes = fgetc(file) != EOF;
 	fclose(file);
-	return has_bytes || scene_fail(loader, "the file is empty or cannot be read");
+	return scene_fail(loader, "is no scene file this program reads; use .gltf, .glb, .obj or .ply");
 }
 
 static bool read_by_extension(scene_loader *loader)
@@ -81,7 +90,7 @@ static bool read_by_extension(scene_loader *loader)
 		return scene_read_obj(loader);
 	if (has_extension(loader->path, ".ply"))
 		return scene_read_ply(loader);
-	return scene_fail(loader, "is no scene file this program reads; use .gltf, .glb, .obj or .ply");
+	return fail_unknown(loader);
 }
 
 /* A file without any mesh is an empty scene; one of which nothing can be used is refused. */
@@ -101,7 +110,7 @@ static bool check_something_is_left(scene_loader *loader)
 
 static bool read_scene(scene_loader *loader)
 {
-	if (!check_readable(loader) || !read_by_extension(loader) || !scene_settle_objects(loader))
+	if (!read_by_extension(loader) || !scene_settle_objects(loader))
 		return false;
 	scene_settle_materials(loader);
 	if (!check_something_is_left(loader))

@@ -90,6 +90,9 @@ typedef struct scene_loader {
 /* Writes "path: text" as one line; always false, so that callers can return it. */
 __attribute__((format(printf, 2, 3))) bool scene_fail(scene_loader *loader, const char *format, ...);
 
+/* All bytes of the scene's own file, at most 4 GiB, and a zero after the last; the caller frees them. NULL: reported. */
+uint8_t *scene_read_file(scene_loader *loader, size_t *size);
+
 /* Counts one more case of what the text says; each text becomes one clause of the scene's warning, with the count and
  * the subject (a name; NULL: none) of the first case. Texts are plural: "textures are not read".
  */
@@ -179,6 +182,9 @@ void scene_pose_graph(engine_scene_graph *graph, const double *time_s);
  */
 scene_pose_result scene_object_pose(const engine_scene_graph *graph, const engine_scene_object *object,
 				    engine_pose *pose, double stretch[9]);
+
+/* a b, of column-major 4 x 4 matrices; out may be either. */
+void scene_multiply(const double a[16], const double b[16], double out[16]);
 
 /* Object point to world; out may be point. */
 void scene_transform_point(const engine_pose *pose, const float point[3], float out[3]);

@@ -52,9 +52,9 @@ static bool read_color(char *rest, float color[3])
 		return false;
 	for (int c = 0; c < 3; c++) {
 		double value = values[count == 3 ? c : 0];
-		if (!(value >= 0 && value < 1e30))
+		if (!(value >= 0 && isfinite(value)))
 			return false;
-		color[c] = (float)value;
+		color[c] = (float)fmin(value, 1e30); /* brought into range with those of all formats */
 	}
 	return true;
 }

@@ -1,19 +1,11 @@
 /* What a reader tells: the one reason why a file is refused, and what it left out or mended, once a kind. */
+#include "output.h"
 #include "scene_internal.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Messages are one line whatever a file's names contain. */
-static void replace_control_characters(char *text)
-{
-	for (; *text; text++) {
-		if ((unsigned char)*text < 32 || *text == 127)
-			*text = ' ';
-	}
-}
 
 char *scene_copy_name(const char *name, const char *fallback, uint32_t number)
 {
@@ -25,7 +17,7 @@ char *scene_copy_name(const char *name, const char *fallback, uint32_t number)
 		memcpy(copy, name, size);
 	else
 		snprintf(copy, size, "%s%u", fallback, number);
-	replace_control_characters(copy);
+	engine_output_one_line(copy);
 	return copy;
 }
 
@@ -38,7 +30,7 @@ bool scene_fail(scene_loader *loader, const char *format, ...)
 	va_end(arguments);
 	snprintf(loader->message, loader->message_size, "%s: %s", loader->path, text);
 	if (loader->message_size)
-		replace_control_characters(loader->message);
+		engine_output_one_line(loader->message);
 	return false;
 }
 
@@ -113,5 +105,5 @@ void scene_write_warning(scene_loader *loader)
 			used += (size_t)snprintf(warning + used, size - used, "; ");
 		used += write_kind(&loader->kinds[k], warning + used, size - used);
 	}
-	replace_control_characters(warning);
+	engine_output_one_line(warning);
 }

@@ -18,7 +18,7 @@
 
 /* Of one file, and bytes of each: more are no scene's, and would be looked for or read for hours. */
 enum { MOST_LIBRARIES = 64, MOST_NAMES = 1000 };
-static const size_t MOST_BYTES = (size_t)4 << 30, MOST_LIBRARY_BYTES = (size_t)64 << 20;
+static const size_t MOST_LIBRARY_BYTES = (size_t)64 << 20;
 /* Of all textures together. */
 static const uint64_t MOST_PIXELS = (uint64_t)1 << 28, MOST_TEXTURE_BYTES = (uint64_t)1 << 30;
 
@@ -28,6 +28,7 @@ typedef struct name_line {
 	uint32_t number;           /* of the line among its like */
 	uint32_t first;            /* number of the first line with the same names */
 	uint32_t material;         /* usemtl: the scene's number, SCENE_NO_MATERIAL before a face asks */
+	const mtl_material *found; /* usemtl: in a library; NULL: in none */
 } name_line;
 
 typedef struct library {
@@ -148,7 +149,7 @@ static bool add_name_line(obj_reader *r, scene_array *lines, const char *object,
 	name_line *line = scene_array_add(lines, sizeof *line);
 	if (!line)
 		return fail_memory(r);
-	*line = (name_line){object, name, (uint32_t)lines->count - 1, 0, SCENE_NO_MATERIAL};
+	*line = (name_line){object, name, (uint32_t)lines->count - 1, 0, SCENE_NO_MATERIAL, NULL};
 	return true;
 }
 
@@ -361,20 +362,20 @@ static void note_unread(obj_reader *r, const mtl_material *material)
 static bool add_used_material(obj_reader *r, name_line *use)
 {
 	static const mtl_material unknown = {.rho = {MTL_RHO, MTL_RHO, MTL_RHO}};
-	const mtl_material *found = mtl_find(&r->materials, use->name), *from = found ? found : &unknown;
+	const mtl_material *from = use->found ? use->found : &unknown;
 	use->material = r->loader->scene->material_count;
 	engine_scene_material *material = scene_add_material(r->loader, use->name);
 	if (!material)
 		return false;
 	memcpy(material->rho, from->rho, sizeof material->rho);
 	memcpy(material->radiance, from->radiance, sizeof material->radiance);
-	if (!found) {
+	if (!use->found) {
 		scene_note(r->loader, use->name, "materials that are in no library get a reflectance of 0.6");
 		return true;
 	}
-	note_unread(r, found);
-	if (found->glow)
-		apply_glow(r, found, material);
+	note_unread(r, from);
+	if (from->glow)
+		apply_glow(r, from, material);
 	return true;
 }
 
@@ -382,12 +383,21 @@ static bool number_materials(obj_reader *r)
 {
 	scene_polygon *faces = r->polygons.faces.items;
 	name_line *uses = r->uses.items;
+	uint32_t not_by_color = 0;
+	for (size_t u = 0; u < r->uses.count; u++)
+		uses[u].found = mtl_find(&r->materials, uses[u].name);
 	for (size_t f = 0; f < r->polygons.faces.count; f++) {
 		name_line *use = uses + uses[faces[f].material].first;
-		if (use->name[0] && use->material == SCENE_NO_MATERIAL && !add_used_material(r, use))
+		faces[f].material = SCENE_NO_MATERIAL;
+		not_by_color += faces[f].colored && use->found;
+		if (!use->name[0] || (faces[f].colored && !use->found))
+			continue;
+		if (use->material == SCENE_NO_MATERIAL && !add_used_material(r, use))
 			return false;
 		faces[f].material = use->material;
 	}
+	scene_note_many(r->loader, not_by_color, NULL,
+			"colours of vertices are not read on faces that have a material");
 	return true;
 }
 
@@ -429,12 +439,10 @@ static void free_reader(obj_reader *r)
 
 bool scene_read_obj(scene_loader *loader)
 {
-	char fault[200];
 	size_t size;
-	uint8_t *bytes =
-	    scene_read_all(scene_open(loader->path, fault, sizeof fault), MOST_BYTES, &size, fault, sizeof fault);
+	uint8_t *bytes = scene_read_file(loader, &size);
 	if (!bytes)
-		return scene_fail(loader, "%s", fault);
+		return false;
 	obj_reader r = {.loader = loader, .text = scene_text_of(bytes, size), .object = ""};
 	bool read = read_file(&r);
 	free_reader(&r);

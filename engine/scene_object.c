@@ -63,26 +63,24 @@ static void recentre(engine_scene_object *object)
 		object->offset[c] += middle[c];
 }
 
+typedef struct painted {
+	const engine_scene_material *materials;
+	const engine_mesh *mesh;
+} painted;
+
+static bool is_opaque(const void *context, uint32_t face, const uint32_t *corners)
+{
+	const painted *p = context;
+	(void)corners;
+	return !p->materials[p->mesh->face_materials[face]].clear;
+}
+
 /* Drops the faces whose material lets light through. */
 static void drop_clear_faces(scene_loader *loader, engine_scene_object *object)
 {
-	engine_mesh *mesh = &object->mesh;
-	uint32_t read = 0, write = 0, faces = 0;
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		uint32_t count = mesh->face_counts[f], material = mesh->face_materials[f];
-		bool clear = loader->scene->materials[material].clear;
-		if (!clear) {
-			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
-			mesh->face_counts[faces] = count;
-			mesh->face_materials[faces++] = material;
-			write += count;
-		}
-		read += count;
-	}
-	scene_note_many(loader, mesh->face_count - faces, object->name,
+	const painted p = {loader->scene->materials, &object->mesh};
+	scene_note_many(loader, engine_mesh_keep_faces(&object->mesh, is_opaque, &p), object->name,
 			"faces that let light through (alpha below a half) are left out");
-	mesh->face_count = faces;
-	mesh->index_count = write;
 }
 
 static bool clean(scene_loader *loader, engine_scene_object *object, bool pair_triangles)
@@ -95,7 +93,8 @@ static bool clean(scene_loader *loader, engine_scene_object *object, bool pair_t
 	if (!engine_mesh_clean(&object->mesh, &report, fault, sizeof fault))
 		return scene_fail(loader, "object \"%.80s\": %s", object->name, fault);
 	scene_note_many(loader, report.degenerate_faces, object->name, "faces without area are dropped");
-	scene_note_many(loader, report.duplicate_faces, object->name, "faces with the corners of another one are dropped");
+	scene_note_many(loader, report.duplicate_faces, object->name,
+			"faces with the corners of another one are dropped");
 	scene_note_many(loader, report.too_large, object->name,
 			"faces that are not convex and have thousands of corners are left out");
 	if (had_faces && object->mesh.face_count == 0)
@@ -172,13 +171,8 @@ static void mirror_mesh(engine_scene_object *object)
 		mesh->positions[3 * v] = -mesh->positions[3 * v];
 	object->offset[0] = -object->offset[0];
 	uint32_t *corners = mesh->indices;
-	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
-		for (uint32_t a = 0, b = mesh->face_counts[f] - 1; a < b; a++, b--) {
-			uint32_t kept = corners[a];
-			corners[a] = corners[b];
-			corners[b] = kept;
-		}
-	}
+	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++])
+		engine_mesh_turn_face(corners, mesh->face_counts[f]);
 }
 
 static void stretch_mesh(engine_scene_object *object)
@@ -216,25 +210,12 @@ static double world_area(const engine_scene_object *object, const uint32_t *corn
 	return sqrt(area2);
 }
 
-/* Drops the faces whose leaves the library would find too small; false where none is left. */
-static bool drop_tiny_faces(engine_scene_object *object)
+/* Whether the library would not find the leaves of a face too small. */
+static bool is_large_enough(const void *context, uint32_t face, const uint32_t *corners)
 {
-	engine_mesh *mesh = &object->mesh;
-	double least = ldexp(SCENE_LEAST_AREA, 2 * (int)object->levels);
-	uint32_t read = 0, write = 0, faces = 0;
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		uint32_t count = mesh->face_counts[f];
-		if (world_area(object, mesh->indices + read, count) > least) {
-			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
-			mesh->face_counts[faces] = count;
-			mesh->face_materials[faces++] = mesh->face_materials[f];
-			write += count;
-		}
-		read += count;
-	}
-	mesh->face_count = faces;
-	mesh->index_count = write;
-	return faces > 0;
+	const engine_scene_object *object = context;
+	return world_area(object, corners, object->mesh.face_counts[face]) >
+	       ldexp(SCENE_LEAST_AREA, 2 * (int)object->levels);
 }
 
 /* Finds the pose as graph->world has it; where the matrix mirrors or shears, the mesh takes that part. */
@@ -265,9 +246,10 @@ static scene_pose_result place(const engine_scene_graph *graph, engine_scene_obj
 	scene_pose_result result = find_pose(graph, object);
 	if (result == SCENE_POSE_OK && reaches_too_far(object))
 		return SCENE_POSE_FAR;
-	if (result == SCENE_POSE_OK && !drop_tiny_faces(object))
-		return SCENE_POSE_TINY;
-	return result;
+	if (result != SCENE_POSE_OK)
+		return result;
+	engine_mesh_keep_faces(&object->mesh, is_large_enough, object);
+	return object->mesh.face_count > 0 ? SCENE_POSE_OK : SCENE_POSE_TINY;
 }
 
 static const char *const pose_faults[SCENE_POSE_RESULTS] = {
@@ -348,7 +330,7 @@ static uint32_t most_samples(const engine_scene_graph *graph)
 	uint32_t moving = 1;
 	for (uint32_t k = 0; k < graph->order_count; k++)
 		moving += graph->nodes[graph->order[k]].moves;
-	uint32_t samples = (1u << 20) / moving;
+	uint32_t samples = (1u << 19) / moving;
 	return samples < 4 ? 4 : samples > 200 ? 200 : samples;
 }
 
@@ -367,8 +349,8 @@ static void look_at_time(engine_scene *scene, double time_s, bool *placed)
 	}
 }
 
-/* At the keys, where animations are at their most; at every n-th where there are many. */
-static void look_at_animation(engine_scene *scene, bool *placed)
+/* At the keys, or halfway to the next ones; at every n-th where there are many. */
+static void look_at_keys(engine_scene *scene, bool halfway, bool *placed)
 {
 	const engine_scene_graph *graph = scene->graph;
 	uint64_t keys = 0, key = 0;
@@ -376,9 +358,23 @@ static void look_at_animation(engine_scene *scene, bool *placed)
 		keys += graph->channels[c].key_count;
 	uint64_t step = keys / most_samples(graph) + 1;
 	for (uint32_t c = 0; c < graph->channel_count; key -= graph->channels[c++].key_count) {
-		for (; key < graph->channels[c].key_count; key += step)
-			look_at_time(scene, (double)graph->channels[c].times[key], placed);
+		const scene_channel *channel = &graph->channels[c];
+		for (; key < channel->key_count; key += step) {
+			double time_s = (double)channel->times[key];
+			if (halfway && key + 1 < channel->key_count)
+				time_s = 0.5 * (time_s + (double)channel->times[key + 1]);
+			look_at_time(scene, time_s, placed);
+		}
 	}
+}
+
+/* Animations are at their most at the keys; what shrinks to nothing from one to the next is told apart from what is
+ * gone at once by what lies between.
+ */
+static void look_at_animation(engine_scene *scene, bool *placed)
+{
+	look_at_keys(scene, false, placed);
+	look_at_keys(scene, true, placed);
 }
 
 static void drop_unplaced(scene_loader *loader, const bool *placed, const scene_pose_result *results)

@@ -68,10 +68,23 @@ static FILE *open_if_below(const char *scene_path, const char *joined, char *mes
 	return opened;
 }
 
+/* As Windows writes paths, where there is no file with backslashes in its name. */
+static void mend_slashes(char *joined, size_t folder)
+{
+	if (access(joined, F_OK) == 0)
+		return;
+	for (char *c = joined + folder; *c; c++)
+		*c = *c == '\\' ? '/' : *c;
+}
+
 FILE *scene_open_below(const char *scene_path, const char *name, char *message, size_t message_size)
 {
 	if (name[0] == '/') {
 		snprintf(message, message_size, "is an absolute path; only files of the scene's folder are read");
+		return NULL;
+	}
+	if (strstr(name, "://")) {
+		snprintf(message, message_size, "lies elsewhere; only files of the scene's folder are read");
 		return NULL;
 	}
 	char *joined = join(scene_path, name);
@@ -79,6 +92,7 @@ FILE *scene_open_below(const char *scene_path, const char *name, char *message, 
 		snprintf(message, message_size, "out of memory");
 		return NULL;
 	}
+	mend_slashes(joined, strlen(joined) - strlen(name));
 	FILE *file = open_if_below(scene_path, joined, message, message_size);
 	free(joined);
 	return file;

@@ -21,8 +21,9 @@ extern "C" {
  */
 FILE *scene_open(const char *path, char *message, size_t message_size);
 
-/* Opens the file `name` beside or below the file scene_path. NULL with the reason in message for an absolute name, one
- * that leads out of that folder (by "..", by a link), or what scene_open() refuses.
+/* Opens the file `name` beside or below the file scene_path; where there is none of that name, backslashes are slashes.
+ * NULL with the reason in message for an absolute name, an address of another place (http://), one that leads out of
+ * that folder (by "..", by a link), or what scene_open() refuses.
  */
 FILE *scene_open_below(const char *scene_path, const char *name, char *message, size_t message_size);
 

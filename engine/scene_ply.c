@@ -3,14 +3,11 @@
  * Memory grows with what has been read, so that no count in a header takes any: a file that states more than it holds
  * is read to its end and refused.
  */
-#include "scene_path.h"
 #include "scene_ply_header.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const size_t MOST_BYTES = (size_t)4 << 30;
 
 typedef struct ply_reader {
 	scene_loader *loader;
@@ -37,8 +34,8 @@ static bool fail_at(ply_reader *r, const char *fault)
 
 static bool fail_short(ply_reader *r)
 {
-	return scene_fail(r->loader, "it is cut off: %llu of %llu elements \"%s\" are there",
-			  (unsigned long long)r->index, (unsigned long long)r->element->count, r->element->name);
+	return scene_fail(r->loader, "is cut off: %llu of %llu elements \"%s\" are there", (unsigned long long)r->index,
+			  (unsigned long long)r->element->count, r->element->name);
 }
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
@@ -319,12 +316,10 @@ static bool read_file(ply_reader *r)
 
 bool scene_read_ply(scene_loader *loader)
 {
-	char fault[200];
 	size_t size;
-	uint8_t *bytes =
-	    scene_read_all(scene_open(loader->path, fault, sizeof fault), MOST_BYTES, &size, fault, sizeof fault);
+	uint8_t *bytes = scene_read_file(loader, &size);
 	if (!bytes)
-		return scene_fail(loader, "%s", fault);
+		return false;
 	ply_reader r = {.loader = loader, .text = scene_text_of(bytes, size)};
 	bool read = read_file(&r);
 	scene_polygons_free(&r.polygons);

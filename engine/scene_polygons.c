@@ -1,5 +1,6 @@
 #include "scene_polygons.h"
 
+#include "image_mean.h"
 #include "mesh_clean.h"
 
 #include <math.h>
@@ -42,10 +43,8 @@ const char *scene_position_fault(const double position[3])
 
 void scene_linear_color(const double srgb[3], float linear[3])
 {
-	for (int c = 0; c < 3; c++) {
-		double v = fmin(fmax(srgb[c], 0), 1);
-		linear[c] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
-	}
+	for (int c = 0; c < 3; c++)
+		linear[c] = (float)engine_linear_of_srgb(fmin(fmax(srgb[c], 0), 1));
 }
 
 /* The mean of the colours of the corners, where all have one. */

@@ -45,7 +45,7 @@ void scene_polygons_free(scene_polygons *polygons);
 /* What is wrong with a position ("is not finite"), or NULL. */
 const char *scene_position_fault(const double position[3]);
 
-/* The reflectance that a displayed colour stands for: sRGB (IEC 61966-2-1), each 0..1, to linear. */
+/* The reflectance that a displayed colour stands for: sRGB, each brought to 0..1, to linear. */
 void scene_linear_color(const double srgb[3], float linear[3]);
 
 /* Makes a face of the last `corners` of polygons->corners, or takes them off again where they are fewer than three.

@@ -135,8 +135,7 @@ static void local_matrix(const engine_scene_graph *graph, const scene_node *node
 	compose(values[SCENE_TRANSLATION], values[SCENE_ROTATION], values[SCENE_SCALE], m);
 }
 
-/* out = a b; out may be b. */
-static void multiply(const double a[16], const double b[16], double out[16])
+void scene_multiply(const double a[16], const double b[16], double out[16])
 {
 	double product[16];
 	for (int column = 0; column < 4; column++) {
@@ -170,7 +169,7 @@ void scene_pose_graph(engine_scene_graph *graph, const double *time_s)
 			continue;
 		local_matrix(graph, node, time_s, world);
 		if (node->parent >= 0)
-			multiply(graph->world + 16 * (size_t)node->parent, world, world);
+			scene_multiply(graph->world + 16 * (size_t)node->parent, world, world);
 	}
 	graph->posed = true;
 	graph->at_rest = !time_s;

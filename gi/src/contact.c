@@ -8,6 +8,7 @@
 
 #include "bits.h"
 #include "bvh.h"
+#include "faces.h"
 #include "vec3d.h"
 
 #include <stdlib.h>
@@ -68,37 +69,30 @@ static void *allocate(size_t count, size_t size, bool *enough)
 
 /* ---- faces in the world ---- */
 
+/* By a quaternion that need not have length 1, or the other way round. */
+static gi_vec3d turn(const float rotation[4], double sense, gi_vec3d v)
+{
+	const double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
+	const double length = sqrt(x * x + y * y + z * z + w * w);
+	const gi_vec3d q = {sense * x / length, sense * y / length, sense * z / length};
+	const gi_vec3d t = gi_vec3d_scale(gi_vec3d_cross(q, v), 2);
+	return gi_vec3d_add(v, gi_vec3d_add(gi_vec3d_scale(t, w / length), gi_vec3d_cross(q, t)));
+}
+
 static gi_vec3d place(const gi_object_def *def, uint32_t vertex)
 {
-	const float *p = def->positions + 3 * (size_t)vertex, *r = def->pose.rotation;
-	const double length =
-	    sqrt((double)r[0] * r[0] + (double)r[1] * r[1] + (double)r[2] * r[2] + (double)r[3] * r[3]);
+	const float *p = def->positions + 3 * (size_t)vertex;
 	const gi_vec3d v = {(double)p[0] * def->scale[0], (double)p[1] * def->scale[1], (double)p[2] * def->scale[2]};
-	const gi_vec3d q = {r[0] / length, r[1] / length, r[2] / length};
-	const gi_vec3d t = gi_vec3d_scale(gi_vec3d_cross(q, v), 2);
-	const gi_vec3d turned = gi_vec3d_add(v, gi_vec3d_add(gi_vec3d_scale(t, r[3] / length), gi_vec3d_cross(q, t)));
-	return gi_vec3d_add(turned, gi_vec3d_load(def->pose.position));
+	return gi_vec3d_add(turn(def->pose.rotation, 1, v), gi_vec3d_load(def->pose.position));
 }
 
-/* The other way: object space, before the scale. */
+/* Object space, before the scale. */
 static void to_object(const gi_object_def *def, gi_vec3d world, float out[3])
 {
-	const float *r = def->pose.rotation;
-	const double length =
-	    sqrt((double)r[0] * r[0] + (double)r[1] * r[1] + (double)r[2] * r[2] + (double)r[3] * r[3]);
-	const gi_vec3d v = gi_vec3d_sub(world, gi_vec3d_load(def->pose.position));
-	const gi_vec3d q = {-r[0] / length, -r[1] / length, -r[2] / length};
-	const gi_vec3d t = gi_vec3d_scale(gi_vec3d_cross(q, v), 2);
-	const gi_vec3d turned = gi_vec3d_add(v, gi_vec3d_add(gi_vec3d_scale(t, r[3] / length), gi_vec3d_cross(q, t)));
-	out[0] = (float)(turned.x / def->scale[0]);
-	out[1] = (float)(turned.y / def->scale[1]);
-	out[2] = (float)(turned.z / def->scale[2]);
-}
-
-static gi_vec3d unit(gi_vec3d v)
-{
-	const double length = gi_vec3d_length(v);
-	return length > 0 ? gi_vec3d_scale(v, 1 / length) : v;
+	const gi_vec3d v = turn(def->pose.rotation, -1, gi_vec3d_sub(world, gi_vec3d_load(def->pose.position)));
+	out[0] = (float)(v.x / def->scale[0]);
+	out[1] = (float)(v.y / def->scale[1]);
+	out[2] = (float)(v.z / def->scale[2]);
 }
 
 /* Sets the normal; false where the face is no plane. */
@@ -112,7 +106,7 @@ static bool measure_face(const finder *f, face *of)
 		if (k >= 2)
 			sum = gi_vec3d_add(sum, gi_vec3d_triangle(c[0], c[k - 1], c[k]));
 	}
-	of->normal = unit(sum);
+	of->normal = gi_vec3d_unit(sum);
 	for (uint32_t k = 1; k < of->count; k++)
 		if (fabs(gi_vec3d_dot(of->normal, gi_vec3d_sub(c[k], c[0]))) > FLAT * longest)
 			return false;
@@ -124,7 +118,7 @@ static void place_faces(finder *f, uint32_t object)
 	const gi_contact_object *o = &f->objects[object];
 	const gi_object_def *def = o->def;
 	for (uint32_t k = 0, first = 0; k < def->face_count; k++) {
-		const uint32_t count = def->face_counts ? def->face_counts[k] : 4;
+		const uint32_t count = gi_corner_count(def->face_counts, k);
 		face *to = &f->faces[f->face_count++];
 		*to = (face){.object = object,
 			     .number = k,
@@ -288,7 +282,7 @@ static bool cross_face(finder *f, const face *on, const face *through)
 	}
 	if (least >= -touch || most <= touch)
 		return true;
-	const gi_vec3d along = unit(gi_vec3d_cross(on->normal, through->normal));
+	const gi_vec3d along = gi_vec3d_unit(gi_vec3d_cross(on->normal, through->normal));
 	gi_vec3d ends[2] = {{0, 0, 0}, {0, 0, 0}};
 	double reached[2] = {INFINITY, -INFINITY};
 	for (uint32_t k = 0; k < through->count; k++) {
@@ -317,7 +311,7 @@ static bool cross_face(finder *f, const face *on, const face *through)
 static bool add_strips(finder *f, const face *on, const face *above, gi_vec3d from, gi_vec3d to)
 {
 	const double height = fabs(height_over(f, on, mix(from, to, 0.5)));
-	gi_vec3d inward = gi_vec3d_cross(above->normal, unit(gi_vec3d_sub(to, from)));
+	gi_vec3d inward = gi_vec3d_cross(above->normal, gi_vec3d_unit(gi_vec3d_sub(to, from)));
 	if (gi_vec3d_dot(inward, gi_vec3d_sub(face_centre(f, above), from)) < 0)
 		inward = gi_vec3d_scale(inward, -1);
 	bool enough = true;

@@ -2,7 +2,8 @@
  *
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c, bvh.c, skin.c
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c,
+ *                                                 bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
  *        -> solver.c           sweeps, light
@@ -125,7 +126,8 @@ typedef struct gi_solver {
 typedef struct gi_estimate {
 	bool fresh; /* chances are those of the committed scene */
 	double area; /* of all its leaves, m2 */
-	uint32_t choose_program, trace_program, sum_program, mean_program; /* made by the first update that wants them, as the buffers */
+	/* Made by the first update that wants them, as the buffers. */
+	uint32_t choose_program, trace_program, sum_program, mean_program;
 	gpu_buffer chances, items, shares, results;
 } gi_estimate;
 
@@ -172,6 +174,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 void scene_free_object(scene_object *object);
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
+bool scene_emits(const gi_material *material);
 bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
 /* Lengths and places of objects, metres, and exitance, W/m2, are at most this: B and area times B stay in the range of
  * floats with every rho below 1, and so do the products of three lengths that rays take. */

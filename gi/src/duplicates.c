@@ -1,5 +1,7 @@
 #include "duplicates.h"
 
+#include "faces.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,11 +20,6 @@ typedef struct face {
 static void *allocate(size_t count, size_t size)
 {
 	return calloc(count + 1, size);
-}
-
-static uint32_t corners_of(const gi_object_def *def, uint32_t number)
-{
-	return def->face_counts ? def->face_counts[number] : 4;
 }
 
 static int compare_places(const void *left, const void *right)
@@ -96,7 +93,7 @@ static uint32_t mark_repeats(const gi_object_def *def, const uint32_t *corners, 
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < def->face_count; k++) {
-		faces[k] = face_at(corners, corners_of(def, k), k);
+		faces[k] = face_at(corners, gi_corner_count(def->face_counts, k), k);
 		corners += faces[k].count;
 	}
 	qsort(faces, def->face_count, sizeof *faces, compare_faces);
@@ -159,13 +156,13 @@ static bool copy_others(const gi_object_def *def, const bool *repeats, gi_unique
 		return false;
 	uint32_t faces = 0, corners = 0;
 	const uint32_t *next = def->indices;
-	for (uint32_t k = 0; k < def->face_count; next += corners_of(def, k), k++) {
+	for (uint32_t k = 0; k < def->face_count; next += gi_corner_count(def->face_counts, k), k++) {
 		if (repeats[k])
 			continue;
-		out->face_counts[faces] = corners_of(def, k);
+		out->face_counts[faces] = gi_corner_count(def->face_counts, k);
 		out->face_materials[faces] = def->face_materials ? def->face_materials[k] : 0;
-		memcpy(out->indices + corners, next, sizeof *next * corners_of(def, k));
-		corners += corners_of(def, k);
+		memcpy(out->indices + corners, next, sizeof *next * gi_corner_count(def->face_counts, k));
+		corners += gi_corner_count(def->face_counts, k);
 		faces++;
 	}
 	out->def.face_counts = out->face_counts;

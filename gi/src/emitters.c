@@ -41,11 +41,6 @@ static int compare_areas(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static bool emits(const gi_material *m)
-{
-	return m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
-}
-
 /* Fills the list, which holds enough, with all that emits; returns how many. */
 static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_area)
 {
@@ -57,7 +52,7 @@ static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_are
 			continue;
 		*scene_area += o->hierarchy.area;
 		for (uint32_t m = 0; m < o->material_count; m++)
-			if (emits(&o->materials[m]) && o->emission[m].area > 0)
+			if (scene_emits(&o->materials[m]) && o->emission[m].area > 0)
 				list[count++] = (emitting){o, m, o->emission[m].area};
 	}
 	return count;

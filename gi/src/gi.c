@@ -291,11 +291,6 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 	return GI_OK;
 }
 
-static bool emits(const gi_material *m)
-{
-	return m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
-}
-
 static bool reflects(const gi_material *m)
 {
 	return m->rho[0] + m->rho[1] + m->rho[2] > 0;
@@ -317,7 +312,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)
 		return GI_OK;
-	if (emits(m) != emits(&value) || reflects(m) != reflects(&value))
+	if (scene_emits(m) != scene_emits(&value) || reflects(m) != reflects(&value))
 		o->relit = true;
 	*m = value;
 	o->material_changed = true;

@@ -5,6 +5,7 @@
  */
 #include "contact.h"
 #include "context.h"
+#include "faces.h"
 #include "vec3d.h"
 
 #include <stdlib.h>
@@ -79,27 +80,15 @@ static bool is_chosen(const gi_object_def *def)
 	return def->levels == 0 && !(def->leaf_size > 0);
 }
 
-static uint32_t corner_count(const gi_object_def *def, uint32_t face)
-{
-	return def->face_counts ? def->face_counts[face] : 4;
-}
-
 /* ---- parts: faces that share vertices ---- */
-
-static uint32_t root_of(uint32_t *group, uint32_t k)
-{
-	while (group[k] != k)
-		k = group[k] = group[group[k]];
-	return k;
-}
 
 static void join_faces(const gi_object_def *def, uint32_t *group)
 {
 	for (uint32_t k = 0; k < def->vertex_count; k++)
 		group[k] = k;
-	for (uint32_t face = 0, first = 0; face < def->face_count; first += corner_count(def, face++))
-		for (uint32_t k = 1; k < corner_count(def, face); k++)
-			group[root_of(group, def->indices[first + k])] = root_of(group, def->indices[first]);
+	for (uint32_t face = 0, first = 0; face < def->face_count; first += gi_corner_count(def->face_counts, face++))
+		for (uint32_t k = 1; k < gi_corner_count(def->face_counts, face); k++)
+			gi_join(group, def->indices[first + k], def->indices[first]);
 }
 
 static gi_vec3d position(const gi_object_def *def, uint32_t vertex)
@@ -117,7 +106,7 @@ static bool measure_parts(const gi_object_def *def, uint32_t *group, double *dia
 		upper[k] = (gi_vec3d){-INFINITY, -INFINITY, -INFINITY};
 	}
 	for (uint32_t k = 0; lower && upper && k < def->index_count; k++) {
-		const uint32_t part = root_of(group, def->indices[k]);
+		const uint32_t part = gi_group_of(group, def->indices[k]);
 		const gi_vec3d p = position(def, def->indices[k]);
 		lower[part] = (gi_vec3d){fmin(lower[part].x, p.x), fmin(lower[part].y, p.y), fmin(lower[part].z, p.z)};
 		upper[part] = (gi_vec3d){fmax(upper[part].x, p.x), fmax(upper[part].y, p.y), fmax(upper[part].z, p.z)};
@@ -132,10 +121,7 @@ static bool measure_parts(const gi_object_def *def, uint32_t *group, double *dia
 
 static bool is_lamp(const gi_object_def *def, uint32_t face)
 {
-	if (!def->material_count)
-		return false;
-	const float *e = def->materials[def->face_materials ? def->face_materials[face] : 0].exitance;
-	return e[0] + e[1] + e[2] > 0;
+	return def->material_count && scene_emits(&def->materials[def->face_materials ? def->face_materials[face] : 0]);
 }
 
 static double face_area(const gi_object_def *def, uint32_t first, uint32_t count)
@@ -163,11 +149,14 @@ static bool survey_object(chooser *c, uint32_t object)
 		join_faces(def, group);
 		done = measure_parts(def, group, diagonals);
 	}
-	for (uint32_t face = 0, first = 0; done && face < def->face_count; first += corner_count(def, face++)) {
-		c->shares[object][face] = diagonals[root_of(group, def->indices[first])];
+	for (uint32_t face = 0, first = 0; done && face < def->face_count;
+	     first += gi_corner_count(def->face_counts, face++)) {
+		c->shares[object][face] = diagonals[gi_group_of(group, def->indices[first])];
 		c->largest = fmax(c->largest, c->shares[object][face]);
 		c->lamps[object][face] =
-		    is_lamp(def, face) ? sqrt(face_area(def, first, corner_count(def, face))) / LAMP_SIDE : 0;
+		    is_lamp(def, face)
+			? sqrt(face_area(def, first, gi_corner_count(def->face_counts, face))) / LAMP_SIDE
+			: 0;
 	}
 	free(group);
 	free(diagonals);

@@ -2,7 +2,7 @@
  */
 #include "context.h"
 #include "duplicates.h"
-
+#include "faces.h"
 #include "split.h"
 
 #include <float.h>
@@ -49,6 +49,11 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const c
 	return true;
 }
 
+bool scene_emits(const gi_material *m)
+{
+	return m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
+}
+
 bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object)
 {
 	double length = 0;
@@ -86,11 +91,6 @@ static void own_cage_free(own_cage *own)
 	free(own->crease_sharpness);
 }
 
-static uint32_t corners_of(const gi_object_def *def, uint32_t face)
-{
-	return def->face_counts ? def->face_counts[face] : 4;
-}
-
 /* A second copy of the cage with its faces turned round, on vertices of its own: two sides that do not touch. */
 static bool make_two_sided(const gi_object_def *def, gi_refine_cage *cage, own_cage *own)
 {
@@ -108,7 +108,7 @@ static bool make_two_sided(const gi_object_def *def, gi_refine_cage *cage, own_c
 	memcpy(own->positions + 3 * n, def->positions, sizeof(float) * 3 * n);
 	memcpy(own->indices, def->indices, sizeof(uint32_t) * i);
 	for (uint32_t face = 0, first = 0; face < f; face++) {
-		const uint32_t corners = corners_of(def, face);
+		const uint32_t corners = gi_corner_count(def->face_counts, face);
 		own->face_counts[face] = own->face_counts[f + face] = corners;
 		if (def->face_materials)
 			own->face_materials[face] = own->face_materials[f + face] = def->face_materials[face];
@@ -162,7 +162,7 @@ static double mean_edge(const gi_object_def *def)
 {
 	double area = 0;
 	for (uint32_t face = 0, first = 0; face < def->face_count; face++) {
-		const uint32_t corners = corners_of(def, face);
+		const uint32_t corners = gi_corner_count(def->face_counts, face);
 		for (uint32_t k = 1; k + 1 < corners; k++) {
 			float p[3][3];
 			const uint32_t v[3] = {def->indices[first], def->indices[first + k],
@@ -200,9 +200,9 @@ static bool indices_are_valid(const gi_object_def *def)
 {
 	uint64_t corners = 0;
 	for (uint32_t face = 0; face < def->face_count; face++) {
-		if (corners_of(def, face) < 3)
+		if (gi_corner_count(def->face_counts, face) < 3)
 			return false;
-		corners += corners_of(def, face);
+		corners += gi_corner_count(def->face_counts, face);
 	}
 	if (corners != def->index_count)
 		return false;

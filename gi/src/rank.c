@@ -14,8 +14,7 @@ typedef struct candidate {
 static bool emits(const scene_object *o, const gi_primitive *p)
 {
 	/* A primitive's leaves are of one material. */
-	const float *e = o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]].exitance;
-	return e[0] + e[1] + e[2] > 0;
+	return scene_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
 }
 
 static int order(double a, double b)

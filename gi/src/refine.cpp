@@ -9,6 +9,7 @@
  */
 #include "refine.h"
 
+#include "faces.h"
 #include "polygon.h"
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -122,7 +123,7 @@ void check_counts(const gi_refine_cage &cage)
 {
 	uint64_t sum = 0;
 	for (uint32_t face = 0; face < cage.face_count; face++) {
-		const uint32_t count = cage.face_counts ? cage.face_counts[face] : 4;
+		const uint32_t count = gi_corner_count(cage.face_counts, face);
 		if (count < 3)
 			reject("face %u has %u corners; a face needs three", face, count);
 		if (count > max_valence)
@@ -231,7 +232,7 @@ void clean_faces(const gi_refine_cage &cage, Cage &out)
 	const uint32_t *next = cage.indices;
 	const bool mirror = mirrors(cage);
 	for (uint32_t face = 0; face < cage.face_count; face++) {
-		const uint32_t count = cage.face_counts ? cage.face_counts[face] : 4;
+		const uint32_t count = gi_corner_count(cage.face_counts, face);
 		clean_face(next, count, corners);
 		next += count;
 		if (corners.size() < 3)

@@ -118,9 +118,8 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 				sum[c] += a * m->exitance[c];
 			sum[3] += a * fmaxf(m->rho[0], fmaxf(m->rho[1], m->rho[2]));
 			area += a;
-			const bool emits = m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
 			const uint32_t finer = o->emission[h->leaf_material[leaf]].steps;
-			steps = emits && finer > steps ? finer : steps;
+			steps = scene_emits(m) && finer > steps ? finer : steps;
 		}
 		s->node_exitance[o->node_base + n] = (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area),
 							       (float)(sum[2] / area), (float)(sum[3] / area)};

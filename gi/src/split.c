@@ -8,6 +8,7 @@
  */
 #include "split.h"
 
+#include "faces.h"
 #include "vec3d.h"
 
 #include <stdio.h>
@@ -171,24 +172,18 @@ static double edge_length(const splitter *s, const polygon *p, uint32_t k)
 	return gi_vec3d_length(gi_vec3d_sub(corner(s, p, k + 1), corner(s, p, k)));
 }
 
-static gi_vec3d unit(gi_vec3d v)
-{
-	const double length = gi_vec3d_length(v);
-	return length > 0 ? gi_vec3d_scale(v, 1 / length) : v;
-}
-
 /* To the inside of edge k, in the plane. */
 static gi_vec3d inward(const splitter *s, const polygon *p, uint32_t k)
 {
-	return unit(gi_vec3d_cross(s->normal, gi_vec3d_sub(corner(s, p, k + 1), corner(s, p, k))));
+	return gi_vec3d_unit(gi_vec3d_cross(s->normal, gi_vec3d_sub(corner(s, p, k + 1), corner(s, p, k))));
 }
 
 static gi_vec3d polygon_normal(const splitter *s, const polygon *p)
 {
 	const gi_vec3d sum = gi_vec3d_triangle(corner(s, p, 0), corner(s, p, 1), corner(s, p, 2));
-	return unit(p->count == 3
-			? sum
-			: gi_vec3d_add(sum, gi_vec3d_triangle(corner(s, p, 0), corner(s, p, 2), corner(s, p, 3))));
+	return gi_vec3d_unit(
+	    p->count == 3 ? sum
+			  : gi_vec3d_add(sum, gi_vec3d_triangle(corner(s, p, 0), corner(s, p, 2), corner(s, p, 3))));
 }
 
 /* Flat, and turning left at every corner as seen against s->normal. */
@@ -288,7 +283,8 @@ static void inherit_lines(splitter *s, const polygon *p, uint32_t first, uint32_
  * the longest way from the first start to the last end, less the gaps, is what a sweep in order of starts finds. */
 static double covered(const splitter *s, const polygon *p, uint32_t first, const line *on)
 {
-	const gi_vec3d direction = unit(gi_vec3d_sub(on->to, on->from)), side = gi_vec3d_cross(s->normal, direction);
+	const gi_vec3d direction = gi_vec3d_unit(gi_vec3d_sub(on->to, on->from)),
+		       side = gi_vec3d_cross(s->normal, direction);
 	double reached = -INFINITY, sum = 0;
 	for (;;) {
 		double start = INFINITY, end = 0;
@@ -344,7 +340,7 @@ static void add_corner(polygon *p, uint32_t v)
 /* The two sides of a straight line; false where one of them has no area. */
 static bool part_along(splitter *s, const polygon *p, const line *l, polygon sides[2])
 {
-	const gi_vec3d side = unit(gi_vec3d_cross(s->normal, gi_vec3d_sub(l->to, l->from)));
+	const gi_vec3d side = gi_vec3d_unit(gi_vec3d_cross(s->normal, gi_vec3d_sub(l->to, l->from)));
 	double height[MAX_CORNERS];
 	for (uint32_t k = 0; k < p->count; k++) {
 		height[k] = gi_vec3d_dot(side, gi_vec3d_sub(corner(s, p, k), l->from));
@@ -527,13 +523,6 @@ static polygon polygon_of(const uint32_t corners[4])
 	return (polygon){corners[2] == corners[3] ? 3 : 4, {corners[0], corners[1], corners[2], corners[3]}};
 }
 
-static uint32_t root_of(uint32_t *group, uint32_t k)
-{
-	while (group[k] != k)
-		k = group[k] = group[group[k]];
-	return k;
-}
-
 /* Points of the base, each in the component of those it is joined with by faces. */
 static bool take_points(splitter *s, const gi_refined *base)
 {
@@ -550,7 +539,7 @@ static bool take_points(splitter *s, const gi_refined *base)
 		group[k] = k;
 	for (uint32_t face = 0; face < finest->face_count; face++)
 		for (int k = 1; k < 4; k++)
-			group[root_of(group, finest->corners[face][k])] = root_of(group, finest->corners[face][0]);
+			gi_join(group, finest->corners[face][k], finest->corners[face][0]);
 	for (uint32_t k = 0; k < base->vertex_count && !s->full; k++) {
 		if (!reserve_point(s)) {
 			s->full = true;
@@ -558,7 +547,7 @@ static bool take_points(splitter *s, const gi_refined *base)
 		}
 		/* Points of the cage stay apart where the cage has them apart. */
 		s->points[k] = gi_vec3d_load(base->positions[k]);
-		s->component[k] = root_of(group, k);
+		s->component[k] = gi_group_of(group, k);
 		uint32_t *place = find_place(s, s->points[k], s->component[k]);
 		s->point_count++;
 		if (*place == GI_NONE)
@@ -636,7 +625,7 @@ double gi_split_estimate(const gi_refine_cage *cage, const gi_split_def *def)
 {
 	double sum = 0;
 	for (uint32_t face = 0, first = 0; face < cage->face_count; face++) {
-		const uint32_t count = cage->face_counts ? cage->face_counts[face] : 4;
+		const uint32_t count = gi_corner_count(cage->face_counts, face);
 		const double own = def->leaf_sizes ? def->leaf_sizes[face] : 0, size = own > 0 ? own : def->leaf_size;
 		sum += count == 4 ? estimate_quad(cage, first, size) : estimate_polygon(cage, first, count, size);
 		first += count;

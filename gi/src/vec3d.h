@@ -62,6 +62,13 @@ static inline double gi_vec3d_length(gi_vec3d a)
 	return sqrt(gi_vec3d_dot(a, a));
 }
 
+/* Of length 1; 0 stays 0. */
+static inline gi_vec3d gi_vec3d_unit(gi_vec3d v)
+{
+	const double length = gi_vec3d_length(v);
+	return length > 0 ? gi_vec3d_scale(v, 1 / length) : v;
+}
+
 /* Area times normal of the triangle a b c. */
 static inline gi_vec3d gi_vec3d_triangle(gi_vec3d a, gi_vec3d b, gi_vec3d c)
 {

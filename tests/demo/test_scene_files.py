@@ -79,7 +79,7 @@ class SceneFiles(unittest.TestCase):
         return self.light(lambda face: face["object"] == 0)
 
     def picture(self):
-        """Mean value of the picture's bytes, 0 to 255: nothing lit gives 0."""
+        """Mean of the picture's bytes as they are filtered, mostly as differences: all black gives 0."""
         import struct
         import zlib
         with open(self.path("p0.png"), "rb") as file:
@@ -136,6 +136,17 @@ class SceneFiles(unittest.TestCase):
         self.assertAlmostEqual(inside[1], right[1], delta=0.01 * right[1])
         self.assertIn("the camera stands where light falls", told)
         self.assertGreater(self.picture(), 20)
+
+    def test_a_room_below_a_sky_shows_its_outside(self):
+        lampless = room(WALLS).split("o lamp")[0]
+        for path in (self.path("room.obj", lampless), self.path("alone.obj", lampless.replace("mtllib room.mtl", ""))):
+            self.assertIn("no face looks at the sky", self.play(path, "--sky", "2", "--leaf-size", "0.5"))
+            self.assertGreater(self.light()[1], 0.5)
+            self.assertGreater(self.picture(), 0)
+        self.assertEqual(self.play(path, "--sky", "2", "--leaf-size", "0.5", "--two-sided=off").count("sky"), 0)
+        self.assertEqual(self.light()[1], 0)
+        opened = "\n".join(line for line in lampless.splitlines() if line != "f " + WALLS[3])
+        self.assertNotIn("no face looks", self.play(self.path("open.obj", opened + "\n"), "--sky", "2"))
 
     def test_right_rooms_stay_as_they_are(self):
         self.assertEqual(self.play(self.path("right.obj", room(WALLS))), "")

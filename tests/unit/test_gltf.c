@@ -314,10 +314,13 @@ static void animated_scales_are_told(void **state)
 	assert_true(scene.objects[0].scale_animated);
 	CHECK3(pose_at(&scene, 0, 1).scale, 2, 2, 2);
 	engine_scene_free(&scene);
-	/* A scale of 0 hides. */
+	/* A scale of 0 hides; on the way there it is smaller, unless it goes at once. */
+	scene = load_gltf(ANIMATED("scale", "{\"input\":2,\"output\":10,\"interpolation\":\"STEP\"}"));
+	assert_true(scene.objects[0].vanishes && !scene.objects[0].scale_animated);
+	engine_scene_free(&scene);
 	scene = load_gltf(ANIMATED("scale", "{\"input\":2,\"output\":10}"));
 	engine_pose pose;
-	assert_true(scene.objects[0].vanishes);
+	assert_true(scene.objects[0].vanishes && scene.objects[0].scale_animated);
 	assert_false(engine_scene_pose(&scene, 0, 1, &pose));
 	assert_true(engine_scene_pose(&scene, 0, 2, &pose));
 	engine_scene_free(&scene);
@@ -366,7 +369,9 @@ static void broken_gltf_is_refused(void **state)
 	check_gltf_refused(HEAD "\"nodes\":[{\"mesh\":7}]}", "holds no faces that can be used: meshes or skins");
 	check_gltf_refused(HEAD "\"nodes\":[{\"mesh\":-1}]}", "meshes");
 	check_gltf_refused(HEAD "\"nodes\":{}}", "array");
-	check_gltf_refused(HEAD "\"nodes\":[7]}", "objects");
+	check_gltf_told(HEAD "\"nodes\":[7]}", "members of \"nodes\" that are no objects are taken as empty");
+	check_gltf_told(HEAD "\"nodes\":[{\"mesh\":0},{\"camera\":0},null],\"cameras\":[7]," MESH TAIL,
+			"members of \"cameras\" that are no objects");
 	check_gltf_told(HEAD "\"nodes\":[{\"extensions\":[1,{\"FOO_bar\":1}]}]}", "holds no faces");
 	check_gltf_told(HEAD "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1]},{\"children\":[0]}]}",
 			"another's child already");

@@ -481,7 +481,8 @@ static void emissive_textures_count_by_their_mean(void **state)
 	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, mean);
 	check_emits("data:image/webp;base64,UklGRgAAAABXRUJQ", 4, "it is neither PNG nor JPEG");
 	check_emits("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg", 4, "cut off");
-	check_emits("../../../../etc/passwd", 4, "emissive textures are left out");
+	check_emits("../../../../etc/passwd", 4, "emissive textures are left out: lies outside");
+	check_emits("none.png", 4, "emissive textures are left out: cannot be opened");
 }
 
 static void faces_of_little_alpha_let_light_through(void **state)
@@ -520,6 +521,9 @@ static void what_is_not_read_is_told(void **state)
 		   "uses of KHR_materials_unlit are not read (\"paint\")");
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}}"), 2,
 		   "KHR_materials_transmission");
+	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.1,0.2,0.3,1]"
+			   "}}"),
+		   2, "");
 	check_kind(PAINTED(",\"normalTexture\":{\"index\":0}"), 2, "textures of roughness, metal and normals");
 	check_kind(
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"

@@ -216,6 +216,7 @@ static void broken_libraries_cost_no_file(void **state)
 	check_material("newmtl m\nKd -1 0 0\n", 0.6f, 0, "line 2");
 	check_material("newmtl m\nKd nan 0 0\n", 0.6f, 0, "line 2");
 	check_material("newmtl m\n\nKe 1e999 0 0\n", 0.6f, 0, "Ke, line 3 of m.mtl");
+	check_material("newmtl m\nKe 1e38\n", 0.6f, 3e11f, "emit the nearest");
 	check_material("newmtl m\nKd spectral file.rfl 1\n", 0.6f, 0, "line 2");
 	check_material("map_bump -bm 1 wood.png\nmap_Kd wood.png\nKd 1 1 1\nnewmtl m\nKd 0.5 0.5 0.5\n", 0.5f, 0,
 		       "not read (2, first: \"before newmtl, line 2 of m.mtl\")");
@@ -270,7 +271,14 @@ static void colours_of_vertices_become_materials(void **state)
 		     "usemtl m\nf 1 2 4\n");
 	const engine_mesh *mesh = &scene.objects[0].mesh;
 	CHECK3(scene.materials[mesh->face_materials[0]].rho, 0.8035103f, 0.0535103f, 0.0535103f);
-	assert_string_equal(scene.materials[mesh->face_materials[2]].name, "m");
+	/* A material of no library says less than the colours, one of a library more. */
+	CHECK3(scene.materials[mesh->face_materials[2]].rho, 0.738014f, 0.071347f, 0.071347f);
+	assert_null(strstr(scene.warning, "in no library"));
+	engine_scene_free(&scene);
+	write_text("m.mtl", "newmtl m\nKd .3 .3 .3\n");
+	scene = load_obj("mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nusemtl m\nf 1 2 3\n");
+	CHECK3(scene.materials[scene.objects[0].mesh.face_materials[0]].rho, 0.3f, 0.3f, 0.3f);
+	assert_string_equal(scene.warning, "colours of vertices are not read on faces that have a material");
 	engine_scene_free(&scene);
 }
 

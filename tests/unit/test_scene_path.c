@@ -92,6 +92,7 @@ static void files_of_the_folder_are_opened(void **state)
 	check_opens("sub/deep.bin", "deep");
 	check_opens("sub/../inside.bin", "inside");
 	check_opens("in", "deep");
+	check_opens("sub\\deep.bin", "deep"); /* as Windows writes it */
 }
 
 static void files_outside_are_not(void **state)
@@ -102,6 +103,9 @@ static void files_outside_are_not(void **state)
 	check_refused("../../../../../../../../etc/passwd", "outside");
 	check_refused("out", "outside");
 	check_refused("/etc/passwd", "absolute");
+	check_refused("..\\outside.bin", "outside");
+	check_refused("http://example.org/inside.bin", "elsewhere");
+	check_refused("file:///etc/passwd", "elsewhere");
 	check_refused("..", "outside");
 	check_refused("absent.bin", "cannot be opened");
 }

@@ -108,7 +108,7 @@ typedef struct gi_context_def {
 	gi_message_fn *message;                   /* default NULL: messages go to stderr */
 	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
 	void *user;                               /* handed to message and progress */
-	const char *shader_directory;             /* default NULL: the shaders built in; else *.comp etc. are read from here; copied */
+	const char *shader_directory;             /* copied; *.comp etc. are read from here; default NULL: those built in */
 
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
 	 * default 0.01. Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
@@ -225,9 +225,10 @@ typedef struct gi_object_def {
 	 * everywhere, until the mean leaf edge is at most this, 8 times at most. More leaves than the renderer holds are
 	 * GI_ERROR_INVALID_GEOMETRY, before any work. */
 	float leaf_size;
-	const float *leaf_sizes;      /* with leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size; NULL: none */
-	const gi_leaf_cut *leaf_cuts; /* likewise: leaf_cut_count; flat convex faces are cut along them; gi_choose_leaves finds
-				       * such lines */
+	const float *leaf_sizes;      /* with leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size;
+				       * NULL: none */
+	const gi_leaf_cut *leaf_cuts; /* likewise: leaf_cut_count; flat convex faces are cut along them;
+				       * gi_choose_leaves finds such lines */
 	uint32_t leaf_cut_count;
 	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where
 			       * that would be more than 200,000 faces, 8 steps in all, or than there is memory for */
@@ -278,11 +279,11 @@ typedef struct gi_leaf_choice {
 	void *memory;      /* what the definitions' leaf_sizes and leaf_cuts point to */
 } gi_leaf_choice;
 
-/* Chooses leaf sizes for a scene from its bounds, areas and lamps: sets leaf_size, leaf_sizes, leaf_cuts and leaf_cut_count of every
- * definition whose levels and leaf_size are 0; others keep theirs and are counted. An object, or a part of a mesh that
- * shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of bilinear cages cross, touch
- * or come close to one another in the poses given, moving objects at rest, they are cut along the lines of contact: one
- * leaf on both sides of a wall would light the dark one.
+/* Chooses leaf sizes for a scene from its bounds, areas and lamps: sets leaf_size, leaf_sizes, leaf_cuts and
+ * leaf_cut_count of every definition whose levels and leaf_size are 0; others keep theirs and are counted. An object, or
+ * a part of a mesh that shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of
+ * bilinear cages cross, touch or come close to one another in the poses given, moving objects at rest, they are cut along
+ * the lines of contact: one leaf on both sides of a wall would light the dark one.
  *
  * Create the objects next, then gi_free_leaf_choice. GI_ERROR_INVALID_ARGUMENT, before any work, with a line that says
  * how many leaves there would be and which size fits, where they are more than most_leaves; whatever gi_create_object
@@ -546,9 +547,9 @@ gi_path_options gi_path_options_default(void);
  *
  * Unbiased; the noise falls at least as 1 / sqrt(paths), some 10 % of the irradiance of a leaf at 256 paths in a room lit
  * by a lamp. A path has 2,000 vertices at most in the mean: where rho is above some 0.999 noise grows instead of the time,
- * and most results are below the truth while a few are far above it. Two calls with seeds of their own are two independent halves R1, R2: the mean over leaves of (H - R1) (H - R2)
- * is the squared error of H free of the noise of both, and their difference says how large that noise is. The same
- * scene, renderer and seed give the same bits.
+ * and most results are below the truth while a few are far above it. Two calls with seeds of their own are two
+ * independent halves R1, R2: the mean over leaves of (H - R1) (H - R2) is the squared error of H free of the noise of
+ * both, and their difference says how large that noise is. The same scene, renderer and seed give the same bits.
  *
  * `options` NULL: the defaults. irradiance: 3 * capacity floats; *count is how many leaves there are, and of those the
  * first `capacity` are traced. The scene is that of the last gi_update(): poses and materials set since then are not in
