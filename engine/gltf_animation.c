@@ -28,7 +28,7 @@ static const char *fault_of_times(const scene_channel *channel)
 	for (uint32_t i = 0; i < channel->key_count; i++) {
 		float previous = i > 0 ? channel->times[i - 1] : 0;
 		if (!(channel->times[i] >= previous && channel->times[i] < 1e9f))
-			return "its times must rise from 0 s on";
+			return "its times must rise from 0 s on, to less than 1e9 s";
 	}
 	return NULL;
 }

@@ -136,15 +136,20 @@ uint8_t *gltf_read_beside(const gltf_document *document, const char *uri, size_t
 	return bytes;
 }
 
-static bool read_uri(gltf_document *document, gltf_buffer *buffer, const char *uri)
+/* A file's only buffer costs the file; one of several, what it holds: *stated becomes 0. False: reported. */
+static bool read_uri(gltf_document *document, gltf_buffer *buffer, const char *uri, size_t *stated)
 {
-	char why[128];
+	char why[128] = "is not base64";
 	bool inside = strncmp(uri, "data:", 5) == 0;
 	buffer->bytes = inside ? gltf_read_base64(uri, &buffer->size)
 			       : gltf_read_beside(document, uri, MAX_FILE_SIZE, &buffer->size, why, sizeof why);
-	if (!buffer->bytes && inside)
-		return scene_fail(document->loader, "a buffer's data: address is not base64");
-	return buffer->bytes || scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
+	if (buffer->bytes)
+		return true;
+	if (document->tables[GLTF_BUFFERS].count == 1)
+		return scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
+	scene_note(document->loader, uri, "a buffer %s", why);
+	*stated = 0;
+	return true;
 }
 
 static bool read_buffer(gltf_document *document, uint32_t number)
@@ -155,7 +160,7 @@ static bool read_buffer(gltf_document *document, uint32_t number)
 	size_t stated = 0;
 	if (!gltf_size(object, "byteLength", &stated))
 		return scene_fail(document->loader, "the byteLength of buffer %u is no size of at most 4 GiB", number);
-	if (uri && !read_uri(document, buffer, uri))
+	if (uri && !read_uri(document, buffer, uri, &stated))
 		return false;
 	if (!uri && number == 0 && document->binary)
 		*buffer = (gltf_buffer){(uint8_t *)document->binary, document->binary_size, true};

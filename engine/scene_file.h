@@ -22,7 +22,8 @@
  * - Faces whose material lets more than half of the light through (alpha) are left out.
  * - A scene far from the origin, in the coordinates of a map, is moved to its middle in double precision.
  * - What is broken costs itself alone: a face, an object, an animated property, a colour. A file is refused when it is
- *   cut off, when nothing of it can be used, and when it makes more of its bytes than there could be light for.
+ *   cut off (an OBJ or PLY too that has a corner at a vertex it does not hold, or at no finite place), when nothing of
+ *   it can be used, and when it makes more of its bytes than there could be light for.
  * - Only regular files are opened, and only in the folder of the scene and below it.
  * All that is left out or mended is in `warning`, once a kind, with a count and where it was found first.
  */
