@@ -73,11 +73,6 @@ void report_largest(uint word, REAL value)
 	report_exactly(word, value > REAL(0.0) ? min(float(value) * (1.0 + SLACK), HUGE) + LEAST_NORMAL : 0.0);
 }
 
-void report_least(uint word, REAL value)
-{
-	report_exactly(word, max(float(value) * (1.0 - SLACK) - LEAST_NORMAL, 0.0));
-}
-
 REAL largest(REAL3 x)
 {
 	return max(x.x, max(x.y, x.z));
@@ -120,7 +115,7 @@ swept work_out(gathered g, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
 
 // Errors count by u = R + sqrt(largest R * R) + theta * largest R * v, channel by channel (check.comp). Means of a root are at
 // most the root of the mean, so that M u is at least what u has of its own less what is seen of others'.
-void report_errors(swept s, vec3 next)
+void report_errors(swept s, vec3 next, vec3 b)
 {
 	REAL3 scale = REAL3(load_three(GI_STATE_SCALE_BITS)), mix_in = REAL(uintBitsToFloat(load_state(GI_STATE_THETA_BITS))) * scale;
 	REAL4 most = s.arrived + s.arrived_doubt;
@@ -136,18 +131,20 @@ void report_errors(swept s, vec3 next)
 	report_largest(GI_STATE_NOISE_BITS, ratio(REAL(ROUNDING) * s.image.xyz + s.doubt.xyz, mu));
 	report_largest(GI_STATE_SPREAD_BITS, ratio(seen, light));
 	report_largest(GI_STATE_STRAY_BITS, ratio(off, light));
-	report_largest(GI_STATE_WRITE_BITS, largest(off));
+	report_largest(GI_STATE_WRITE_BITS, largest(off + REAL(ROUNDING) * REAL3(mix(vec3(0.0), b, greaterThan(next, vec3(0.0))))));
 }
 
 void report(swept s, vec4 next, vec3 b)
 {
-	report_errors(s, next.xyz);
+	report_errors(s, next.xyz, b);
 	for (uint c = 0u; c < 3u; c++)
 		report_exactly(GI_STATE_R_MAX_BITS + c, next[c]);
 	report_exactly(GI_STATE_B_MAX_BITS, max(b.x, max(b.y, b.z)));
 	report_exactly(GI_STATE_V_MAX_BITS, float(s.before.w));
-	report_least(GI_STATE_GAP_BITS, REAL(1.0) - largest(s.row_sum));
-	report_least(GI_STATE_DESCENT_BITS, s.before.w * (REAL(1.0) - SLACK_OF_REAL) - s.arrived.w - s.arrived_doubt.w);
+	// Rounded on the way to a float, which check.comp allows for.
+	report_exactly(GI_STATE_GAP_BITS, max(float(REAL(1.0) - largest(s.row_sum) * (REAL(1.0) + SLACK_OF_REAL)), 0.0));
+	REAL descent = s.before.w * (REAL(1.0) - SLACK_OF_REAL) - s.arrived.w - s.arrived_doubt.w;
+	report_exactly(GI_STATE_DESCENT_BITS, max(float(descent), 0.0));
 }
 
 // Within what the solution is within; v likewise.

@@ -303,7 +303,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_R_MAX_BITS 49u    /* 3: rgb, largest reflected light */
 #define GI_STATE_B_MAX_BITS 52u
 #define GI_STATE_V_MAX_BITS 53u
-#define GI_STATE_WRITE_BITS 54u    /* how far R as stored is from T R */
+#define GI_STATE_WRITE_BITS 54u    /* how far R as stored is from T R, and B from E + R */
 #define GI_STATE_STRAY_BITS 55u    /* the same, of the light that the leaf reflects */
 #define GI_STATE_KAPPA_BITS 56u    /* residual over M u */
 #define GI_STATE_SPREAD_BITS 57u   /* (I - M) u, of the light that the leaf reflects */
