@@ -39,9 +39,10 @@ const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 const float SPARSE = 0.35;
 const float SPARSE_NEAR = 4.0;
 
-// From within this many radii the middle of a node says little of its nearest part: of a floor seen along it from 5 cm above
-// one corner, a thousandth of what that corner shows.
+// From within this many radii the middle of a node that is seen along it says little of its nearest part: of a floor from 5 cm
+// above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at most.
 const float NEAR = 1.5;
+const float ALONG = 0.25;
 
 // Nor are several walls like anything at their middle: an open surface whose normals are farther apart than this cosine,
 // or what is flat and yet no quad.
@@ -78,7 +79,7 @@ uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, b
 	float d = f.d;
 	// Nor anything where the two face each other, a hair apart.
 	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
-	if (d < max(NEAR * g.sphere.w, reach))
+	if (d < max((f.faced < ALONG * d ? NEAR : 1.0) * g.sphere.w, reach))
 		return CUT_REFINE;
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {

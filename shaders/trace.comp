@@ -33,7 +33,7 @@ const uint PROBES = 4u;
 
 // A patch of black sky has a ray for each so much of its form factor, up to four: rows that miss a large one by a single
 // ray are raised, and what hits one is not lowered as much.
-const float COARSE_SKY = 0.05;
+const float COARSE_SKY = 0.15;
 
 // A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
 // seldom hidden; so V is wanted of the light, not of the area. Of so many segments one is traced, drawn in proportion to
