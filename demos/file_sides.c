@@ -148,12 +148,12 @@ static void tell(const mended *m, const char *program)
 {
 	if (m->turned)
 		options_say(program,
-			    "%u faces are lit from behind alone and are turned round (first in \"%s\"); "
+			    "faces that are lit from behind alone are turned round (%u, first in \"%s\"); "
 			    "--two-sided=off keeps them",
 			    m->turned, m->first);
 	if (m->doubled)
 		options_say(program,
-			    "%u objects are lit from behind and get two sides (first: \"%s\"); "
+			    "objects that are lit from behind get two sides (%u, first: \"%s\"); "
 			    "--two-sided=off keeps them",
 			    m->doubled, m->first);
 }

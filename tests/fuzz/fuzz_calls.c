@@ -140,45 +140,88 @@ static void check(gi_result result)
 	require(result >= GI_OK && result < GI_RESULT_COUNT, "a result of the list");
 }
 
-/* A cube, outward or inward, of which faces may be missing or broken. */
-static void create(input *in)
-{
-	static const float cube[24] = {-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1,
-				       -1, -1, 1,  1, -1, 1,  1, 1, 1,  -1, 1, 1};
-	static const uint32_t faces[24] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 3, 7, 6, 2, 0, 4, 7, 3, 1, 2, 6, 5};
-	static const uint32_t levels[] = {0, 0, 0, 1, 1, 2, 9, UINT32_MAX};
-	uint32_t indices[24], counts[6] = {4, 4, 4, 4, 4, 4}, face_materials[6], creases[4] = {0, 3, 3, 2};
-	float positions[24], sharpness[2];
+/* A cube on its way to the library: what its definition points to. */
+typedef struct cube {
+	float positions[24], sharpness[2], sizes[6];
+	uint32_t indices[24], counts[6], face_materials[6];
 	gi_material materials[2];
-	gi_object_def def = gi_object_def_default();
-	uint8_t parts, more;
-	memcpy(positions, cube, sizeof cube);
-	for (int m = 0; m < 2; m++)
-		materials[m] = next_material(in);
-	parts = next_byte(in);
-	more = next_byte(in);
+	gi_leaf_cut cuts[3];
+	gi_leaf_choice choice;
+} cube;
+
+/* Outward or inward, of which faces may be missing, broken, or there twice. */
+static void fill_cube(input *in, cube *c, uint8_t parts, uint8_t more)
+{
+	static const float positions[24] = {-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1,
+					    -1, -1, 1,  1, -1, 1,  1, 1, 1,  -1, 1, 1};
+	static const uint32_t faces[24] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 3, 7, 6, 2, 0, 4, 7, 3, 1, 2, 6, 5};
+	memcpy(c->positions, positions, sizeof positions);
 	for (int i = 0; i < 24; i++)
-		indices[i] = faces[parts & 1 ? 23 - i : i];
-	for (uint32_t f = 0; f < 6; f++)
-		face_materials[f] = next_below(in, more & 1 ? 3 : 2);
+		c->indices[i] = faces[parts & 1 ? 23 - i : i];
+	for (uint32_t f = 0; f < 6; f++) {
+		c->counts[f] = 4;
+		c->face_materials[f] = next_below(in, more & 1 ? 3 : 2);
+	}
 	for (uint32_t i = next_below(in, 4); i > 0 && parts & 2; i--)
-		positions[next_below(in, 24)] = next_float(in);
+		c->positions[next_below(in, 24)] = next_float(in);
 	for (uint32_t i = next_below(in, 4); i > 0 && parts & 4; i--)
-		indices[next_below(in, 24)] = next_byte(in);
+		c->indices[next_below(in, 24)] = next_byte(in);
 	if (parts & 8)
-		counts[next_below(in, 6)] = next_byte(in);
-	next_floats(in, sharpness, 2);
-	def.positions = more & 2 ? NULL : positions;
+		c->counts[next_below(in, 6)] = next_byte(in);
+	next_floats(in, c->sharpness, 2);
+}
+
+/* Sizes and cuts of single faces, one of which may be a copy, or what gi_choose_leaves finds. */
+static void refine_faces(input *in, cube *c, gi_object_def *def)
+{
+	uint8_t parts = next_byte(in);
+	for (uint32_t i = 0; i < 4 && parts & 1; i++)
+		c->indices[4 + i] = c->indices[(i + parts) % 4];
+	if (parts & 2) {
+		def->leaf_sizes = c->sizes;
+		for (int f = 0; f < 6; f++)
+			c->sizes[f] = fabsf(next_float(in));
+	}
+	if (parts & 4) {
+		def->leaf_cuts = c->cuts;
+		def->leaf_cut_count = 1 + next_below(in, 3);
+	}
+	for (uint32_t k = 0; k < def->leaf_cut_count; k++) {
+		c->cuts[k].face = next_below(in, parts & 32 ? 7 : def->face_count);
+		next_floats(in, c->cuts[k].from, 3);
+		next_floats(in, c->cuts[k].to, 3);
+	}
+	if (parts & 8) {
+		gi_leaf_choice_def choice = gi_leaf_choice_def_default();
+		choice.leaves = 1 + next_byte(in);
+		choice.leaf_size = parts & 16 ? fabsf(next_float(in)) : 0;
+		choice.most_leaves = MOST_LEAVES;
+		choice.contact = next_share(in);
+		def->levels = 0;
+		def->leaf_size = 0;
+		check(gi_choose_leaves(gi, &choice, def, 1, &c->choice));
+	}
+}
+
+static gi_object_def define(input *in, cube *c)
+{
+	static const uint32_t levels[] = {0, 0, 0, 1, 1, 2, 9, UINT32_MAX}, creases[4] = {0, 3, 3, 2};
+	gi_object_def def = gi_object_def_default();
+	for (int m = 0; m < 2; m++)
+		c->materials[m] = next_material(in);
+	const uint8_t parts = next_byte(in), more = next_byte(in);
+	fill_cube(in, c, parts, more);
+	def.positions = more & 2 ? NULL : c->positions;
 	def.vertex_count = more & 4 ? next_below(in, 9) : 8;
-	def.indices = indices;
-	def.face_counts = more & 8 ? NULL : counts;
+	def.indices = c->indices;
+	def.face_counts = more & 8 ? NULL : c->counts;
 	def.face_count = 1 + next_below(in, 6);
 	def.index_count = more & 16 ? next_below(in, 25) : 4 * def.face_count;
-	def.face_materials = face_materials;
-	def.materials = materials;
+	def.face_materials = c->face_materials;
+	def.materials = c->materials;
 	def.material_count = more & 32 ? next_below(in, 3) : 2;
 	def.crease_vertices = creases;
-	def.crease_sharpness = sharpness;
+	def.crease_sharpness = c->sharpness;
 	def.crease_count = more & 64 ? 2 : 0;
 	def.scheme = (gi_scheme)next_below(in, parts & 16 ? 5 : 2);
 	def.boundary = (gi_boundary)next_below(in, 3);
@@ -190,22 +233,33 @@ static void create(input *in)
 		next_floats(in, def.scale, 3);
 	if (parts & 64) {
 		static const float sizes[] = {1, 0.7f, NAN, -1, INFINITY, 1e30f};
-		def.leaf_size = sizes[next_below(in, 6)];
+		const uint32_t kind = next_below(in, 12);
+		def.leaf_size = sizes[kind % 6];
+		if (kind >= 6)
+			refine_faces(in, c, &def);
 	}
 	if (parts & 128) {
-		def.draw_positions = positions;
+		def.draw_positions = c->positions;
 		def.draw_vertex_count = 8;
-		def.draw_indices = indices;
+		def.draw_indices = c->indices;
 		def.draw_index_count = next_below(in, 25);
 	}
-	uint32_t slot = next_below(in, SLOTS);
+	return def;
+}
+
+static void create(input *in)
+{
+	cube c = {0};
+	const gi_object_def def = define(in, &c);
+	const uint32_t slot = next_below(in, SLOTS);
 	gi_object object = {1, 1};
 	gi_result result = gi_create_object(gi, &def, &object);
+	gi_free_leaf_choice(&c.choice);
 	check(result);
 	require(result == GI_OK || object.index1 == 0, "a failed creation gives a handle of zero");
 	if (result != GI_OK)
 		return;
-	remember(in, materials, def.material_count);
+	remember(in, c.materials, def.material_count);
 	if (in->objects[slot].index1 && !in->destroyed[slot])
 		check(gi_destroy_object(gi, in->objects[slot]));
 	in->objects[slot] = object;
