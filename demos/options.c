@@ -52,7 +52,8 @@ static const struct argp_option table[] = {
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
     {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
     {"two-sided", KEY_TWO_SIDED, "WHICH", OPTION_ARG_OPTIONAL,
-     "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where light "
+     "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where "
+     "light "
      "falls on backs, with a line that says so); on without WHICH (auto)",
      0},
     {0, 0, 0, 0, "How fine:", 1},
@@ -74,7 +75,7 @@ static const struct argp_option table[] = {
      "aim for so many milliseconds an update instead; what does not fit waits; 0: exact", 1},
     {"budget-rays", KEY_BUDGET_RAYS, "N", 0, "about so many rays an update", 1},
     {"budget-error", KEY_BUDGET_ERROR, "E", 0,
-     "rows whose change is bounded by this share of the largest radiosity wait, 0..1", 1},
+     "rows whose change is bounded by this share of the largest light reflected wait, 0..1", 1},
     {"pixel-lamps", KEY_PIXEL_LAMPS, "N", 0,
      "polygons that light per pixel, 0..32; others light through the leaves (32)", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},

@@ -180,7 +180,7 @@ GI_STRUCT(gi_material_data) {
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others
- *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest B
+ *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
@@ -318,7 +318,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_KEPT_BITS 63u     /* residual of the R that was kept */
 #define GI_STATE_FAILINGS 64u      /* how often Chebyshev failed in this solve */
 #define GI_STATE_THETA_BITS 65u    /* u = R + sqrt(scale R) + theta * scale * v */
-#define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it */
+#define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it; kept over frames */
 #define GI_STATE_DIRECT_BITS 69u   /* 3: largest light first reflected (emitted.comp) */
 #define GI_STATE_CEILING_BITS 72u  /* 3: no reflected light is more */
 #define GI_STATE_WEIGHED 75u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */

@@ -23,7 +23,7 @@ layout(location = 1) out vec2 facing_and_light;
 
 const uint OVERLAY_WIREFRAME = 1u, OVERLAY_DIRTY = 2u;
 
-// The residual's scale: from 10^-8 of the largest B to a tenth of it.
+// The residual's scale: from 10^-8 of the largest light reflected to a tenth of it.
 const float RESIDUAL_DECADES = 7.0, RESIDUAL_TOP = -1.0;
 
 float dirty_share()
@@ -38,7 +38,8 @@ float dirty_share()
 
 float residual_decade()
 {
-	float largest = uintBitsToFloat(load_state(GI_STATE_DONE_B_MAX_BITS));
+	float largest = uintBitsToFloat(
+	    max(load_state(GI_STATE_SCALE_BITS), max(load_state(GI_STATE_SCALE_BITS + 1u), load_state(GI_STATE_SCALE_BITS + 2u))));
 	vec3 change = abs(load_leaf_part(GI_LEAF_R, leaf).xyz - load_leaf_part(GI_LEAF_BEFORE, leaf).xyz);
 	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))

@@ -9,6 +9,12 @@ bool is_timed()
 	return (frame.update.w & GI_UPDATE_TIMED) != 0u;
 }
 
+// The largest light reflected, as of the solve before, of the three channels.
+float largest_reflected()
+{
+	return uintBitsToFloat(max(state[GI_STATE_SCALE_BITS], max(state[GI_STATE_SCALE_BITS + 1u], state[GI_STATE_SCALE_BITS + 2u])));
+}
+
 // Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go before new ones.
 //
 // Given time, what counts is the mean error in the long run. A row's error grows about as the movers go, and a bound that
@@ -21,8 +27,7 @@ uint bucket_of(uint leaf, float worth, uint since)
 	float random = unit_float(hash(leaf ^ hash(since)));
 	if (!is_timed() && age > OLDEST * (1.0 + 0.5 * random))
 		return GI_BUCKETS - 1u;
-	float largest = max(uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]), 1e-30);
-	float octave = log2(max(worth / largest, exp2(-40.0))) + (is_timed() ? 2.0 : 1.0) * log2(age) + 2.0 * random;
+	float octave = log2(max(worth / max(largest_reflected(), 1e-30), exp2(-40.0))) + (is_timed() ? 2.0 : 1.0) * log2(age) + 2.0 * random;
 	return uint(clamp(int(float(GI_BUCKETS_PER_OCTAVE) * (octave + 41.0)), 1, int(GI_BUCKETS) - 2));
 }
 
@@ -37,7 +42,7 @@ float worth_of(float off, gi_node_geometry p, uint rays)
 // Is a leaf that may be off by so much, W/m2, to be refreshed at all?
 bool is_wanted(float off)
 {
-	return frame.limit.y == 0.0 || off > frame.limit.y * uintBitsToFloat(state[GI_STATE_DONE_B_MAX_BITS]);
+	return frame.limit.y == 0.0 || off > frame.limit.y * largest_reflected();
 }
 
 // What the leaf will count with in the end (stale.comp), if B goes about as far as it went in the update before.

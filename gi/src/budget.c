@@ -48,12 +48,10 @@ gi_result budget_allocate(gi_context *gi)
 	gi_rations *r = &gi->rations;
 	gpu *g = &gi->gpu;
 	if (!r->made) {
-		const gpu_program_file programs[] = {{"shine.comp", &r->shine_program},
-						     {"survey.comp", &r->survey_program},
-						     {"assess.comp", &r->assess_program},
-						     {"choose.comp", &r->choose_program},
-						     {"enlist.comp", &r->enlist_program},
-						     {"stale.comp", &r->stale_program}};
+		const gpu_program_file programs[] = {
+		    {"shine.comp", &r->shine_program},   {"survey.comp", &r->survey_program},
+		    {"assess.comp", &r->assess_program}, {"choose.comp", &r->choose_program},
+		    {"enlist.comp", &r->enlist_program}, {"stale.comp", &r->stale_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -153,6 +151,15 @@ void budget_learn(gi_context *gi)
 	gi_costs_learn(&r->costs, &spent);
 }
 
+/* A share; of nothing, what may be anything. */
+static float share_of(float part, float whole)
+{
+	static const float most = 3e38f;
+	if (part <= 0)
+		return 0;
+	return part / most < whole ? part / whole : most;
+}
+
 void budget_report(const uint32_t *state, gi_report *out)
 {
 	out->waiting_rows = state[GI_STATE_WAITING_ROWS];
@@ -162,7 +169,7 @@ void budget_report(const uint32_t *state, gi_report *out)
 	if (!out->waiting_rows)
 		return;
 	out->stale_bound = gi_float_from_bits(state[GI_STATE_STALE_BITS]);
-	out->stale_relative = out->radiosity_max > 0 ? out->stale_bound / out->radiosity_max : 0;
+	out->stale_relative = share_of(out->stale_bound, out->reflected_max);
 }
 
 /* ---- passes ---- */

@@ -56,8 +56,11 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->rounding_bound = gi_float_from_bits(state[GI_STATE_ROUNDING_BITS]);
 	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
 	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
+	r->reflected_max = 0;
+	for (int c = 0; c < 3; c++)
+		r->reflected_max = fmaxf(r->reflected_max, gi_float_from_bits(state[GI_STATE_SCALE_BITS + c]));
 	if (gi->scene.leaf_count == 0) { /* no sweep ran: what stands there is of a scene before */
-		r->residual = r->contraction = r->radiosity_max = 0;
+		r->residual = r->contraction = r->radiosity_max = r->reflected_max = 0;
 		r->amplification = 1;
 	}
 	budget_report(state, r);

@@ -95,7 +95,7 @@ void bench_budget_head(void)
 {
 	printf("| scene | leaves | exact update ms | budget ms | update ms, median | 9 of 10 below | first within 1.5 "
 	       "times | choose | cut to close | solve | light | rows assessed | refreshed | rays | rows that wait | "
-	       "stale bound, of the largest B | solve bound | off an exact update, at most | off, RMS of B - E |\n");
+	       "stale bound, of the largest R | solve bound | off an exact update, at most | off, RMS of B - E |\n");
 	printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
 }
 

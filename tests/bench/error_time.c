@@ -438,7 +438,7 @@ static void print_processor(FILE *out)
 static void print_budgets(FILE *out, const error_table *t, const char *scene)
 {
 	fprintf(out, "Under a budget: what was reported, and measured.\n\n"
-		     "| method | setting | ms a frame | stale bound, %% of the largest B | error of H measured, %% "
+		     "| method | setting | ms a frame | stale bound, %% of the largest R | error of H measured, %% "
 		     "|\n|---|---|---|---|---|\n");
 	for (uint32_t k = 0; k < t->count; k++) {
 		const error_record *r = &t->records[k];
@@ -481,7 +481,7 @@ static void print_document(FILE *out, const session *s)
 	    "`engine rebuilt` is the same with every row built anew. Path tracing has no memory: a moving frame costs "
 	    "what any does.\n`engine budget` updates under so many rays and `engine error` lets rows wait for such a "
 	    "share of the "
-	    "largest B, at a row tolerance\nof 0.1 (0.4 in the furnace) and after up to 24 frames of it. Picture and "
+	    "largest R, at a row tolerance\nof 0.1 (0.4 in the furnace) and after up to 24 frames of it. Picture and "
 	    "post-processing cost the "
 	    "same for all and are in none. Tables are read off the "
 	    "log-log lines between\nmeasurements; - is not reached.\n\n",

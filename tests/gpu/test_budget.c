@@ -7,6 +7,8 @@
 #include "moving_scene.h"
 #include "snapshot.h"
 
+#include "scenes/shapes.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -279,6 +281,49 @@ static void small_changes_wait(void **state)
 	close_pair(&p);
 }
 
+/* A closed room with a block and a lamp of so many metres below its ceiling, which gives the same light whatever its
+ * size; then the block moves. */
+static gi_report move_below_lamp(float size, const gi_budget *budget)
+{
+	const gi_context_def def = coarse_def();
+	gi_context *gi = harness_context(&def);
+	const float h = size / 2, e = 20 / (size * size);
+	engine_mesh mesh;
+	assert_true(shape_box((float[]){-2, 0, -2}, (float[]){2, 3, 2}, 2, true, &mesh));
+	harness_add(gi, &(harness_object){.name = "room", .levels = 2, .rho = {.7f, .6f, .5f}}, &mesh);
+	assert_true(shape_quad((float[]){-h, 2.9f, -h}, (float[]){size, 0, 0}, (float[]){0, 0, size}, 1, 1, &mesh));
+	harness_add(gi, &(harness_object){.name = "lamp", .exitance = {e, e, e}}, &mesh);
+	assert_true(shape_box((float[]){-.5f, 0, -.5f}, (float[]){.5f, 1, .5f}, 1, false, &mesh));
+	const gi_object block =
+	    harness_add(gi, &(harness_object){.name = "block", .levels = 2, .rho = {.6f, .6f, .6f}}, &mesh);
+	assert_gi(gi_set_pose(gi, block, (gi_pose){{.8f, 0, .3f}, {0, .2f, 0, .98f}}));
+	assert_gi(gi_commit(gi));
+	update_under(gi, budget);
+	assert_gi(gi_set_pose(gi, block, (gi_pose){{.801f, 0, .3f}, {0, .2f, 0, .98f}}));
+	const gi_report r = update_under(gi, budget);
+	gi_context_destroy(gi);
+	return r;
+}
+
+/* What counts is the light reflected: a lamp of a ten-thousandth of the area and ten thousand times as bright lets the
+ * same rows wait. */
+static void small_lamps_hide_nothing(void **state)
+{
+	(void)state;
+	const gi_budget budget = {.error = 1};
+	const gi_report large = move_below_lamp(.4f, &budget), small = move_below_lamp(.004f, &budget);
+	printf("  lamps of 40 and 0.4 cm: %.1f and %.1f %% of the rows wait, off by at most %.2f and %.2f of the "
+	       "largest R, "
+	       "%.2g and %.2g of the largest B\n",
+	       100. * (double)large.waiting_rows / large.leaves, 100. * (double)small.waiting_rows / small.leaves,
+	       (double)large.stale_relative, (double)small.stale_relative,
+	       (double)(large.stale_bound / large.radiosity_max), (double)(small.stale_bound / small.radiosity_max));
+	assert_true(large.waiting_rows > 0 && large.waiting_rows < large.leaves);
+	assert_in_range(small.waiting_rows, large.waiting_rows * 2 / 3, large.waiting_rows * 3 / 2);
+	assert_float_equal(small.stale_relative, large.stale_relative, .5 * (double)large.stale_relative);
+	assert_float_equal(small.stale_relative, small.stale_bound / small.reflected_max, 1e-5);
+}
+
 /* ---- time ---- */
 
 static gi_context_def timed_def(void)
@@ -412,6 +457,7 @@ int main(void)
 	    cmocka_unit_test(error),
 	    cmocka_unit_test(nothing_waits_for_ever),
 	    cmocka_unit_test(small_changes_wait),
+	    cmocka_unit_test(small_lamps_hide_nothing),
 	    cmocka_unit_test(time_is_certified),
 	    cmocka_unit_test(little_time_little_work),
 	    cmocka_unit_test(no_budget_is_exact),

@@ -120,11 +120,11 @@ typedef struct gi_context_def {
 	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
 
 	/* When the solve stops: it is certain that at every leaf, channel by channel, B is off by at most solve_tolerance *
-	 * (R + largest R / 1000). R = B - E is the light that the leaf reflects, the largest that of all leaves: what lamps
-	 * give does not count, and where it is dark the light there does, down to a thousandth of the brightest place.
-	 * (0, 1], default 0.05: the worst leaf is then off by some 5 per mille in truth, others by far less. Single
-	 * precision ends at about 1e-6 times gi_report.amplification: below that the solve ends with GI_OUTCOME_ROUNDING,
-	 * and the report has the bound. */
+	 * (R + largest R / 100000). R = B - E is the light that the leaf reflects, the largest that of all leaves: what lamps
+	 * give does not count, and where it is dark the light there does, down to a hundred-thousandth of the brightest
+	 * place. (0, 1], default 0.1: the worst leaf is then off by 1 % in truth, others by far less. Single precision ends
+	 * between 1e-6 and 1e-4 times gi_report.amplification, the higher the darker the darkest place: below that the solve
+	 * ends with GI_OUTCOME_ROUNDING, and the report has the bound. */
 	float solve_tolerance;
 	/* Per frame, 1..1000, default 100. Few sweeps make no light: B stays within [E, largest E / (1 - rho)] whatever they
 	 * leave to do, and where light from before is no help the solve starts from B = E by itself. */
@@ -400,7 +400,7 @@ typedef struct gi_report {
 				   * have changed, or as many as fit into budget.ms */
 	float stale_bound;    /* certified: the solution of the rows as they are and that of the rows of an exact update differ
 			       * nowhere by more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
-	float stale_relative; /* stale_bound over the largest B */
+	float stale_relative; /* stale_bound over the largest light reflected; 3e38 where nothing reflects any yet */
 
 	uint32_t sweeps;
 	uint32_t jacobi_sweeps; /* Jacobi alone: sweeps so far and those it would still have taken, when last foretold */
@@ -409,10 +409,11 @@ typedef struct gi_report {
 	float contraction;   /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
 	float amplification; /* A >= 1: |B - B*|max <= A * residual, whatever B; at most 1 / (1 - q), and often far less */
 	float solve_bound;   /* certified: |B - B*|max for the B stored and the rows as they are, rounding included, W/m2 */
-	float solve_relative; /* certified: no B is off by more than this times (R + largest R / 1000), see solve_tolerance; 3e38
-			       * where nothing is certain yet */
-	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest B, W/m2 */
+	float solve_relative; /* certified: no B is off by more than this times (R + largest R / 100000), see solve_tolerance;
+			       * 3e38 where nothing is certain yet */
+	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest R, W/m2 */
 	float radiosity_max; /* largest B, W/m2 */
+	float reflected_max; /* largest R = B - E, W/m2 */
 
 	/* Error of visibility and discretisation, estimated on def.estimate_leaves random leaves, others in every update:
 	 * area-weighted RMS over all leaves of |H - what finer rows would give|, rgb norm, W/m2; and over the RMS of |H|.
@@ -450,7 +451,7 @@ typedef enum gi_overlay {
 	GI_OVERLAY_WIREFRAME, /* the leaves' edges over the picture */
 	/* Heat maps take the picture's place: display colours in [0,1], linear; show them with an exposure of 1. */
 	GI_OVERLAY_DIRTY,     /* share of each row's entries touched by the last update */
-	GI_OVERLAY_RESIDUAL,  /* last |R_k+1 - R_k| of each leaf over the largest B, logarithmic: 1e-8 to 0.1 */
+	GI_OVERLAY_RESIDUAL,  /* last |R_k+1 - R_k| of each leaf over the largest R, logarithmic: 1e-8 to 0.1 */
 } gi_overlay;
 
 typedef struct gi_view {
