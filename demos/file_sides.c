@@ -12,12 +12,29 @@
 
 enum { BOUNCES = 6 };
 
-/* How often light came to an object's faces, or to a face. */
+/* How often light came to an object's faces, or to a face, and how often the front of one that it reached from behind
+ * looks at the front of another: walls of a dark room look so at each other.
+ */
 typedef struct sides {
-	uint32_t front, back;
+	uint32_t front, back, faced;
 } sides;
 
 /* ---- what light says --------------------------------------------------------------------------------------------- */
+
+static bool looks_at_a_front(file_rays *r, const file_triangle *t, const float point[3])
+{
+	vec3 direction;
+	file_rays_scatter(r, t->normal, direction);
+	const file_hit hit = file_rays_shoot(r, point, direction, 1e-5f * r->radius, false);
+	return hit.triangle != UINT32_MAX && !hit.back;
+}
+
+static void count(sides *s, const file_hit *hit, bool faced)
+{
+	s->front += !hit->back;
+	s->back += hit->back;
+	s->faced += faced;
+}
 
 /* Light that meets a face goes on from the side it came to, as if all had two. */
 static void follow(file_rays *r, sides *of_objects, sides *of_faces, const uint32_t *first_face)
@@ -30,15 +47,14 @@ static void follow(file_rays *r, sides *of_objects, sides *of_faces, const uint3
 		if (hit.triangle == UINT32_MAX)
 			return;
 		const file_triangle *t = &r->triangles[hit.triangle];
-		sides *of_object = &of_objects[t->object], *of_face = &of_faces[first_face[t->object] + t->face];
-		bool counts = !t->double_sided && !(t->power > 0);
-		of_object->back += counts && hit.back;
-		of_face->back += counts && hit.back;
-		of_object->front += counts && !hit.back;
-		of_face->front += counts && !hit.back;
 		vec3 normal;
 		glm_vec3_scale((float *)t->normal, hit.back ? -1 : 1, normal);
 		glm_vec3_muladds(direction, hit.distance, origin);
+		if (!t->double_sided && !(t->power > 0)) {
+			const bool faced = hit.back && looks_at_a_front(r, t, origin);
+			count(&of_objects[t->object], &hit, faced);
+			count(&of_faces[first_face[t->object] + t->face], &hit, faced);
+		}
 		file_rays_scatter(r, normal, direction);
 	}
 }
@@ -51,14 +67,21 @@ static bool is_lamp(const engine_scene *scene, const engine_mesh *mesh, uint32_t
 	return radiance[0] + radiance[1] + radiance[2] > 0;
 }
 
-/* Turns the faces that light reached from behind alone. Returns whether those are all that were lit from behind. */
+/* Light reached it from behind alone, and its front is not a wall of a room of its own. */
+static bool is_turned(const sides *s)
+{
+	return s->front * 100ull <= s->front + s->back && 4ull * s->faced <= 3ull * s->back;
+}
+
+/* Turns the faces that are. Returns whether those are all that were lit from behind. */
 static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides *of_faces, uint32_t *turned)
 {
 	bool all = true;
 	uint32_t *corners = mesh->indices;
 	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
-		bool lit_behind = of_faces[f].back > 0 && !is_lamp(scene, mesh, f);
-		if (lit_behind && of_faces[f].front == 0) {
+		const uint64_t hits = (uint64_t)of_faces[f].front + of_faces[f].back;
+		bool lit_behind = of_faces[f].back * 100ull > hits && !is_lamp(scene, mesh, f);
+		if (lit_behind && is_turned(&of_faces[f])) {
 			engine_mesh_turn_face(corners, mesh->face_counts[f]);
 			++*turned;
 		} else if (lit_behind) {
@@ -131,7 +154,7 @@ static bool mend_object(engine_scene *scene, engine_scene_object *object, sides 
 	bool each = all >= 16 * object->mesh.face_count;
 	if (each && turn_faces(scene, &object->mesh, of_faces, &m->turned))
 		return true;
-	if (!each && of_object.front * 100ull <= all) {
+	if (!each && is_turned(&of_object)) {
 		uint32_t *corners = object->mesh.indices;
 		for (uint32_t f = 0; f < object->mesh.face_count; corners += object->mesh.face_counts[f++]) {
 			if (!is_lamp(scene, &object->mesh, f))

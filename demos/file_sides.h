@@ -8,9 +8,9 @@
 #include "scene_file.h"
 
 /* Gives faces the sides that are asked for. two_sided ON: every face that is no lamp gets both. AUTO: follows light
- * from the lamps; objects lit from behind alone are turned round, those lit on both sides get both, and a line says so;
- * likewise where a sky is all the light and no face looks at it. Lamps stay as they are, or they would give twice the
- * light. False: out of memory.
+ * from the lamps; faces lit from behind alone are turned round, objects lit on both sides, or whose fronts are walls of
+ * a dark room, get both, and a line says so; likewise where a sky is all the light and no face looks at it. Lamps stay
+ * as they are, or they would give twice the light. False: out of memory.
  */
 bool file_sides_mend(engine_scene *scene, options_sides two_sided, bool sky, const char *program);
 

@@ -107,9 +107,9 @@ class SceneFiles(unittest.TestCase):
 
     def test_walls_of_two_rooms_in_one_plane_stay(self):
         # Which of two walls in one place a ray meets first is a matter of rounding, unless it is who looks at it.
-        def rooms(dark_first, cosine, sine):
+        def rooms(dark_first, cosine, sine, overlap=0):
             lit, dark = ([(x + k % 2 * w, k // 2 % 2 * 2.3, k // 4 * 4.1) for k in range(8)] for x, w in
-                         ((0, 3.1), (3.1, 2.2)))
+                         ((0, 3.1), (3.1 - overlap, 2.2)))
             lamp = [(x, 2.2, z) for x, z in ((1, 1), (1.7, 1), (1.7, 1.6), (1, 1.6))]
             lines = ["mtllib room.mtl"] + ["v %.7f %.7f %.7f" % (cosine * x - sine * z, y, sine * x + cosine * z)
                                            for x, y, z in lit + dark + lamp]
@@ -124,6 +124,17 @@ class SceneFiles(unittest.TestCase):
                 print("dark room, %s, %g: B %.4f" % ("first" if dark_first else "second", sine, dark[1]))
                 self.assertNotIn("turned", told)
                 self.assertEqual(dark[1], 0)
+        # What is reflected in all, and how much of the dark room is lit: its wall's back, where it lies in the lit one.
+        area, mean = self.light(lambda face: face["object"] < 2)
+        for overlap in (1e-5, 1e-3):
+            told = self.play(self.path("rooms.obj", rooms(False, 0.8, 0.6, overlap)), "--leaf-size", "0.5")
+            both = self.light(lambda face: face["object"] < 2)
+            lit = self.light(lambda face: face["object"] == 1 and face["b_g"] > 0.05)
+            print("rooms %g m into one another: flux %.4f of %.4f, lit %.3f of 9.43 m2" %
+                  (overlap, both[0] * both[1], area * mean, lit[0]))
+            self.assertIn("get two sides", told)
+            self.assertAlmostEqual(both[0] * both[1], area * mean, delta=0.01 * area * mean)
+            self.assertAlmostEqual(lit[0], 2.3 * 4.1, delta=0.01)
 
     def test_two_sides_for_all(self):
         self.play(self.path("right.obj", room(WALLS)), "--leaf-size", "0.5")
