@@ -192,8 +192,8 @@ void player_print_end(const player *p)
 	char title[256];
 	snprintf(title, sizeof title, "%s", p->scene->title);
 	engine_output_one_line(title);
-	printf("%s: %u %s of %d x %d, %s\n", title, p->frame, p->frame == 1 ? "frame" : "frames", p->o->width,
-	       p->o->height, engine_context_describe(p->context));
+	printf("%s: %u frames of %d x %d, %s\n", title, p->frame, p->o->width, p->o->height,
+	       engine_context_describe(p->context));
 	report_print(&p->report, stdout);
 	snprintf(more, sizeof more, " (%u)", p->pictures);
 	if (p->o->images && p->pictures)
