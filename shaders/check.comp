@@ -122,6 +122,7 @@ void write_words()
 	for (uint k = GI_STATE_ARGS_DOUBLE; k < GI_STATE_DIRECT_BITS; k++)
 		state[k] = words[k];
 	state[GI_STATE_WEIGHED] = words[GI_STATE_WEIGHED];
+	state[GI_STATE_RECALLS] = words[GI_STATE_RECALLS];
 	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_FACTOR_BITS + 4u; k++)
 		state[k] = words[k];
 }
@@ -202,7 +203,7 @@ void begin_anew()
 {
 	words[GI_STATE_ACTION] = 0u;
 	words[GI_STATE_MANNER] = GI_MANNER_JACOBI;
-	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = 0u;
+	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = words[GI_STATE_RECALLS] = 0u;
 	words[GI_STATE_REACH_BITS] = 0u;
 	// A narrower ellipse may do for these rows.
 	words[GI_STATE_ELLIPSE] = (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
@@ -211,16 +212,15 @@ void begin_anew()
 	note_first_scale();
 }
 
-// The next sweep begins with an R to come back to.
-void keep(float residual)
+// Sweeps of this frame, and what came in the place of sweeps: solver.c queues no more than max_sweeps of both and SPARE_SWEEPS.
+uint spent()
 {
-	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
-	store(GI_STATE_KEPT_BITS, residual);
+	return words[GI_STATE_SWEEPS] + words[GI_STATE_RECALLS];
 }
 
 void begin()
 {
-	words[GI_STATE_SWEEPS] = words[GI_STATE_WEIGHED] = 0u;
+	words[GI_STATE_SWEEPS] = words[GI_STATE_WEIGHED] = words[GI_STATE_RECALLS] = 0u;
 	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
 	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.y));
 	put_groups(GI_STATE_ARGS_WIDE, frame.misc.y);
@@ -228,7 +228,7 @@ void begin()
 	if (stage == STAGE_BEGIN)
 		begin_anew();
 	else if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV && words[GI_STATE_ACTION] == 0u)
-		keep(load(GI_STATE_DONE_RESIDUAL_BITS));
+		words[GI_STATE_ACTION] = GI_ACTION_KEEP;
 	clear_findings();
 	queue_next();
 	if (frame.counts.x == 0u) {
@@ -320,13 +320,14 @@ void start_chebyshev(float amplified, uint widened, float residual)
 	store(GI_STATE_REACH_BITS, amplified);
 	vec2 axes = half_axes();
 	settle_for(axes.y < axes.x ? GI_MANNER_CHEBYSHEV : GI_MANNER_GIVEN_UP, residual);
-	keep(residual);
+	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
 }
 
 // Back to where the window began, and on in a wider ellipse.
 void fail_chebyshev()
 {
 	words[GI_STATE_FAILINGS] += 1u;
+	words[GI_STATE_RECALLS] += 1u;
 	start_chebyshev(load(GI_STATE_REACH_BITS), words[GI_STATE_ELLIPSE] + 1u, load(GI_STATE_KEPT_BITS));
 	words[GI_STATE_ACTION] = GI_ACTION_RECALL;
 }
@@ -340,7 +341,7 @@ void step_chebyshev(float amplified, float residual, bool near_floor)
 	float s = pow(rate(axes), float(words[GI_STATE_WINDOW] - 1u)), begun = load(GI_STATE_WINDOW_BITS);
 	bool judged = 2.0 * s / (1.0 + s * s) <= JUDGED;
 	bool bad = residual > BLOWN_UP * begun || (judged && residual > GOOD_ENOUGH * begun);
-	bool last = words[GI_STATE_SWEEPS] + 1u >= max_sweeps;
+	bool last = spent() + 1u >= max_sweeps;
 	if (amplified < 0.5 * load(GI_STATE_REACH_BITS)) {
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
 	} else if (bad && near_floor) {
@@ -349,7 +350,7 @@ void step_chebyshev(float amplified, float residual, bool near_floor)
 		fail_chebyshev();
 	} else if (judged) {
 		open_window(residual);
-		keep(residual);
+		words[GI_STATE_ACTION] = GI_ACTION_KEEP;
 	}
 }
 
@@ -462,13 +463,15 @@ void begin_otherwise(float seen)
 	queue_next();
 }
 
-// The sweeps of the frame are spent: no more, unless the last of them showed that they went astray.
+// The sweeps of the frame are spent: no more, unless the last of them showed that they went astray. Then one follows the R that
+// comes back, so that what is said is said of that R, and ends the frame whatever it finds (finish_sweep); the one that
+// went astray does not count.
 void end_frame()
 {
-	if (words[GI_STATE_ACTION] == GI_ACTION_RECALL)
-		words[GI_STATE_SWEEPS] -= 1u;
-	else
+	if (words[GI_STATE_ACTION] != GI_ACTION_RECALL)
 		stop(GI_SOLVE_GOES_ON);
+	else if (spent() > max_sweeps)
+		words[GI_STATE_SWEEPS] -= 1u;
 }
 
 // ---- after a sweep, or what came in its place ----
@@ -486,6 +489,9 @@ void finish_sweep()
 	bool in_double = words[GI_STATE_ARGS_DOUBLE + 2u] != 0u;
 	float residual = load(GI_STATE_RESIDUAL_BITS), seen = load(GI_STATE_SEEN_BITS);
 	float last_residual = words[GI_STATE_SWEEPS] > 0u ? load(GI_STATE_DONE_RESIDUAL_BITS) : 0.0;
+	// Of the R that this sweep kept, if it kept one.
+	if (words[GI_STATE_ACTION] == GI_ACTION_KEEP)
+		store(GI_STATE_KEPT_BITS, residual);
 	bool otherwise = words[GI_STATE_WEIGHED] != 0u && should_have_begun_otherwise();
 	words[GI_STATE_WEIGHED] = 0u;
 	words[GI_STATE_ACTION] = 0u;
@@ -496,12 +502,14 @@ void finish_sweep()
 	certify();
 	if (meets_tolerance())
 		stop(GI_SOLVE_CONVERGED);
+	else if (spent() > max_sweeps)
+		stop(GI_SOLVE_GOES_ON);
 	else
 		judge(in_double, last_residual, residual);
 	note_light();
 	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && otherwise)
 		begin_otherwise(seen);
-	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && words[GI_STATE_SWEEPS] >= max_sweeps)
+	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && spent() >= max_sweeps)
 		end_frame();
 	clear_findings();
 }

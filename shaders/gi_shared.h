@@ -315,7 +315,7 @@ GI_STRUCT(gi_pending) {
 /* How the next one goes. */
 #define GI_STATE_MANNER 61u        /* GI_MANNER_ */
 #define GI_STATE_ACTION 62u        /* GI_ACTION_ bits: what the next gather does besides, or instead */
-#define GI_STATE_KEPT_BITS 63u     /* residual of the R that was kept */
+#define GI_STATE_KEPT_BITS 63u     /* residual of the R that was kept, by the sweep that kept it */
 #define GI_STATE_FAILINGS 64u      /* how often Chebyshev failed in this solve */
 #define GI_STATE_THETA_BITS 65u    /* u = R + sqrt(scale R) + theta * scale * v */
 #define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it; kept over frames */
@@ -326,6 +326,7 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_WARM_MOST_BITS 79u /* 3: largest residual */
 #define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of a cold start */
 #define GI_STATE_FACTOR_BITS 85u   /* 4: what becomes of R and v of before */
+#define GI_STATE_RECALLS 89u       /* how often in this frame a kept R came back, each in the place of a sweep */
 /* Rows under a budget. */
 #define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
 #define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */

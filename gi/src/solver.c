@@ -16,8 +16,8 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-/* A warm start that is worse than a cold one takes a sweep to tell and a step to end; steps that went astray take one
- * to come back and a sweep to certify what came back. */
+/* A warm start that is worse than a cold one takes a sweep to tell and a step to end. Coming back from steps that went
+ * astray takes the place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
 enum { SPARE_SWEEPS = 4 };
 
 void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
