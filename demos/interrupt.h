@@ -1,5 +1,6 @@
-/* Signals that end the program (SIGINT, SIGTERM, SIGHUP) let it finish the frame and its files first; a second one ends
- * it at once.
+/* Signals that end the program (SIGINT, SIGTERM, SIGHUP) let it finish the frame and its files first. What takes longer
+ * than a second is cut off: light of a large scene's first frame may take minutes, and what the driver computes cannot
+ * be taken back. A second signal cuts off at once. Either way no file is left half written.
  */
 #ifndef DEMOS_INTERRUPT_H
 #define DEMOS_INTERRUPT_H
@@ -7,7 +8,7 @@
 #include <stdbool.h>
 
 /* From now on; a signal that is ignored, by nohup, stays so. */
-void interrupt_begin(void);
+void interrupt_begin(const char *program);
 
 bool interrupt_came(void);
 

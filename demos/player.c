@@ -327,7 +327,6 @@ static bool play_frame(player *p)
 
 static bool play(player *p)
 {
-	interrupt_begin();
 	while ((!p->frames || p->frame < p->frames) && !engine_context_should_close(p->context)) {
 		if (interrupt_came()) {
 			snprintf(p->message, sizeof p->message, "stopped after %u frames", p->frame);
@@ -363,6 +362,7 @@ int player_run(const options *o, const player_scene *scene)
 	p->mode = o->mode;
 	p->rebuild = o->rebuild;
 	p->progress.program = o->program;
+	interrupt_begin(o->program);
 	const bool played = begin(p) && play(p);
 	progress_end(&p->progress);
 	if (played)

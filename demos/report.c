@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "report.h"
 
+#include "output.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -98,6 +100,14 @@ static bool is_plain(FILE *file)
 	return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
 }
 
+static bool close_file(report *r)
+{
+	const bool written = fclose(r->file) == 0;
+	engine_output_whole(r->path);
+	r->file = NULL;
+	return written;
+}
+
 bool report_open(report *r, const char *path, char *message, size_t message_size)
 {
 	*r = (report){.path = path};
@@ -107,22 +117,22 @@ bool report_open(report *r, const char *path, char *message, size_t message_size
 	r->file = fopen(path, "w");
 	if (!r->file)
 		return cannot_write(r, message, message_size);
+	if (is_plain(r->file))
+		engine_output_half(path); /* until it has a line */
 	write_header(r->file);
 	if (fflush(r->file) == 0) {
 		r->whole = ftell(r->file);
 		return true;
 	}
 	cannot_write(r, message, message_size);
-	fclose(r->file);
-	r->file = NULL;
+	close_file(r);
 	return false;
 }
 
 bool report_close(report *r, char *message, size_t message_size)
 {
 	errno = 0;
-	const bool written = !r->file || (fclose(r->file) == 0);
-	r->file = NULL;
+	const bool written = !r->file || close_file(r);
 	return written || cannot_write(r, message, message_size);
 }
 
@@ -131,8 +141,7 @@ void report_abandon(report *r)
 	if (!r->file)
 		return;
 	const bool plain = is_plain(r->file);
-	fclose(r->file);
-	r->file = NULL;
+	close_file(r);
 	if (plain && !r->lines)
 		unlink(r->path);
 }
@@ -180,8 +189,7 @@ static bool make_room(report *r)
 static void drop_half_line(report *r)
 {
 	const int fd = is_plain(r->file) ? dup(fileno(r->file)) : -1;
-	fclose(r->file);
-	r->file = NULL;
+	close_file(r);
 	if (fd < 0)
 		return;
 	if (!r->lines)
@@ -206,6 +214,7 @@ bool report_add(report *r, const report_frame *frame, char *message, size_t mess
 		return true;
 	write_frame(r->file, frame);
 	if (fflush(r->file) == 0) {
+		engine_output_whole(r->path);
 		r->lines++;
 		r->whole = ftell(r->file);
 		return true;

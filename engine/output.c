@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -14,6 +15,38 @@ static bool cannot_write(const char *path, char *message, size_t message_size)
 {
 	snprintf(message, message_size, "cannot write %s: %s", path, strerror(errno ? errno : EIO));
 	return false;
+}
+
+/* ---- what is half written ---- */
+
+static _Atomic(const char *) halves[8]; /* free of locks, as pointers are: read in handlers of signals */
+
+static void replace_half(const char *from, const char *to)
+{
+	for (size_t k = 0; k < sizeof halves / sizeof *halves; k++) {
+		const char *expected = from;
+		if (atomic_compare_exchange_strong(&halves[k], &expected, to))
+			return;
+	}
+}
+
+void engine_output_half(const char *path)
+{
+	replace_half(NULL, path);
+}
+
+void engine_output_whole(const char *path)
+{
+	replace_half(path, NULL);
+}
+
+void engine_output_drop_halves(void)
+{
+	for (size_t k = 0; k < sizeof halves / sizeof *halves; k++) {
+		const char *path = atomic_load(&halves[k]);
+		if (path)
+			unlink(path);
+	}
 }
 
 /* ---- where ---- */
@@ -74,14 +107,23 @@ static void set_mode(int fd, mode_t mode)
 	(void)!fchmod(fd, mode); /* a file system without modes is fine */
 }
 
+static void remove_part(engine_output *o)
+{
+	if (o->part[0])
+		unlink(o->part);
+	engine_output_whole(o->part);
+}
+
 static bool open_part(engine_output *o, mode_t mode)
 {
 	if (!find_place(o->path, o->place) || !name_part(o->place, o->part)) {
 		o->part[0] = '\0';
 		return false;
 	}
+	engine_output_half(o->part);
 	const int fd = mkstemp(o->part);
 	if (fd < 0) {
+		engine_output_whole(o->part);
 		o->part[0] = '\0';
 		return false;
 	}
@@ -90,7 +132,7 @@ static bool open_part(engine_output *o, mode_t mode)
 	if (o->file)
 		return true;
 	close(fd);
-	unlink(o->part);
+	remove_part(o);
 	return false;
 }
 
@@ -124,11 +166,12 @@ bool engine_output_close(engine_output *o, bool written, char *message, size_t m
 	errno = before ? before : flushed ? flushed : errno;
 	if (written && o->part[0] && rename(o->part, o->place) != 0)
 		written = false;
-	if (written)
+	if (written) {
+		engine_output_whole(o->part);
 		return true;
+	}
 	cannot_write(o->path, message, message_size);
-	if (o->part[0])
-		unlink(o->part);
+	remove_part(o);
 	return false;
 }
 
@@ -144,7 +187,7 @@ bool engine_output_check(const char *path, char *message, size_t message_size)
 		if (!engine_output_open(&trial, path, message, message_size))
 			return false;
 		fclose(trial.file);
-		unlink(trial.part);
+		remove_part(&trial);
 		return true;
 	}
 	if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))

@@ -31,6 +31,15 @@ bool engine_output_close(engine_output *output, bool written, char *message, siz
 /* Can a file of this name be written? Tried, before an hour of work is done for it; nothing is left of the trial. */
 bool engine_output_check(const char *path, char *message, size_t message_size);
 
+/* The file of this name is no whole one until engine_output_whole() says so of the same string, which must stay where it
+ * is until then. Files of engine_output_open() are marked by themselves. Of eight at once; more are not marked.
+ */
+void engine_output_half(const char *path);
+void engine_output_whole(const char *path);
+
+/* Removes the files that are half written, for a program that ends at once; safe in the handler of a signal. */
+void engine_output_drop_halves(void);
+
 /* Ends of lines and other control characters become spaces: names hold anything, a message is one line. */
 void engine_output_one_line(char *text);
 

@@ -424,14 +424,59 @@ class Programs(unittest.TestCase):
                 running.send_signal(number)
                 told = running.communicate(timeout=120)[1]
             self.assertEqual(running.returncode, -number, told)
-            self.assertRegex(told, r"^gi_play: stopped after \d+ frames\n$")
+            self.assertRegex(told, r"^gi_play: stopped (after \d+ frames|before the frame was done)\n$")
             rows = read_csv(os.path.join(out, "r.csv"))
+            self.assertTrue(all(row["frames_per_second"] for row in rows))
             pictures = [name for name in os.listdir(out) if name != "r.csv"]
-            self.assertEqual(sorted(pictures), sorted("p%d.png" % k for k in range(len(rows))))
-            self.assertEqual(int(told.split()[3]), len(rows))
+            whole = told.split()[2] == "after"
+            self.assertIn(len(pictures) - len(rows), [0] if whole else [0, 1])
+            self.assertEqual(sorted(pictures), sorted("p%d.png" % k for k in range(len(pictures))))
+            if whole:
+                self.assertEqual(int(told.split()[3]), len(rows))
             for name in pictures:
                 with open(os.path.join(out, name), "rb") as file:
                     self.assertEqual(file.read()[-8:-4], b"IEND")
+
+    def test_signal_ends_a_long_frame(self):
+        """700 boxes in a room: their first light takes minutes, the program a second to end."""
+        lines, count = ["mtllib lamp.mtl", "usemtl lamp"], 0
+        for k in range(701):
+            x, y, z, size = (0, 0, 0, 20) if k == 700 else (k % 9 * 2.1 + 0.3, k // 9 % 9 * 2.1 + 0.3, k // 81 * 2.1 + 0.3, 1)
+            lines += ["o box%d" % k] + ["v %g %g %g" % (x + c % 2 * size, y + c // 2 % 2 * size, z + c // 4 * size)
+                                        for c in range(8)]
+            for face in ("3 4 2 1", "5 6 8 7", "1 2 6 5", "7 8 4 3", "5 7 3 1", "4 8 6 2"):
+                corners = [str(8 * k + int(c)) for c in face.split()]
+                lines.append("f " + " ".join(corners if k < 700 else reversed(corners)))
+        with open(self.path("boxes.obj"), "w") as file:
+            file.write("\n".join(lines) + "\n")
+        with open(self.path("lamp.mtl"), "w") as file:
+            file.write("newmtl lamp\nKd 0.5 0.5 0.5\nKe 1 1 1\n")
+        for number, times in ((signal.SIGTERM, 1), (signal.SIGINT, 2)):
+            out = self.path("long%d" % number)
+            os.mkdir(out)
+            master, terminal = os.openpty() # it tells a terminal what it does
+            command = [os.path.join(PROGRAMS, "gi_play"), self.path("boxes.obj"), "--frames", "2", "--row-tolerance",
+                       "0.001", "--images", os.path.join(out, "p%d.png"), "--report", os.path.join(out, "r.csv"), *TINY]
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal) as running:
+                os.close(terminal)
+                told = b""
+                while b"first light" not in told:
+                    told += os.read(master, 4096)
+                time.sleep(0.2)
+                self.assertIsNone(running.poll(), told)
+                began = time.monotonic()
+                for _ in range(times):
+                    running.send_signal(number)
+                while b"stopped" not in told:
+                    told += os.read(master, 4096)
+                running.wait(timeout=30)
+            os.close(master)
+            took = time.monotonic() - began
+            print("%d signals: ended after %.2f s" % (times, took))
+            self.assertEqual(running.returncode, -number, told)
+            self.assertIn(b"gi_play: stopped before the frame was done", told)
+            self.assertEqual(os.listdir(out), [])
+            self.assertLess(took, 10) # a second, on a machine that does nothing else
 
     def test_full_standard_output(self):
         if not os.path.exists("/dev/full"):

@@ -78,7 +78,8 @@ typedef void gi_message_fn(gi_result result, const char *message, void *user);
  * it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
  * gi_context_create, gi_create_object, gi_commit, by the first gi_update after a commit, which builds every row, and where
  * compute shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
- * that the library uses (see Rules); it must not call the library. */
+ * that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver takes back
+ * what it computes: a program that must end within a second ends without gi_context_destroy (demos/interrupt.c). */
 typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
 
 /* ---- handles ------------------------------------------------------------------------------------------------------ */
