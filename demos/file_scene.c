@@ -393,12 +393,13 @@ static void tell_choice(const file_scene *f, const gi_leaf_choice *choice)
 }
 
 /* Chooses sizes for what has none and creates all. */
-static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs)
+static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, const bool *moves)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
 	def.leaves = f->leaves;
 	def.leaf_size = f->leaf_size;
+	def.moves = moves;
 	gi_result result = gi_choose_leaves(gi, &def, defs, f->scene.object_count, &choice);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
@@ -413,14 +414,17 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	const uint32_t count = f->scene.object_count;
 	prepared *objects = calloc((size_t)count + 1, sizeof *objects);
 	gi_object_def *defs = calloc((size_t)count + 1, sizeof *defs);
+	bool *moves = calloc((size_t)count + 1, sizeof *moves);
 	const fineness fine = fineness_of(&f->scene, f->leaves);
-	bool created = objects && defs;
+	bool created = objects && defs && moves;
 	if (!created)
 		snprintf(message, message_size, "out of memory");
-	for (uint32_t k = 0; created && k < count; k++)
+	for (uint32_t k = 0; created && k < count; k++) {
+		moves[k] = f->scene.objects[k].animated;
 		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+	}
 	if (created) {
-		const gi_result result = create_all(f, gi, defs);
+		const gi_result result = create_all(f, gi, defs, moves);
 		if (result && !message[0])
 			snprintf(message, message_size, "%s", gi_result_text(result));
 		created = result == GI_OK;
@@ -432,6 +436,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	}
 	free(objects);
 	free(defs);
+	free(moves);
 	return created;
 }
 

@@ -244,7 +244,9 @@ static bool find_cuts(chooser *c)
 	uint32_t flat = 0;
 	for (uint32_t k = 0; contacts && places && k < c->count; k++)
 		if (c->objects[k].scheme == GI_SCHEME_BILINEAR) {
-			contacts[flat] = (gi_contact_object){&c->objects[k], c->memory->sizes[k], NULL, 0};
+			contacts[flat] = (gi_contact_object){.def = &c->objects[k],
+							     .moves = c->def->moves && c->def->moves[k],
+							     .sizes = c->memory->sizes[k]};
 			places[flat++] = k;
 		}
 	const bool done = contacts && places &&

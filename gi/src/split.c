@@ -38,12 +38,24 @@ typedef struct polygon {
 /* A line in the plane of its face, between two points. */
 typedef struct line {
 	gi_vec3d from, to;
+	bool parts; /* light is not shared across */
 } line;
+
+/* Of a stack of lines. */
+typedef struct span {
+	uint32_t first, end;
+} span;
+
+typedef struct line_stack {
+	line *lines;
+	uint32_t count, room;
+} line_stack;
 
 typedef struct split_node {
 	uint32_t parent, depth, face;
 	uint32_t corners[4]; /* as in gi_refine_level */
 	bool leaf;
+	uint8_t parted; /* of a leaf: bit k, edge k lies on a line that parts light */
 } split_node;
 
 typedef struct splitter {
@@ -54,9 +66,9 @@ typedef struct splitter {
 	uint32_t *table, table_room; /* hash of points */
 	split_node *nodes;
 	uint32_t node_count, node_room, leaf_count, depth;
-	line *lines; /* a stack: those of the pieces on the way down */
-	uint32_t line_count, line_room;
-	double size; /* of the leaves of the face at hand */
+	line_stack inside; /* lines inside the pieces on the way down */
+	line_stack around; /* lines that part light, inside the pieces or on their edges */
+	double size;       /* of the leaves of the face at hand */
 	gi_vec3d normal;
 	uint32_t face;
 	bool full; /* out of memory, or too many leaves */
@@ -257,40 +269,62 @@ static double line_length(const line *l)
 	return gi_vec3d_length(gi_vec3d_sub(l->to, l->from));
 }
 
-static bool push_line(splitter *s, const line *l)
+static void push_line(splitter *s, line_stack *stack, const line *l)
 {
-	if (!reserve((void **)&s->lines, s->line_count, &s->line_room, sizeof *s->lines)) {
+	if (reserve((void **)&stack->lines, stack->count, &stack->room, sizeof *stack->lines))
+		stack->lines[stack->count++] = *l;
+	else
 		s->full = true;
-		return false;
-	}
-	s->lines[s->line_count++] = *l;
-	return true;
 }
 
-/* Puts what lines [first, end) have inside a polygon on the stack. */
-static void inherit_lines(splitter *s, const polygon *p, uint32_t first, uint32_t end)
+/* Puts what the lines of the stack have inside a polygon, `margin` from its edges, on top of them. Returns where. */
+static span inherit_lines(splitter *s, line_stack *stack, const polygon *p, span of, double margin)
 {
-	for (uint32_t k = first; k < end && !s->full; k++) {
-		const line l = s->lines[k];
+	const uint32_t first = stack->count;
+	for (uint32_t k = of.first; k < of.end && !s->full; k++) {
+		const line l = stack->lines[k];
 		double t[2] = {0, 1};
-		if (!clip(s, p, &l, SNAP * s->size, t) || (t[1] - t[0]) * line_length(&l) < SHORTEST * s->size)
+		if (!clip(s, p, &l, margin, t) || (t[1] - t[0]) * line_length(&l) < SHORTEST * s->size)
 			continue;
-		push_line(s, &(line){along(&l, t[0]), along(&l, t[1])});
+		push_line(s, stack, &(line){along(&l, t[0]), along(&l, t[1]), l.parts});
 	}
+	return (span){first, stack->count};
+}
+
+/* Does edge k of a polygon lie on a line: its ends in one with it, its middle between the line's ends? */
+static bool lies_on(const splitter *s, const polygon *p, uint32_t k, const line *l)
+{
+	const gi_vec3d direction = gi_vec3d_unit(gi_vec3d_sub(l->to, l->from)),
+		       side = gi_vec3d_cross(s->normal, direction);
+	const gi_vec3d a = gi_vec3d_sub(corner(s, p, k), l->from), b = gi_vec3d_sub(corner(s, p, k + 1), l->from);
+	/* Where a cut was made within SNAP of a corner the edge ends there. */
+	const double near = 2 * SNAP * s->size;
+	const double middle = 0.5 * (gi_vec3d_dot(a, direction) + gi_vec3d_dot(b, direction));
+	return fabs(gi_vec3d_dot(a, side)) <= near && fabs(gi_vec3d_dot(b, side)) <= near && middle > 0 &&
+	       middle < line_length(l);
+}
+
+static uint8_t parted_edges(const splitter *s, const polygon *p, span around)
+{
+	uint8_t parted = 0;
+	for (uint32_t l = around.first; l < around.end; l++)
+		for (uint32_t k = 0; k < p->count; k++)
+			parted |= lies_on(s, p, k, &s->around.lines[l]) ? 1u << k : 0u;
+	return parted;
 }
 
 /* How much of the way across a polygon the lines cover that lie in one with a given one. Parts that overlap count once:
  * the longest way from the first start to the last end, less the gaps, is what a sweep in order of starts finds. */
-static double covered(const splitter *s, const polygon *p, uint32_t first, const line *on)
+static double covered(const splitter *s, const polygon *p, span lines, const line *on)
 {
 	const gi_vec3d direction = gi_vec3d_unit(gi_vec3d_sub(on->to, on->from)),
 		       side = gi_vec3d_cross(s->normal, direction);
 	double reached = -INFINITY, sum = 0;
 	for (;;) {
 		double start = INFINITY, end = 0;
-		for (uint32_t k = first; k < s->line_count; k++) {
-			const gi_vec3d a = gi_vec3d_sub(s->lines[k].from, on->from),
-				       b = gi_vec3d_sub(s->lines[k].to, on->from);
+		for (uint32_t k = lines.first; k < lines.end; k++) {
+			const gi_vec3d a = gi_vec3d_sub(s->inside.lines[k].from, on->from),
+				       b = gi_vec3d_sub(s->inside.lines[k].to, on->from);
 			const double u = gi_vec3d_dot(a, direction), v = gi_vec3d_dot(b, direction);
 			const double from = fmax(fmin(u, v), reached), to = fmax(u, v);
 			if (fabs(gi_vec3d_dot(a, side)) > SNAP * s->size ||
@@ -306,19 +340,19 @@ static double covered(const splitter *s, const polygon *p, uint32_t first, const
 		reached = end;
 	}
 	double t[2] = {-INFINITY, INFINITY};
-	const line whole = {on->from, gi_vec3d_add(on->from, direction)};
+	const line whole = {.from = on->from, .to = gi_vec3d_add(on->from, direction)};
 	return clip(s, p, &whole, 0, t) ? sum / (t[1] - t[0]) : 0;
 }
 
 /* The line to part a polygon along next, GI_NONE: none. */
-static uint32_t choose_line(const splitter *s, const polygon *p, uint32_t first)
+static uint32_t choose_line(const splitter *s, const polygon *p, span lines)
 {
 	enum { CANDIDATES = 64 }; /* each looks at all */
 	const double least = is_larger_than_leaf(s, p) ? THROUGH : 0;
 	double most = 0;
 	uint32_t best = GI_NONE;
-	for (uint32_t k = first; k < s->line_count && k < first + CANDIDATES; k++) {
-		const double part = covered(s, p, first, &s->lines[k]);
+	for (uint32_t k = lines.first; k < lines.end && k < lines.first + CANDIDATES; k++) {
+		const double part = covered(s, p, lines, &s->inside.lines[k]);
 		if (part >= least && part > most * (1 + GI_TIE)) {
 			most = part;
 			best = k;
@@ -328,8 +362,6 @@ static uint32_t choose_line(const splitter *s, const polygon *p, uint32_t first)
 }
 
 /* ---- division ---- */
-
-static void divide(splitter *s, const polygon *p, uint32_t parent, uint32_t depth, uint32_t first, uint32_t end);
 
 static void add_corner(polygon *p, uint32_t v)
 {
@@ -419,24 +451,24 @@ static bool suits_grid(const splitter *s, const polygon *p)
 }
 
 /* A slanted line through a large quad would leave two of which no grid has cells alike: there it cuts cells alone. */
-static bool part_by_line(splitter *s, const polygon *p, uint32_t first, polygon parts[2])
+static bool part_by_line(splitter *s, const polygon *p, span lines, polygon parts[2])
 {
-	const uint32_t l = choose_line(s, p, first);
+	const uint32_t l = choose_line(s, p, lines);
 	if (l == GI_NONE)
 		return false;
-	const line chosen = s->lines[l];
+	const line chosen = s->inside.lines[l];
 	return part_along(s, p, &chosen, parts) &&
 	       (!is_larger_than_leaf(s, p) || p->count == 3 || (suits_grid(s, &parts[0]) && suits_grid(s, &parts[1])));
 }
 
 /* The parts of a polygon, 0: it is a leaf. */
-static uint32_t part(splitter *s, const polygon *p, uint32_t depth, uint32_t first, polygon parts[4])
+static uint32_t part(splitter *s, const polygon *p, uint32_t depth, span lines, polygon parts[4])
 {
 	if (p->count > 4) {
 		part_in_two(p, 0, p->count / 2, parts);
 		return 2;
 	}
-	if (depth < MAX_CUT_DEPTH && part_by_line(s, p, first, parts))
+	if (depth < MAX_CUT_DEPTH && part_by_line(s, p, lines, parts))
 		return 2;
 	if (!is_larger_than_leaf(s, p))
 		return 0;
@@ -458,20 +490,23 @@ static uint32_t add_node(splitter *s, const polygon *p, uint32_t parent, uint32_
 	return s->node_count++;
 }
 
-/* `first` to `end`: the parent's lines. */
-static void divide(splitter *s, const polygon *p, uint32_t parent, uint32_t depth, uint32_t first, uint32_t end)
+/* `inside` and `around`: the parent's lines. */
+static void divide(splitter *s, const polygon *p, uint32_t parent, uint32_t depth, span inside, span around)
 {
-	const uint32_t node = add_node(s, p, parent, depth), own = s->line_count;
+	const uint32_t node = add_node(s, p, parent, depth);
 	if (s->full)
 		return;
-	inherit_lines(s, p, first, end);
+	const span own = inherit_lines(s, &s->inside, p, inside, SNAP * s->size),
+		   near = inherit_lines(s, &s->around, p, around, -SNAP * s->size);
 	polygon parts[4];
-	const uint32_t own_end = s->line_count, count = part(s, p, depth, own, parts);
+	const uint32_t count = part(s, p, depth, own, parts);
 	s->nodes[node].leaf = count == 0;
+	s->nodes[node].parted = count == 0 ? parted_edges(s, p, near) : 0;
 	s->leaf_count += count == 0;
 	for (uint32_t k = 0; k < count && !s->full; k++)
-		divide(s, &parts[k], node, depth + 1, own, own_end);
-	s->line_count = own;
+		divide(s, &parts[k], node, depth + 1, own, near);
+	s->inside.count = own.first;
+	s->around.count = near.first;
 }
 
 /* ---- the cage ---- */
@@ -485,7 +520,7 @@ static line project(const splitter *s, const polygon *p, const gi_leaf_cut *cut,
 		const double height = gi_vec3d_dot(s->normal, gi_vec3d_sub(ends[k], corner(s, p, 0)));
 		ends[k] = gi_vec3d_sub(ends[k], gi_vec3d_scale(s->normal, height));
 	}
-	return (line){ends[0], ends[1]};
+	return (line){ends[0], ends[1], cut->parts};
 }
 
 /* `order`: the cuts by face; the face's begin at *next. */
@@ -496,13 +531,15 @@ static void divide_face(splitter *s, const polygon *p, uint32_t parent, uint32_t
 	const float own = def->leaf_sizes ? def->leaf_sizes[s->face] : 0;
 	s->size = own > 0 ? own : def->leaf_size;
 	s->normal = polygon_normal(s, p);
-	s->line_count = 0;
+	s->inside.count = s->around.count = 0;
 	const bool cut = is_flat_and_convex(s, p);
 	for (; cut && next < def->cut_count && def->cuts[order[next]].face == s->face && !s->full; next++) {
 		const line l = project(s, p, &def->cuts[order[next]], scale);
-		push_line(s, &l);
+		push_line(s, &s->inside, &l);
+		if (l.parts)
+			push_line(s, &s->around, &l);
 	}
-	divide(s, p, parent, depth, 0, s->line_count);
+	divide(s, p, parent, depth, (span){0, s->inside.count}, (span){0, s->around.count});
 }
 
 /* A counting sort. offsets: face_count + 1, where each face's cuts begin. */
@@ -690,6 +727,20 @@ static bool export_levels(const splitter *s, const uint32_t *materials, gi_refin
 	return enough;
 }
 
+/* The finest level's. */
+static bool export_parted(const splitter *s, gi_refined *out)
+{
+	const uint32_t finest = out->level_count - 1;
+	out->parted = malloc(out->levels[finest].face_count + 1);
+	if (!out->parted)
+		return false;
+	uint32_t count = 0;
+	for (uint32_t k = 0; k < s->node_count; k++)
+		if (is_on_level(&s->nodes[k], finest))
+			out->parted[count++] = s->nodes[k].parted;
+	return true;
+}
+
 static bool export_points(const splitter *s, gi_refined *out)
 {
 	out->vertex_count = s->point_count;
@@ -708,7 +759,8 @@ static void free_splitter(splitter *s)
 	free(s->component);
 	free(s->table);
 	free(s->nodes);
-	free(s->lines);
+	free(s->inside.lines);
+	free(s->around.lines);
 }
 
 static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *base, gi_refined *out)
@@ -719,7 +771,8 @@ static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *bas
 	if (done) {
 		sort_cuts(s->def, cage->face_count, offsets, order);
 		divide_all(s, base, offsets, order, cage->scale);
-		done = !s->full && export_levels(s, cage->face_materials, out) && export_points(s, out);
+		done = !s->full && export_levels(s, cage->face_materials, out) && export_parted(s, out) &&
+		       export_points(s, out);
 	}
 	out->closed = base->closed;
 	free(offsets);

@@ -106,7 +106,7 @@ static void compare(measured *m)
 }
 
 /* Chooses, creates, solves, traces. */
-static gi_context *measure(stage *s, float leaf_size, measured *m)
+static gi_context *measure(stage *s, float leaf_size, uint32_t paths, measured *m)
 {
 	gi_context *gi = open_context(.01f);
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
@@ -123,7 +123,7 @@ static gi_context *measure(stage *s, float leaf_size, measured *m)
 	assert_gi(gi_read_leaves(gi, m->leaves, m->count, &m->count));
 	for (uint32_t half = 0; half < 2; half++) {
 		uint32_t count;
-		const gi_path_options options = {.paths = 256, .seed = 7 + half};
+		const gi_path_options options = {.paths = paths, .seed = 7 + half};
 		m->truth[half] = malloc(sizeof(float) * 3 * m->count);
 		assert_gi(gi_trace_paths(gi, &options, m->truth[half], m->count, &count));
 	}
@@ -196,7 +196,7 @@ static void expect_block(float height, float leaf_size, const float turn[4])
 	memcpy(s.turn, turn, sizeof s.turn);
 	put_room(&s, 30);
 	put_box(&s, b, false, GREY);
-	gi_context *gi = measure(&s, leaf_size, &m);
+	gi_context *gi = measure(&s, leaf_size, height > 0 ? 1024 : 256, &m);
 	const box below = {{b.lower[0], -.1f, b.lower[2]}, {b.upper[0], .1f, b.upper[2]}};
 	double mean, truth;
 	const double worst = worst_below(&s, &m, below, &mean, &truth);
@@ -236,7 +236,7 @@ static void a_wall_parts_a_room(void **state)
 	measured m = {0};
 	put_room(&s, 30);
 	put_box(&s, (box){{-2.1f, -.1f, 1.03f}, {2.1f, 2.6f, 1.17f}}, false, GREY);
-	gi_context *gi = measure(&s, .25f, &m);
+	gi_context *gi = measure(&s, .25f, 256, &m);
 	double dark = 0;
 	for (uint32_t k = 0; k < m.count; k++) {
 		double c[3];
@@ -261,7 +261,7 @@ static void a_ball_is_sunk(void **state)
 	assert_true(shape_sphere(.5f, 3, &ball));
 	put(&s, &ball, GREY, 0);
 	s.defs[2].pose.position[1] = .07f;
-	gi_context *gi = measure(&s, .25f, &m);
+	gi_context *gi = measure(&s, .25f, 256, &m);
 	double error = 0, all = 0;
 	for (uint32_t k = 0; k < m.count; k++) {
 		const float *h = m.leaves[k].irradiance, *r1 = m.truth[0] + 3 * k, *r2 = m.truth[1] + 3 * k;
