@@ -392,8 +392,17 @@ static void tell_choice(const file_scene *f, const gi_leaf_choice *choice)
 			    (double)choice->leaf_size);
 }
 
+/* Adds what mends it to what the library said. */
+static void name_options(char *message, size_t message_size)
+{
+	const size_t length = strlen(message);
+	if (length < message_size)
+		snprintf(message + length, message_size - length, " (--leaf-size, --leaves)");
+}
+
 /* Chooses sizes for what has none and creates all. */
-static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, const bool *moves)
+static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, const bool *moves, char *message,
+			    size_t message_size)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
@@ -401,6 +410,8 @@ static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, 
 	def.leaf_size = f->leaf_size;
 	def.moves = moves;
 	gi_result result = gi_choose_leaves(gi, &def, defs, f->scene.object_count, &choice);
+	if (result == GI_ERROR_INVALID_ARGUMENT)
+		name_options(message, message_size);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
 	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
@@ -424,7 +435,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
 	}
 	if (created) {
-		const gi_result result = create_all(f, gi, defs, moves);
+		const gi_result result = create_all(f, gi, defs, moves, message, message_size);
 		if (result && !message[0])
 			snprintf(message, message_size, "%s", gi_result_text(result));
 		created = result == GI_OK;

@@ -278,13 +278,84 @@ static void a_ball_is_sunk(void **state)
 	end(gi, &s, &m);
 }
 
+/* A room whose faces are there five times is cut as the room is, and all leaves counted are there. */
+static void copies_are_not_counted(void **state)
+{
+	(void)state;
+	enum { COPIES = 5 };
+	uint32_t leaves[2];
+	for (uint32_t copies = 0; copies < 2; copies++) {
+		gi_context *gi = open_context(.1f);
+		engine_mesh room;
+		stage s = {0};
+		assert_true(shape_box((float[]){-2, 0, -2.5f}, (float[]){2, 2.5f, 2.5f}, 1, true, &room));
+		put(&s, &room, GREY, 1);
+		put_box(&s, (box){{-1, 0, -1}, {0, .8f, .2f}}, false, GREY);
+		gi_object_def *def = &s.defs[0];
+		uint32_t counts[6 * COPIES], indices[24 * COPIES];
+		for (uint32_t k = 0; k < 24 * COPIES; k++) {
+			counts[k / 4] = 4;
+			indices[k] = def->indices[k % 24];
+		}
+		if (copies) {
+			def->face_counts = counts;
+			def->indices = indices;
+			def->face_count *= COPIES;
+			def->index_count *= COPIES;
+		}
+		const gi_leaf_choice_def wanted = gi_leaf_choice_def_default();
+		gi_leaf_choice choice;
+		assert_gi(gi_choose_leaves(gi, &wanted, s.defs, s.count, &choice));
+		for (uint32_t k = 0; k < s.count; k++)
+			assert_gi(gi_create_object(gi, &s.defs[k], &s.handles[k]));
+		assert_gi(gi_commit(gi));
+		assert_gi(gi_read_leaves(gi, NULL, 0, &leaves[copies]));
+		assert_int_equal(leaves[copies], choice.leaves);
+		gi_free_leaf_choice(&choice);
+		gi_context_destroy(gi);
+		for (uint32_t k = 0; k < s.count; k++)
+			engine_mesh_free(&s.pieces[k].mesh);
+	}
+	printf("a room: %u leaves, each face five times: %u\n", leaves[0], leaves[1]);
+	assert_int_equal(leaves[0], leaves[1]);
+}
+
+/* What a refusal says fits does. */
+static void the_size_named_fits(void **state)
+{
+	(void)state;
+	static const float heights[] = {0, .01f, .3f};
+	for (size_t k = 0; k < 3; k++)
+		for (float size = 1e-4f; size < .02f; size *= 4) {
+			gi_context *gi = open_context(.1f);
+			stage s = {0};
+			gi_leaf_choice choice;
+			gi_leaf_choice_def def = gi_leaf_choice_def_default();
+			put_room(&s, 30);
+			put_box(&s, (box){{-.3f, heights[k], -.45f}, {.9f, heights[k] + .8f, .35f}}, false, GREY);
+			def.leaf_size = size;
+			def.most_leaves = 3000;
+			assert_int_equal(gi_choose_leaves(gi, &def, s.defs, s.count, &choice),
+					 GI_ERROR_INVALID_ARGUMENT);
+			const char *named = strstr(harness_last_message(), "size of ");
+			assert_non_null(named);
+			def.leaf_size = (float)atof(named + strlen("size of "));
+			assert_gi(gi_choose_leaves(gi, &def, s.defs, s.count, &choice));
+			printf("%s: %u\n", harness_last_message(), choice.leaves);
+			assert_true(choice.leaves > def.most_leaves / 8);
+			gi_free_leaf_choice(&choice);
+			gi_context_destroy(gi);
+			for (uint32_t n = 0; n < s.count; n++)
+				engine_mesh_free(&s.pieces[n].mesh);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(a_block_stands),
-	    cmocka_unit_test(a_block_hovers),
-	    cmocka_unit_test(a_wall_parts_a_room),
-	    cmocka_unit_test(a_ball_is_sunk),
+	    cmocka_unit_test(a_block_stands),         cmocka_unit_test(a_block_hovers),
+	    cmocka_unit_test(a_wall_parts_a_room),    cmocka_unit_test(a_ball_is_sunk),
+	    cmocka_unit_test(copies_are_not_counted), cmocka_unit_test(the_size_named_fits),
 	};
 	return cmocka_run_group_tests_name("leaves", tests, harness_open, harness_close);
 }
