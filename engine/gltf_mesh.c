@@ -324,8 +324,7 @@ bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *nod
 		if (!add_primitive(&r, from))
 			return false;
 	}
-	scene_note_many(document->loader, r.left_out, name,
-			"faces with a corner that is not there, not finite or beyond 1e15 m are left out");
+	scene_note_many(document->loader, r.left_out, name, SCENE_BROKEN_FACES);
 	document->loader->meshes_broken = document->loader->meshes_broken || r.left_out > 0;
 	float *positions = realloc(out->positions, ((size_t)out->vertex_count + 1) * 3 * sizeof(float));
 	out->positions = positions ? positions : out->positions;

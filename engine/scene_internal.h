@@ -93,6 +93,9 @@ __attribute__((format(printf, 2, 3))) bool scene_fail(scene_loader *loader, cons
 /* All bytes of the scene's own file, at most 4 GiB, and a zero after the last; the caller frees them. NULL: reported. */
 uint8_t *scene_read_file(scene_loader *loader, size_t *size);
 
+/* A note on faces that have no place, of any format. */
+#define SCENE_BROKEN_FACES "faces with a corner that is not there, not finite or beyond 1e15 m are left out"
+
 /* Counts one more case of what the text says; each text becomes one clause of the scene's warning, with the count and
  * the subject (a name; NULL: none) of the first case. Texts are plural: "textures are not read".
  */
