@@ -45,7 +45,7 @@ typedef struct obj_reader {
 	library libraries[MOST_LIBRARIES];
 	uint32_t library_count, names; /* of libraries read; of libraries and textures looked for */
 	const char *object;            /* of the last o */
-	uint64_t pixels, bytes; /* of all textures so far */
+	uint64_t pixels, bytes;        /* of all textures so far */
 } obj_reader;
 
 static bool fail_memory(obj_reader *r)

@@ -48,8 +48,8 @@ typedef struct scene_polygons {
 
 void scene_polygons_free(scene_polygons *polygons);
 
-/* Adds a vertex without a colour; a broken one where the position is NULL, not finite or too far, so that the others keep
- * their numbers. `text` is what the file says there, or NULL. NULL: out of memory.
+/* Adds a vertex without a colour; a broken one where the position is NULL, not finite or too far, so that the others
+ * keep their numbers. `text` is what the file says there, or NULL. NULL: out of memory.
  */
 scene_vertex *scene_add_vertex(scene_loader *loader, scene_polygons *polygons, const double *position, uint32_t place,
 			       const char *text);

@@ -128,15 +128,9 @@ static void bad_lines_cost_their_faces(void **state)
 	(void)state;
 	static const char *const vertices[] = {"nan 0 0", "1 -inf 0", "1e16 0 0", "1e999 0 0", "1,5 0 0",
 					       "0x1 0 0", "0 0",      "",         "a b c"};
-	static const char *const faces[] = {"0 1 2",
-					    "1 2 -7",
-					    "1 2 6",
-					    "1 2 99999999999999999999",
-					    "1 2 -99999999999999999999",
-					    "1 2 4294967299",
-					    "1 2 three",
-					    "1 2 3.5",
-					    "9999 9999 9999 9999"};
+	static const char *const faces[] = {
+	    "0 1 2",          "1 2 -7",    "1 2 6",   "1 2 99999999999999999999", "1 2 -99999999999999999999",
+	    "1 2 4294967299", "1 2 three", "1 2 3.5", "9999 9999 9999 9999"};
 	char text[400], told[200];
 	/* One bad line costs its faces. */
 	for (size_t k = 0; k < sizeof vertices / sizeof *vertices; k++) {
@@ -151,12 +145,14 @@ static void bad_lines_cost_their_faces(void **state)
 	}
 	for (size_t k = 0; k < sizeof faces / sizeof *faces; k++) {
 		snprintf(text, sizeof text, SQUARE "f 1 2 3\nf %s\n", faces[k]);
-		check_told(write_text("a.obj", text), "faces with a corner that is not there, not finite or beyond 1e15 m "
-						      "are left out (\"line 6\")");
+		check_told(write_text("a.obj", text),
+			   "faces with a corner that is not there, not finite or beyond 1e15 m "
+			   "are left out (\"line 6\")");
 		snprintf(text, sizeof text, SQUARE "\nf \\\n%s\n", faces[k]);
 		check_obj_refused(text, "1 of its 1 faces cannot be used, it may be cut off: faces with a corner");
 	}
-	check_told(write_text("a.obj", SQUARE "f 1 2 9\nf 1 2 3\nf 1 3 4\nf 0 1 2\n"), "are left out (2, first: \"line 5\")");
+	check_told(write_text("a.obj", SQUARE "f 1 2 9\nf 1 2 3\nf 1 3 4\nf 0 1 2\n"),
+		   "are left out (2, first: \"line 5\")");
 	check_obj_refused("hello\n", "holds no faces");
 	check_obj_refused(SQUARE, "holds no faces");
 	check_obj_refused(SQUARE "f 1 2\n", "holds no faces");

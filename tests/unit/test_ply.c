@@ -336,7 +336,8 @@ static void bad_corners_cost_their_faces(void **state)
 	static const char *const positions[] = {"nan 0 0", "0 inf 0", "0 0 -1e16"};
 	char text[400], told[160];
 	for (size_t k = 0; k < sizeof corners / sizeof *corners; k++) {
-		snprintf(text, sizeof text, ASCII VERTEX FACE(2) "end_header\n" SQUARE "3 0 1 2\n3 0 1 %s\n", corners[k]);
+		snprintf(text, sizeof text, ASCII VERTEX FACE(2) "end_header\n" SQUARE "3 0 1 2\n3 0 1 %s\n",
+			 corners[k]);
 		check_told(write_text("a.ply", text), "beyond 1e15 m are left out (\"line 15\")");
 		snprintf(text, sizeof text, ASCII VERTEX FACE(1) "end_header\n" SQUARE "3 0 1 %s\n", corners[k]);
 		check_ply_refused(text, "1 of its 1 faces cannot be used, it may be cut off: faces with a corner");
