@@ -256,6 +256,7 @@ static const struct {
     {"vt", skip},
     {"vn", skip},
     {"f", read_face},
+    {"fo", read_face}, /* of files before 1995 */
     {"usemtl", read_material},
     {"o", read_object},
     {"g", read_group},

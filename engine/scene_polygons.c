@@ -2,6 +2,7 @@
 
 #include "image_mean.h"
 #include "mesh_clean.h"
+#include "scene_bounds.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -233,28 +234,15 @@ static bool add_group(scene_loader *loader, const scene_polygons *polygons, grou
 	return scene_add_object(loader, &def, &mesh);
 }
 
-/* Whole numbers near the middle of the vertices that faces use, or 0 where floats keep the digits without that: map
- * coordinates have seven digits before the point. Small scenes far out (1 m at 1 km and more) gain too.
- */
+/* Taken off in double precision, before the positions become floats. */
 static void find_offset(const scene_polygons *polygons, double offset[3])
 {
 	const scene_vertex *vertices = polygons->vertices.items;
 	const uint32_t *corners = polygons->corners.items;
-	double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-	double size = 0, farthest = 0;
-	for (size_t i = 0; i < polygons->corners.count; i++) {
-		for (int k = 0; k < 3; k++) {
-			lower[k] = fmin(lower[k], vertices[corners[i]].position[k]);
-			upper[k] = fmax(upper[k], vertices[corners[i]].position[k]);
-		}
-	}
-	for (int k = 0; k < 3; k++) {
-		offset[k] = rint(0.5 * (lower[k] + upper[k]));
-		size = fmax(size, upper[k] - lower[k]);
-		farthest = fmax(farthest, fabs(offset[k]));
-	}
-	if (farthest <= 64 * size)
-		memset(offset, 0, 3 * sizeof *offset);
+	scene_bounds bounds = scene_bounds_of_nothing();
+	for (size_t i = 0; i < polygons->corners.count; i++)
+		scene_bounds_widen(&bounds, vertices[corners[i]].position);
+	scene_bounds_far_middle(&bounds, offset);
 }
 
 static bool add_groups(scene_loader *loader, const scene_polygons *polygons, const char *const *names,
@@ -298,8 +286,10 @@ bool scene_add_polygons(scene_loader *loader, scene_polygons *polygons, const ch
 {
 	scene_note_many(loader, polygons->small_faces, NULL, "faces of fewer than three corners are left out");
 	const size_t faces = polygons->faces.count;
+	scene_write_warning(loader);
 	if (faces == 0)
-		return scene_fail(loader, "holds no faces");
+		return scene_fail(loader, "holds no faces%s%s", loader->scene->warning[0] ? ": " : "",
+				  loader->scene->warning);
 	if (!drop_broken_faces(loader, polygons)) {
 		scene_write_warning(loader);
 		return scene_fail(loader, "%zu of its %zu faces cannot be used, it may be cut off: %s",

@@ -160,9 +160,30 @@ static void bad_lines_cost_their_faces(void **state)
 			  "none of its 1 faces can be used: faces without area");
 }
 
+/* A vertex astray costs its face, not the object; nor is it left for a camera that wants to see everything. */
+static void far_corners_cost_their_faces(void **state)
+{
+	(void)state;
+	static const char *const far[] = {"1e10 1e10 0", "0 -2e12 0", "0 0.5 5e9"};
+	char text[300];
+	for (size_t k = 0; k < sizeof far / sizeof *far; k++) {
+		snprintf(text, sizeof text, SQUARE "v %s\nv 3e9 1 1\nf 1 2 3 4\nf 1 5 6\n", far[k]);
+		engine_scene scene = load_obj(text);
+		assert_int_equal(scene.object_count, 1);
+		assert_int_equal(scene.objects[0].mesh.face_count, 1);
+		assert_int_equal(scene.objects[0].mesh.vertex_count, 4);
+		assert_non_null(strstr(scene.warning, "faces beyond 1e9 m are left out (\"object0\")"));
+		engine_scene_free(&scene);
+	}
+	check_obj_refused("v 0 0 0\nv 2e9 0 0\nv 0 2e9 0\nf 1 2 3\n", "objects beyond 1e9 m are left out");
+}
+
 static void what_is_not_read_is_told(void **state)
 {
 	(void)state;
+	check_obj_refused(SQUARE "F 1 2 3 4\n", "holds no faces: lines of other kinds are not read (\"F, line 5\")");
+	check_obj_refused("\xff\xfev\0", "is UTF-16; save it as UTF-8");
+	check_square(SQUARE "fo 1 2 3 4\n");
 	check_told(write_text("a.obj", TRIANGLE "l 1 2\np 1\nl 2 3\n"), "points and lines (p, l) are left out (3)");
 	check_told(write_text("a.obj", TRIANGLE "cstype bezier\ncurv 0 1 2\n"),
 		   "lines of other kinds are not read (2, first: \"cstype, line 5\")");
@@ -413,6 +434,7 @@ int main(void)
 	    cmocka_unit_test(lines_in_every_form),
 	    cmocka_unit_test(corners_in_every_form),
 	    cmocka_unit_test(bad_lines_cost_their_faces),
+	    cmocka_unit_test(far_corners_cost_their_faces),
 	    cmocka_unit_test(what_is_not_read_is_told),
 	    cmocka_unit_test(groups_become_objects),
 	    cmocka_unit_test(materials_in_every_form),

@@ -271,6 +271,14 @@ static void strips_of_triangles(void **state)
 }
 
 /* sRGB 200 30 30 reflects 0.5776 0.0130 0.0130. */
+static void check_colors_by_letters(void)
+{
+	engine_scene scene = load_ply(ASCII VERTEX "property uchar r\nproperty uchar g\nproperty uchar b\n" FACE(
+	    1) "end_header\n0 0 0 200 30 30\n1 0 0 200 30 30\n1 1 0 200 30 30\n0 1 0 200 30 30\n4 0 1 2 3\n");
+	CHECK3(scene.materials[scene.objects[0].mesh.face_materials[0]].rho, 0.5775805f, 0.0129830f, 0.0129830f);
+	engine_scene_free(&scene);
+}
+
 static void colours_become_materials(void **state)
 {
 	(void)state;
@@ -293,6 +301,7 @@ static void colours_become_materials(void **state)
 		CHECK3(scene.materials[materials[1]].rho, 0.3850537f, 0.0086553f, 0.0086553f);
 		engine_scene_free(&scene);
 	}
+	check_colors_by_letters();
 	engine_scene scene = load_ply(ASCII VERTEX "element face 2\nproperty list uchar int vertex_index\n"
 						   "property uchar red\nproperty uchar green\nproperty uchar blue\n"
 						   "end_header\n" SQUARE "3 0 1 2 255 255 255\n3 0 2 3 0 0 0\n");
