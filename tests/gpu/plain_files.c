@@ -82,10 +82,8 @@ static void lamp_down(FILE *to, const placement *w, double x, double y, double z
 	quad(to, w, (double[]){x - side / 2, y, z - side / 2}, (double[]){side, 0, 0}, (double[]){0, 0, side});
 }
 
-#define BOX(to, w, x0, y0, z0, x1, y1, z1) \
-	box(to, w, (const double[]){x0, y0, z0}, (const double[]){x1, y1, z1}, false)
-#define ROOM(to, w, x0, y0, z0, x1, y1, z1) \
-	box(to, w, (const double[]){x0, y0, z0}, (const double[]){x1, y1, z1}, true)
+#define BOX(to, w, x0, y0, z0, x1, y1, z1) box(to, w, (const double[]){x0, y0, z0}, (const double[]){x1, y1, z1}, false)
+#define ROOM(to, w, x0, y0, z0, x1, y1, z1) box(to, w, (const double[]){x0, y0, z0}, (const double[]){x1, y1, z1}, true)
 
 /* ---- the files ---- */
 
@@ -237,14 +235,38 @@ static void shared_plane(FILE *to, const placement *w)
 
 /* ---- all ---- */
 
-#define NOWHERE {{0, 0, 0}, {0, 0, 0}}
-#define AS_IS {1, {0, 0, 0}, 0, {0, 0, 0}}
+#define NOWHERE                                                                                                        \
+	{                                                                                                              \
+		{0, 0, 0},                                                                                             \
+		{                                                                                                      \
+			0, 0, 0                                                                                        \
+		}                                                                                                      \
+	}
+#define AS_IS                                                                                                          \
+	{                                                                                                              \
+		1, {0, 0, 0}, 0,                                                                                       \
+		{                                                                                                      \
+			0, 0, 0                                                                                        \
+		}                                                                                                      \
+	}
 
 const plain_file plain_files[PLAIN_FILE_COUNT] = {
     {"door", rooms_with_door, AS_IS, {{-1, -1, -1}, {3.45, 3, 4}}, {{6.7, -1, -1}, {9.5, 3, 4}}},
-    {"door_mm", rooms_with_door, {1000, {0, 0, 0}, 0, {0, 0, 0}}, {{-1, -1, -1}, {3.45, 3, 4}}, {{6.7, -1, -1}, {9.5, 3, 4}}},
-    {"door_far", rooms_with_door, {1, {0, 0, 0}, 0, {3000, 120, -2000}}, {{-1, -1, -1}, {3.45, 3, 4}}, {{6.7, -1, -1}, {9.5, 3, 4}}},
-    {"door_turned_far", rooms_with_door, {1, {1, 2, .5}, .7, {3000, 120, -2000}}, {{-1, -1, -1}, {3.45, 3, 4}}, {{6.7, -1, -1}, {9.5, 3, 4}}},
+    {"door_mm",
+     rooms_with_door,
+     {1000, {0, 0, 0}, 0, {0, 0, 0}},
+     {{-1, -1, -1}, {3.45, 3, 4}},
+     {{6.7, -1, -1}, {9.5, 3, 4}}},
+    {"door_far",
+     rooms_with_door,
+     {1, {0, 0, 0}, 0, {3000, 120, -2000}},
+     {{-1, -1, -1}, {3.45, 3, 4}},
+     {{6.7, -1, -1}, {9.5, 3, 4}}},
+    {"door_turned_far",
+     rooms_with_door,
+     {1, {1, 2, .5}, .7, {3000, 120, -2000}},
+     {{-1, -1, -1}, {3.45, 3, 4}},
+     {{6.7, -1, -1}, {9.5, 3, 4}}},
     {"l_room", l_room, AS_IS, NOWHERE, NOWHERE},
     {"hut", hut_on_ground, AS_IS, {{-6, -.1, 1.6}, {6, .1, 6}}, {{-1.39, -.05, -1.09}, {1.59, 2.19, 1.19}}},
     {"furnished", furnished, AS_IS, NOWHERE, NOWHERE},
@@ -254,7 +276,11 @@ const plain_file plain_files[PLAIN_FILE_COUNT] = {
     {"stacked", stacked, AS_IS, NOWHERE, NOWHERE},
     {"two_floors", two_floors, AS_IS, {{-.1, -.1, -.1}, {5.1, 2.55, 4.1}}, {{-.1, 2.65, -.1}, {5.1, 5.25, 4.1}}},
     {"shared", shared_plane, AS_IS, {{-1, -1, -1}, {3.09, 3, 5}}, {{3.11, -1, -1}, {8, 3, 5}}},
-    {"shared_turned", shared_plane, {1, {1, 2, .5}, .7, {0, 0, 0}}, {{-1, -1, -1}, {3.09, 3, 5}}, {{3.11, -1, -1}, {8, 3, 5}}},
+    {"shared_turned",
+     shared_plane,
+     {1, {1, 2, .5}, .7, {0, 0, 0}},
+     {{-1, -1, -1}, {3.09, 3, 5}},
+     {{3.11, -1, -1}, {8, 3, 5}}},
     {"corridor_feet", corridor, {3.28084, {0, 0, 0}, 0, {0, 0, 0}}, NOWHERE, NOWHERE},
 };
 
