@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-/* Where the picture would show nothing that a lamp lights, or the sky where there is one, moves the camera to where light goes, as far back as it can
- * stand. True when it was moved. Scenes without lamps are left alone.
+/* Where the picture would show nothing that a lamp lights, or the sky where there is one, moves the camera to where
+ * light goes, as far back as it can stand. True when it was moved. Scenes without lamps are left alone.
  */
 bool file_inside_look(const engine_scene *scene, bool sky, camera *view);
 
