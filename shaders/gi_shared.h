@@ -179,7 +179,7 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object

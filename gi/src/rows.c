@@ -419,7 +419,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_count, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, 0, 0},
+	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, lit ? GI_NONE : s->sky_slot, 0},
 	    .ceiling = ceiling_of(gi),
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
