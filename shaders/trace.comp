@@ -75,8 +75,7 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 {
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
-		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
-		vec4 u = sample_numbers(p.leaf, p.node ^ other, k);
+		vec4 u = segment_numbers(p.leaf, p.node, attempt, k);
 		vec3 m;
 		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
 		float carried = transfer(p, from, to, u.xy, m);

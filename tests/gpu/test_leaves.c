@@ -378,12 +378,104 @@ static void the_size_named_fits(void **state)
 		}
 }
 
+/* A room of 2 m and a plate of two sides, `gap` below its ceiling or beside a wall: what is between the two stays
+ * there. */
+typedef struct plate {
+	float gap, size; /* m, before scaling */
+	float scale, leaf_size;
+	const float *turn;
+	bool upright, shines; /* else a lamp of one side below it does */
+} plate;
+
+static void put_two_sided(stage *s, const plate *p)
+{
+	const float half = .5f * p->size, at = 1 - p->gap, across = .07f, e = p->shines ? 31.4f : 0;
+	const float low[3] = {across - half, at, -half}, side[3] = {at, across - half, -half};
+	const float x[3] = {p->size, 0, 0}, y[3] = {0, p->size, 0}, z[3] = {0, 0, p->size};
+	put_quad(s, p->upright ? side : low, p->upright ? y : x, z, GREY, e);
+	s->defs[s->count - 1].double_sided = true;
+	if (!p->shines)
+		put_quad(s, (float[]){-.3f, .2f, -.3f}, (float[]){.4f, 0, 0}, (float[]){0, 0, .6f}, BLACK, 31.4f);
+}
+
+static void scale_stage(stage *s, float scale)
+{
+	for (uint32_t k = 0; k < s->count; k++)
+		for (uint32_t v = 0; v < 3 * s->pieces[k].mesh.vertex_count; v++)
+			s->pieces[k].mesh.positions[v] *= scale;
+}
+
+typedef struct parts {
+	double area, light, truth;
+} parts;
+
+static void add_leaf(parts *p, const measured *m, uint32_t k)
+{
+	const double area = (double)m->leaves[k].area;
+	p->area += area;
+	p->light += area * (double)m->leaves[k].irradiance[1];
+	p->truth += .5 * area * ((double)m->truth[0][3 * k + 1] + (double)m->truth[1][3 * k + 1]);
+}
+
+/* Of the room: what the plate is before, what lies round that as far as a leaf is wide, and all the rest. */
+static void expect_plate(const plate *p)
+{
+	stage s = {0};
+	measured m = {0};
+	memcpy(s.turn, p->turn, sizeof s.turn);
+	put_box(&s, (box){{-1, -1, -1}, {1, 1, 1}}, true, GREY);
+	put_two_sided(&s, p);
+	scale_stage(&s, p->scale);
+	gi_context *gi = measure(&s, p->scale * p->leaf_size, &m);
+	parts before = {0}, halo = {0}, rest = {0};
+	for (uint32_t k = 0; k < m.count; k++) {
+		double c[3];
+		if (m.leaves[k].object.index1 != s.handles[0].index1)
+			continue;
+		centre_of(&s, &m.leaves[k], c);
+		const double scale = (double)p->scale, up = c[p->upright ? 0 : 1] / scale,
+			     across = fabs(c[p->upright ? 1 : 0] / scale - .07), along = fabs(c[2] / scale),
+			     out = fmax(across, along) - .5 * (double)p->size;
+		add_leaf(up < .999 || out > (double)p->leaf_size ? &rest : out > 0 ? &halo : &before, &m, k);
+	}
+	printf("%s of %.2f m, %.0f mm %s, scale %g%s, %u leaves of %.3g, %.3g: H %.3f of %.3f before it, %.4f of %.4f "
+	       "round it, "
+	       "elsewhere %.4f of %.4f (%+.2f %%); scene %.2f %% RMS (noise %.2f)\n",
+	       p->shines ? "lamp" : "plate", (double)p->size, 1e3 * (double)p->gap,
+	       p->upright ? "off a wall" : "below a ceiling", (double)p->scale, p->turn[3] != 0 ? ", turned" : "",
+	       m.count, (double)(m.choice.leaf_size / p->scale), (double)(m.choice.least_size / p->scale),
+	       before.light / before.area, before.truth / before.area, halo.light / halo.area, halo.truth / halo.area,
+	       rest.light / rest.area, rest.truth / rest.area, 100 * (rest.light / rest.truth - 1), 100 * m.rms,
+	       100 * m.noise);
+	assert_true(fabs(rest.light / rest.truth - 1) <= .02);
+	assert_true(fabs(before.light - before.truth) <= fmax(.05 * before.truth, .02 * before.area));
+	/* No ring of light that came through the leaves before the plate: some 25 times as bright as what is round
+	 * them. */
+	assert_true(fabs(halo.light / halo.truth - 1) <= .2);
+	end(gi, &s, &m);
+}
+
+static void a_plate_hangs_close(void **state)
+{
+	(void)state;
+	static const plate plates[] = {
+	    {.01f, .6f, 1, .25f, STRAIGHT, false, true},  {.002f, .6f, 1, .25f, STRAIGHT, false, true},
+	    {.05f, .6f, 1, .25f, STRAIGHT, false, true},  {.01f, .2f, 1, .25f, TURNED, false, true},
+	    {.01f, 1.3f, 1, .5f, STRAIGHT, true, true},   {.01f, .6f, 1e-3f, .25f, STRAIGHT, false, true},
+	    {.02f, .45f, 1e3f, .25f, TURNED, true, true}, {.005f, .7f, 1, .25f, STRAIGHT, false, false},
+	    {.01f, .6f, 1, .125f, STRAIGHT, false, true},
+	};
+	for (size_t k = 0; k < sizeof plates / sizeof *plates; k++)
+		expect_plate(&plates[k]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(a_block_stands),         cmocka_unit_test(a_block_hovers),
 	    cmocka_unit_test(a_wall_parts_a_room),    cmocka_unit_test(a_ball_is_sunk),
 	    cmocka_unit_test(copies_are_not_counted), cmocka_unit_test(the_size_named_fits),
+	    cmocka_unit_test(a_plate_hangs_close),
 	};
 	return cmocka_run_group_tests_name("leaves", tests, harness_open, harness_close);
 }
