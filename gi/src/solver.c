@@ -133,7 +133,7 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
-		sweep(gi, k == 0 && stage == STAGE_BEGIN && !cold);
+		sweep(gi, k == 0 && stage == STAGE_BEGIN);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 
