@@ -37,10 +37,10 @@
 // a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window of its steps begins, comes
 // back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
 //
-// Not farther than from a cold start. R of before has the residual r over the new rows, R = 0 has s. What is missing is
-// M^-1 of that, in flux A times the flux of |r| at most, and about A times that of s; what is local counts about once. Where a
-// channel begins worse by that estimate than from R = 0, all begin again from there; one with too much light, from the part of R
-// whose flux is right, if that is better (weigh.comp).
+// Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the solution, and
+// what of 1 alone, which is where a cold start, R = 0, begins. What is left of the residual decides between the two, all
+// channels alike: flux is amplified A times at most, what is local counts about once. Either way no sweep is lost: T is
+// linear, and what it makes of the start follows from what it made of 1, v and R.
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -81,8 +81,8 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// A warm start has so much less flux astray than a cold one, or is refused: what nearly equal fluxes come to depends on where
-// they are, which nobody knows.
+// A warm start leaves so much less than a cold one, of the flux astray and of all, or is refused: what nearly equal residuals come
+// to depends on where they are, which nobody knows.
 const float NEARER = 0.7;
 
 // v of rows that amplified so many times more or less tells nothing of these.
@@ -431,7 +431,7 @@ bool is_colder(uint c, float a)
 {
 	float astray = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c);
 	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_COLD_MOST_BITS + c);
-	return !(astray <= NEARER * mean && a * astray + local <= a * mean + most);
+	return !(astray <= NEARER * mean && a * astray + local <= NEARER * (a * mean + most));
 }
 
 // R and v as the solve begins with: what weigh.comp found, or, all of it, of a cold start.

@@ -16,7 +16,7 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-/* A warm start that is worse than a cold one takes a sweep to tell and a step to end. Coming back from steps that went
+/* Where to begin takes a step to set, and where one sweep is all there is, that sweep. Coming back from steps that went
  * astray takes the place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
 enum { SPARE_SWEEPS = 4 };
 
@@ -82,7 +82,7 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-/* weigh: is it to be found out whether a cold start is nearer? */
+/* weigh: is it to be found out where the solve should have begun? */
 static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
