@@ -37,10 +37,10 @@
 // a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window of its steps begins, comes
 // back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
 //
-// Not farther than from a cold start. R of before has the residual r over the new rows, R = 0 has s. What is missing is
-// M^-1 of that, in flux A times the flux of |r| at most, and about A times that of s; what is local counts about once. Where a
-// channel begins worse by that estimate than from R = 0, all begin again from there; one with too much light, from the part of R
-// whose flux is right, if that is better (weigh.comp).
+// Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the solution, and
+// what of 1 alone, which is where a cold start, R = 0, begins. What is left of the residual decides between the two, all
+// channels alike: flux is amplified A times at most, what is local counts about once. Either way no sweep is lost: T is
+// linear, and what it makes of the start follows from what it made of 1, v and R.
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -81,8 +81,9 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// A warm start against a cold one: what is local may spread worse than it looks.
-const float UNSURE = 2.0;
+// A warm start leaves so much less than a cold one, of the flux astray and of all, or is refused: what nearly equal residuals come
+// to depends on where they are, which nobody knows.
+const float NEARER = 0.7;
 
 // v of rows that amplified so many times more or less tells nothing of these.
 const float OTHER_ROWS = 16.0;
@@ -100,11 +101,11 @@ const float FLOOR = 2.0 / 16777216.0;
 
 // The words of the state that the solve goes by, as registers: read at the start, written at the end. In place, their
 // hundred loads and stores took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
-uint words[92];
+uint words[104];
 
 void read_words()
 {
-	for (uint k = 0u; k < 23u; k++) {
+	for (uint k = 0u; k < 26u; k++) {
 		uvec4 four = load_four_words(k);
 		for (uint c = 0u; c < 4u; c++)
 			words[4u * k + c] = four[c];
@@ -122,8 +123,7 @@ void write_words()
 	for (uint k = GI_STATE_ARGS_DOUBLE; k < GI_STATE_DIRECT_BITS; k++)
 		state[k] = words[k];
 	state[GI_STATE_WEIGHED] = words[GI_STATE_WEIGHED];
-	state[GI_STATE_RECALLS] = words[GI_STATE_RECALLS];
-	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_FACTOR_BITS + 4u; k++)
+	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_COLD_BASE_BITS; k++)
 		state[k] = words[k];
 }
 
@@ -424,41 +424,42 @@ void judge(bool in_double, float last_residual, float residual)
 	queue_sweep(amplified > AMPLIFIED || in_double || (kappa < HUGE && kappa <= IN_DOUBLE * least));
 }
 
-// ---- warm or cold ----
+// ---- where a solve begins ----
 
-// How much of R before the sweep a channel should have begun with: the part that weigh.comp chose, where that is no farther from
-// the solution than none is.
-float part_of_warm(uint c, float a)
+// Is R of before no help in a channel, as far as what is left of the residual tells?
+bool is_colder(uint c, float a)
 {
 	float astray = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c);
-	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_DIRECT_BITS + c);
-	return a * astray + UNSURE * local <= a * mean + most ? load(GI_STATE_FACTOR_BITS + c) : 0.0;
+	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_COLD_MOST_BITS + c);
+	return !(astray <= NEARER * mean && a * astray + local <= NEARER * (a * mean + most));
 }
 
-bool should_have_begun_otherwise()
+// R and v as the solve begins with: what weigh.comp found, or, all of it, of a cold start.
+void choose_start()
 {
-	float a = amplification();
-	vec3 part = vec3(part_of_warm(0u, a), part_of_warm(1u, a), part_of_warm(2u, a));
-	float least = min(part.x, min(part.y, part.z));
-	for (uint c = 0u; c < 3u; c++)
-		store(GI_STATE_FACTOR_BITS + c, least > 0.0 ? part[c] : 0.0);
-	float seen = load(GI_STATE_SEEN_BITS);
+	float a = amplification(), seen = load(GI_STATE_SEEN_BITS);
+	bool cold = is_colder(0u, a) || is_colder(1u, a) || is_colder(2u, a);
+	for (uint c = 0u; cold && c < 3u; c++) {
+		words[GI_STATE_FACTOR_BITS + c] = words[GI_STATE_LIFT_BITS + c] = 0u;
+		words[GI_STATE_BASE_BITS + c] = words[GI_STATE_COLD_BASE_BITS + c];
+	}
 	bool other_rows = a > OTHER_ROWS * seen || seen > OTHER_ROWS * a;
-	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 && !other_rows ? 1.0 : 0.0);
-	return least < 1.0 || other_rows;
+	store(GI_STATE_FACTOR_BITS + 3u, cold || other_rows ? 0.0 : 1.0);
 }
 
-// The sweep that told so does not count.
-void begin_otherwise(float seen)
+// What the sweep would have made of that, instead of what it made of R of before; v anew, as of a sweep from v = 1. A cold start
+// knows nothing that depends on what was before: the same scene, the same bits.
+void begin_from_start(float seen)
 {
-	for (uint c = 0u; c < 3u; c++)
-		store(GI_STATE_SCALE_BITS + c, load(GI_STATE_FACTOR_BITS + c) * load(GI_STATE_SCALE_BITS + c));
-	bool cold = load(GI_STATE_FACTOR_BITS + 3u) == 0.0;
-	store(GI_STATE_SEEN_BITS, cold ? 0.0 : seen);
-	if (cold)
+	bool anew = load(GI_STATE_FACTOR_BITS + 3u) == 0.0;
+	store(GI_STATE_SEEN_BITS, anew ? 0.0 : seen);
+	if (anew)
 		words[GI_STATE_ELLIPSE] = 0u;
+	for (uint c = 0u; anew && c < 3u; c++)
+		words[GI_STATE_SCALE_BITS + c] = 0u;
+	words[GI_STATE_DONE_RESIDUAL_BITS] = 0u;
 	begin_anew();
-	words[GI_STATE_SWEEPS] = 0u;
+	words[GI_STATE_SWEEPS] = max_sweeps > 1u ? 1u : 0u;
 	words[GI_STATE_ACTION] = GI_ACTION_SCALE;
 	queue_next();
 }
@@ -492,7 +493,7 @@ void finish_sweep()
 	// Of the R that this sweep kept, if it kept one.
 	if (words[GI_STATE_ACTION] == GI_ACTION_KEEP)
 		store(GI_STATE_KEPT_BITS, residual);
-	bool otherwise = words[GI_STATE_WEIGHED] != 0u && should_have_begun_otherwise();
+	bool weighed = words[GI_STATE_WEIGHED] != 0u;
 	words[GI_STATE_WEIGHED] = 0u;
 	words[GI_STATE_ACTION] = 0u;
 	words[GI_STATE_SWEEPS] += 1u;
@@ -507,8 +508,10 @@ void finish_sweep()
 	else
 		judge(in_double, last_residual, residual);
 	note_light();
-	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && otherwise)
-		begin_otherwise(seen);
+	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && weighed) {
+		choose_start();
+		begin_from_start(seen);
+	}
 	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && spent() >= max_sweeps)
 		end_frame();
 	clear_findings();

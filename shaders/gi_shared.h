@@ -327,6 +327,10 @@ GI_STRUCT(gi_pending) {
 #define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of a cold start */
 #define GI_STATE_FACTOR_BITS 85u   /* 4: what becomes of R and v of before */
 #define GI_STATE_RECALLS 89u       /* how often in this frame a kept R came back, each in the place of a sweep */
+#define GI_STATE_LIFT_BITS 90u     /* 3: how much of v is added to R */
+#define GI_STATE_BASE_BITS 93u     /* 3: and of 1 */
+#define GI_STATE_COLD_BASE_BITS 96u /* 3: the same of a cold start */
+#define GI_STATE_COLD_MOST_BITS 99u /* 3: its largest residual */
 /* Rows under a budget. */
 #define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
 #define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */
@@ -365,7 +369,7 @@ GI_STRUCT(gi_pending) {
 #define GI_ACTION_SCALE 4u         /* no sweep: R and v times a factor */
 
 /* The buffer of leaf radiosity, a part after the other, each a vec4 per leaf; that of node radiosity, a vec4 per node. */
-#define GI_LEAF_B 0u               /* B, W/m2 */
+#define GI_LEAF_B 0u               /* B, W/m2; w: what its row sums to less than 1 */
 #define GI_LEAF_R 1u               /* R = B - E, v */
 #define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
 #define GI_LEAF_KEPT 3u            /* R, v to come back to */

@@ -27,7 +27,7 @@ void main()
 	radiosity[GI_NODE_R * frame.counts.y + n] = r;
 	if ((range.w & GI_NODE_LEAF) == 0u || sky)
 		return;
-	leaf_radiosity[GI_LEAF_B * frame.counts.x + range.y] = b;
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + range.y].xyz = b.xyz;
 	leaf_radiosity[GI_LEAF_R * frame.counts.x + range.y] = r;
 	leaf_radiosity[GI_LEAF_BEFORE * frame.counts.x + range.y] = r;
 }

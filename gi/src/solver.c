@@ -16,7 +16,7 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-/* A warm start that is worse than a cold one takes a sweep to tell and a step to end. Coming back from steps that went
+/* Where to begin takes a step to set, and where one sweep is all there is, that sweep. Coming back from steps that went
  * astray takes the place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
 enum { SPARE_SWEEPS = 4 };
 
@@ -82,7 +82,7 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-/* weigh: is it to be found out whether a cold start is nearer? */
+/* weigh: is it to be found out where the solve should have begun? */
 static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
@@ -133,7 +133,7 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
-		sweep(gi, k == 0 && stage == STAGE_BEGIN && !cold);
+		sweep(gi, k == 0 && stage == STAGE_BEGIN);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 
