@@ -426,7 +426,7 @@ static void expect_plate(const plate *p)
 	put_box(&s, (box){{-1, -1, -1}, {1, 1, 1}}, true, GREY);
 	put_two_sided(&s, p);
 	scale_stage(&s, p->scale);
-	gi_context *gi = measure(&s, p->scale * p->leaf_size, &m);
+	gi_context *gi = measure(&s, p->scale * p->leaf_size, true, &m);
 	parts before = {0}, halo = {0}, rest = {0};
 	for (uint32_t k = 0; k < m.count; k++) {
 		double c[3];
