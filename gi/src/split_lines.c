@@ -4,7 +4,7 @@
 /* Lines part a piece before it has the size of a leaf where they cover this much of the way across. */
 #define THROUGH 0.6
 /* In leaf sizes: what is left of a line in a piece must be this long. */
-#define SHORTEST 0.05
+#define SHORTEST (1 / 64.0)
 
 /* The part of a line, from t[0] to t[1], inside a polygon and `margin` from its edges; false: none. */
 static bool clip(const splitter *s, const polygon *p, const line *l, double margin, double t[2])
@@ -112,17 +112,33 @@ static double covered(const splitter *s, const polygon *p, span lines, const lin
 	return clip(s, p, &whole, 0, t) ? sum / (t[1] - t[0]) : 0;
 }
 
-/* The line to part a polygon along next, GI_NONE: none. */
+/* How far the middle of a polygon's corners is from a line. */
+static double off_middle(const splitter *s, const polygon *p, const line *l)
+{
+	gi_vec3d middle = {0, 0, 0};
+	for (uint32_t k = 0; k < p->count; k++)
+		middle = gi_vec3d_add(middle, gi_vec3d_scale(split_corner(s, p, k), 1.0 / p->count));
+	const gi_vec3d along = gi_vec3d_unit(gi_vec3d_sub(l->to, l->from));
+	return gi_vec3d_length(gi_vec3d_cross(along, gi_vec3d_sub(middle, l->from)));
+}
+
+/* The line to part a polygon along next, GI_NONE: none. Of those that go as far across, the middle one: strips side by
+ * side taken off one after the other would make a tree as deep as there are strips.
+ */
 uint32_t split_choose_line(const splitter *s, const polygon *p, span lines)
 {
 	enum { CANDIDATES = 64 }; /* each looks at all */
 	const double least = split_is_larger_than_leaf(s, p) ? THROUGH : 0;
-	double most = 0;
+	double most = 0, nearest = INFINITY;
 	uint32_t best = GI_NONE;
 	for (uint32_t k = lines.first; k < lines.end && k < lines.first + CANDIDATES; k++) {
 		const double part = covered(s, p, lines, &s->inside.lines[k]);
-		if (part >= least && part > most * (1 + GI_TIE)) {
-			most = part;
+		if (part < least || part <= most * (1 - GI_TIE))
+			continue;
+		const double off = off_middle(s, p, &s->inside.lines[k]);
+		if (part > most * (1 + GI_TIE) || off < nearest - GI_TIE * s->size) {
+			most = fmax(most, part);
+			nearest = off;
 			best = k;
 		}
 	}
