@@ -193,25 +193,32 @@ void sweep(uint leaf, uint action)
 		report(s, next, b);
 }
 
-// Of T R and T v of the last sweep, T (a R + b v + c): T R - s and T v - 1 are linear in R and v.
-vec4 scaled(vec4 swept, vec3 rho, vec3 source, float row_sum)
+// Of T R and T v of the last sweep, T (a R + b v + c): T R - s and T v - 1 are linear in R and v. Channel by channel it stays 0
+// where no light came to, for 1 and v are positive in rooms that no light reaches too; and what light of before there is,
+// in rooms that may be sealed by now, is raised only where light first arrives: no more than R or T R elsewhere.
+vec4 scaled(vec4 before, vec4 swept, vec3 rho, vec3 source, float row_sum)
 {
 	vec3 by_v = rho * ((swept.w - 1.0) / max(max(rho.x, max(rho.y, rho.z)), 1e-20));
 	vec3 r = source + load_three(GI_STATE_FACTOR_BITS) * (swept.xyz - source) + load_three(GI_STATE_LIFT_BITS) * by_v;
 	r += load_three(GI_STATE_BASE_BITS) * rho * row_sum;
+	if (load_state(GI_STATE_START) == GI_START_WARM)
+		r = mix(min(r, max(before.xyz, swept.xyz)), r, greaterThan(source, vec3(0.0)));
+	r = mix(vec3(0.0), r, greaterThan(swept.xyz, vec3(0.0)));
 	float v = load_state(GI_STATE_FACTOR_BITS + 3u) != 0u ? swept.w : 1.0 + max(rho.x, max(rho.y, rho.z)) * row_sum;
 	return vec4(r, v);
 }
 
-// Instead of a sweep: the R that was kept, or what the last sweep would have made of another R.
+// Instead of a sweep: the R that was kept, what the last sweep would have made of another R, or a cold start.
 void go_back(uint leaf, uint action)
 {
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	vec4 r = load_leaf_part((action & GI_ACTION_RECALL) != 0u ? GI_LEAF_KEPT : GI_LEAF_R, leaf);
 	float lacks = load_leaf_part(GI_LEAF_B, leaf).w;
 	vec4 source = vec4(m.rho.xyz * load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 1.0);
-	if ((action & GI_ACTION_SCALE) != 0u)
-		r = scaled(r, m.rho.xyz, source.xyz, 1.0 - lacks);
+	if ((action & GI_ACTION_COLD) != 0u)
+		r = source;
+	else if ((action & GI_ACTION_SCALE) != 0u)
+		r = scaled(load_leaf_part(GI_LEAF_BEFORE, leaf), r, m.rho.xyz, source.xyz, 1.0 - lacks);
 	vec4 next = to_single(vec4(confined(REAL4(r), REAL4(source), load_three(GI_STATE_CEILING_BITS), m.exitance.xyz)));
 	store(leaf, next, next, m.exitance.xyz + next.xyz, lacks);
 }

@@ -1,13 +1,14 @@
 #version 450 core
-// After the first sweep of a solve: which member of the span of 1, v and R before comes nearest to the solution. The slowest part of
+// After a sweep that begins a solve: which member of the span of 1, v and R before comes nearest to the solution. The slowest part of
 // the error is as smooth as v, which solves M v = 1, and sweeps would take 1 / (1 - q) of them to take it away; a member
 // of the span that is in flux balance has none of it (Galerkin; with 1 alone it is the ambient term of Cohen, Chen, Wallace
 // and Greenberg 1988). With <x, y> = sum of area / rho * x y, in which M is symmetric but for sampling, sum_j a_j x_j solves
 //
 //     sum over j of <x_i, M x_j> a_j = <x_i, s>    for every i
 //
-// which is the least error e in the norm of <e, M e>: 0, R, and where a cold start begins (a multiple of 1) are in the span. One
-// group, which adds up in a fixed order. check.comp decides by what is left of the residual, of a cold start as well.
+// which is the least error e in the norm of <e, M e>. Sums are of the leaves that the sweep brought light to, channel by channel:
+// elsewhere the start is 0 (gather.glsl). One group, which adds up in a fixed order. check.comp decides by what is left of the
+// residual, of the best multiple of 1 as well, which a cold start is no worse than.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS
@@ -25,7 +26,7 @@ const float APART = 1e-4;
 
 struct sweep_of_leaf {
 	vec3 x[3], mx[3], s; // 1, v, R - like_v v of before; M of each; s
-	vec3 per_flux;       // area / rho
+	vec3 per_flux;       // area / rho; 0 where no light came to
 };
 
 // <x_i, M x_j> at 4 i + j, <x_i, s> at 4 i + 3
@@ -35,13 +36,19 @@ shared vec4 most[GI_GROUP_SIZE];
 shared float areas[GI_GROUP_SIZE];
 shared vec3 weights[3], cold_weight, like_v;
 
+// What of x is of leaves that light came to.
+vec3 where_lit(vec3 x, vec3 light)
+{
+	return mix(vec3(0.0), x, greaterThan(light, vec3(0.0)));
+}
+
 sweep_of_leaf load_sweep(uint leaf)
 {
 	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz;
 	vec4 before = load_leaf_part(GI_LEAF_BEFORE, leaf), now = load_leaf_part(GI_LEAF_R, leaf);
 	sweep_of_leaf l;
 	float area = load_leaf_part(GI_LEAF_UNDRAWN, leaf).w;
-	l.per_flux = mix(vec3(0.0), area / max(rho, vec3(1e-20)), greaterThan(rho, vec3(0.0)));
+	l.per_flux = where_lit(area / max(rho, vec3(1e-20)), now.xyz);
 	l.s = rho * load_leaf_part(GI_LEAF_EMITTED, leaf).xyz;
 	l.x[0] = vec3(1.0);
 	l.mx[0] = (1.0 - rho) + rho * load_leaf_part(GI_LEAF_B, leaf).w;
@@ -85,19 +92,20 @@ void find_like_v(uint local)
 	vec3 r = vec3(0.0), ceiling = uintBitsToFloat(uvec3(state[GI_STATE_CEILING_BITS], state[GI_STATE_CEILING_BITS + 1u],
 							   state[GI_STATE_CEILING_BITS + 2u]));
 	vec4 beyond = vec4(0.0);
-	float v = 0.0, area = 0.0;
+	vec3 v = vec3(0.0);
+	float area = 0.0;
 	for (uint leaf = local; leaf < frame.counts.x; leaf += GI_GROUP_SIZE) {
 		vec4 before = load_leaf_part(GI_LEAF_BEFORE, leaf);
 		float a = load_leaf_part(GI_LEAF_UNDRAWN, leaf).w;
-		r += a * before.xyz;
-		v += a * before.w;
+		r += where_lit(a * before.xyz, load_leaf_part(GI_LEAF_R, leaf).xyz);
+		v += where_lit(vec3(a * before.w), load_leaf_part(GI_LEAF_R, leaf).xyz);
 		area += a;
 		vec3 exitance = load_material(load_leaf(leaf).z).exitance.xyz;
 		vec4 limit = vec4(max(min(ceiling, frame.ceiling.xyz - exitance), vec3(0.0)), frame.ceiling.w);
 		beyond = max(beyond, before - WITHIN * limit);
 	}
 	put(0u, r);
-	put(1u, vec3(v));
+	put(1u, v);
 	most[local] = beyond;
 	areas[local] = area;
 	add_up(local, 2u);
@@ -178,7 +186,7 @@ void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, 
 		sweep_of_leaf l = load_sweep(leaf);
 		vec3 residual = abs(l.s - of_one * l.mx[0] - of_v * l.mx[1] - of_r * l.mx[2]);
 		flux += l.per_flux * residual;
-		largest = max(largest, residual);
+		largest = max(largest, where_lit(residual, l.per_flux));
 	}
 	put(0u, flux);
 	most[local] = vec4(largest, 0.0);
@@ -193,6 +201,8 @@ void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, 
 void main()
 {
 	uint local = gl_LocalInvocationID.x;
+	if (state[GI_STATE_START] == GI_START_NONE || state[GI_STATE_ACTION] > GI_ACTION_KEEP)
+		return;
 	find_like_v(local);
 	vec4 beyond = most[0];
 	float area = areas[0];
@@ -208,6 +218,4 @@ void main()
 	put_in_state(GI_STATE_BASE_BITS, weights[0]);
 	put_in_state(GI_STATE_LIFT_BITS, weights[1] - like_v * weights[2]);
 	put_in_state(GI_STATE_FACTOR_BITS, weights[2]);
-	put_in_state(GI_STATE_COLD_BASE_BITS, cold_weight);
-	state[GI_STATE_WEIGHED] = 1u;
 }
