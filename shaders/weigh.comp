@@ -178,13 +178,22 @@ void put_in_state(uint word, vec3 value)
 		state[word + c] = floatBitsToUint(value[c]);
 }
 
-// Mean flux and largest of |s - M (sum of weights * x)|.
-void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, uint mean_word, uint most_word)
+// What a warm start may not be raised by where no light first arrives (scaled() in gather.glsl).
+vec3 cut_of(uint leaf, vec3 s, vec3 swept)
+{
+	vec3 most = max(load_leaf_part(GI_LEAF_BEFORE, leaf).xyz, load_leaf_part(GI_LEAF_R, leaf).xyz);
+	return mix(max(swept - most, vec3(0.0)), vec3(0.0), greaterThan(s, vec3(0.0)));
+}
+
+// Mean flux and largest of |s - M x|, x the sum of weights * x_j, and of what x is cut by.
+void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, bool is_cut, uint mean_word, uint most_word)
 {
 	vec3 flux = vec3(0.0), largest = vec3(0.0);
 	for (uint leaf = local; leaf < frame.counts.x; leaf += GI_GROUP_SIZE) {
 		sweep_of_leaf l = load_sweep(leaf);
-		vec3 residual = abs(l.s - of_one * l.mx[0] - of_v * l.mx[1] - of_r * l.mx[2]);
+		vec3 left = l.s - of_one * l.mx[0] - of_v * l.mx[1] - of_r * l.mx[2], residual = abs(left);
+		if (is_cut)
+			residual += cut_of(leaf, l.s, of_one * l.x[0] + of_v * l.x[1] + of_r * l.x[2] + left);
 		flux += l.per_flux * residual;
 		largest = max(largest, where_lit(residual, l.per_flux));
 	}
@@ -211,8 +220,9 @@ void main()
 	if (local == 0u)
 		choose_weights(beyond);
 	barrier();
-	report_residual(local, area, weights[0], weights[1], weights[2], GI_STATE_WARM_MEAN_BITS, GI_STATE_WARM_MOST_BITS);
-	report_residual(local, area, cold_weight, vec3(0.0), vec3(0.0), GI_STATE_COLD_MEAN_BITS, GI_STATE_COLD_MOST_BITS);
+	report_residual(local, area, weights[0], weights[1], weights[2], state[GI_STATE_START] == GI_START_WARM,
+			GI_STATE_WARM_MEAN_BITS, GI_STATE_WARM_MOST_BITS);
+	report_residual(local, area, cold_weight, vec3(0.0), vec3(0.0), false, GI_STATE_COLD_MEAN_BITS, GI_STATE_COLD_MOST_BITS);
 	if (local > 0u)
 		return;
 	put_in_state(GI_STATE_BASE_BITS, weights[0]);
