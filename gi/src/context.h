@@ -197,7 +197,9 @@ void scene_place_object(scene_object *object, gi_object_data *data);
 void scene_place_sky(gi_object_data *data);
 gi_material_data scene_material_data(const gi_material *material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
-gi_result scene_upload_changes(gi_context *gi);
+/* Materials that changed; what emits is weighed again, which may relight others. */
+gi_result scene_upload_materials(gi_context *gi);
+gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_free(gi_context *gi);
@@ -228,6 +230,8 @@ bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
 gi_result rows_grow(gi_context *gi);
 gi_result rows_update(gi_context *gi, const gi_budget *budget);
+/* Where values of materials are all that changed: rows stay what they are. */
+gi_result rows_relight(gi_context *gi);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */

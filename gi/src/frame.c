@@ -129,15 +129,35 @@ static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
 	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.last.error);
 }
 
-/* rows: more than the start of the solve; a material's values go the way of the rows too, which cost little then. */
-static bool anything_changed(const gi_context *gi, const gi_budget *budget, bool *rows)
+/* What an update has to do again. */
+typedef struct changes {
+	bool rows;
+	bool light; /* values of materials alone: the solve begins anew, rows are what they were */
+} changes;
+
+static changes changed_objects(const gi_context *gi)
 {
-	*rows = gi->rows.rebuild || rows_are_due(gi, budget);
+	changes c = {false, false};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		const scene_object *o = &gi->scene.objects[k];
-		*rows = *rows || o->moved || o->relit || o->material_changed;
+		c.rows = c.rows || (o->committed && (o->moved || o->relit));
+		c.light = c.light || (o->committed && o->material_changed);
 	}
-	return *rows || gi->solver.cold;
+	return c;
+}
+
+static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
+{
+	*c = changed_objects(gi);
+	c->rows = c->rows || gi->rows.rebuild || rows_are_due(gi, budget);
+	if (!c->light || c->rows)
+		return GI_OK;
+	/* Bounds of rows that wait were made with the materials of before. */
+	const bool waiting = gi->rows.current < gi->rows.update;
+	/* Another emitter may change how fine others are cut. */
+	const gi_result result = scene_weigh_emitters(gi);
+	c->rows = waiting || changed_objects(gi).rows;
+	return result;
 }
 
 static void changes_done(gi_context *gi)
@@ -149,17 +169,19 @@ static void changes_done(gi_context *gi)
 }
 
 /* A step of rows and solve; queues its report. */
-static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
+static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
 	gi->gpu.tag = gi->frame_number;
-	if (rows)
+	if (c.rows)
 		result = rows_update(gi, budget);
+	else if (c.light)
+		result = rows_relight(gi);
 	else
 		rows_clear_counts(gi);
 	if (result)
 		return result;
-	solver_update(gi, rows, budget);
+	solver_update(gi, c.rows || c.light, budget);
 	if (gi->rations.in_force)
 		budget_bound(gi);
 	result = estimate_update(gi);
@@ -180,7 +202,7 @@ static gi_result grow_until_it_fits(gi_context *gi)
 		if (result)
 			return result; /* and again by the next update */
 		gi->truncated = false;
-		result = issue(gi, true, NULL);
+		result = issue(gi, (changes){.rows = true}, NULL);
 		if (result)
 			return result;
 		collect_reports(gi, true);
@@ -235,14 +257,16 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	gi->gpu.dispatches = 0;
 	gi->gpu.uploaded_bytes = 0;
 	gi_result result = GI_OK;
-	bool rows;
+	changes c = {false, false};
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
-	const bool changed = anything_changed(gi, budget, &rows);
+	if (!result)
+		result = find_changes(gi, budget, &c);
+	const bool changed = c.rows || c.light || gi->solver.cold;
 	const bool settled = gi->report.frame >= gi->issued_frame && !gi->solver.unconverged;
 	if (!result && (changed || (!settled && gi->report.frame >= gi->issued_frame)))
-		result = issue(gi, rows, budget);
+		result = issue(gi, c, budget);
 	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);
 	if (!result && first) {

@@ -560,6 +560,16 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	return GI_OK;
 }
 
+gi_result rows_relight(gi_context *gi)
+{
+	const gi_result result = scene_upload_materials(gi);
+	if (result)
+		return result;
+	upload_frame(gi, &(plan){0}, NULL);
+	rows_clear_counts(gi);
+	return GI_OK;
+}
+
 void rows_bind(const gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;

@@ -161,13 +161,27 @@ static void upload_material(gi_context *gi, scene_object *o)
 			  sizeof(gi_node_topology) * count, s->topology + o->node_base);
 }
 
+gi_result scene_upload_materials(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	bool changed = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		changed = changed || (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed);
+	if (!changed)
+		return GI_OK;
+	if (scene_weigh_emitters(gi))
+		return GI_ERROR_OUT_OF_MEMORY;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed)
+			upload_material(gi, &s->objects[s->slots[slot]]);
+	lamps_select(gi, true);
+	return GI_OK;
+}
+
 gi_result scene_upload_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
-	bool relit = false;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		relit = relit || s->objects[k].material_changed;
-	if (relit && scene_weigh_emitters(gi))
+	if (scene_upload_materials(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		gi_object_data *data = &s->object_data[slot];
@@ -177,11 +191,7 @@ gi_result scene_upload_changes(gi_context *gi)
 			data->bvh.z |= GI_OBJECT_FLAT;
 		if (o && o->moved)
 			scene_place_object(o, data);
-		if (o && o->material_changed)
-			upload_material(gi, o);
 	}
-	if (relit)
-		lamps_select(gi, true);
 	return tlas_upload(gi);
 }
 

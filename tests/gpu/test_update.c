@@ -251,6 +251,35 @@ static void materials(void **state)
 		gi_context_destroy(pair[k].gi);
 }
 
+/* Of rows only what emits or is black matters: other values change the light alone, and no pass over rows runs. */
+static void values_alone(void **state)
+{
+	(void)state;
+	gi_context_def def = coarse_def();
+	def.profile = true;
+	scene pair[2];
+	for (int k = 0; k < 2; k++)
+		open_box(&pair[k], &def);
+	tally t = {0};
+	compare(&pair[0], &pair[1], "values, first frame", &t);
+	for (int step = 0; step < 4; step++) {
+		const float value = .2f + .2f * (float)step;
+		const gi_material m = {.rho = {value, .5f, .5f}}, lamp = {.exitance = {10 * value, 30, 40}};
+		light_both(pair, step % 2 ? BALL : -1, step % 2 ? m : lamp);
+		compare(&pair[0], &pair[1], "a value", &t);
+		gi_report r;
+		assert_gi(gi_set_material(pair[0].gi, pair[0].mover[BLOCK], 0, m));
+		assert_gi(gi_set_material(pair[1].gi, pair[1].mover[BLOCK], 0, m));
+		r = harness_update(pair[0].gi);
+		assert_int_equal(r.dirty_rows + r.dirty_entries + r.rays, 0);
+		for (int pass = GI_PASS_POSE; pass <= GI_PASS_CLOSE; pass++)
+			assert_true(r.pass_ms[pass] == 0);
+		assert_true(r.pass_ms[GI_PASS_SOLVE] > 0 && r.sweeps > 0);
+	}
+	for (int k = 0; k < 2; k++)
+		gi_context_destroy(pair[k].gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -258,6 +287,7 @@ int main(void)
 	    cmocka_unit_test(bright_sky),
 	    cmocka_unit_test(closed_room),
 	    cmocka_unit_test(materials),
+	    cmocka_unit_test(values_alone),
 	};
 	return cmocka_run_group_tests_name("update", tests, harness_open, harness_close);
 }
