@@ -154,8 +154,9 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 // What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
 void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 {
-	bool sky = (object_bvh(from.object).z & GI_OBJECT_SKY) != 0u;
-	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
+	uint flags = object_bvh(from.object).z;
+	bool sky = (flags & GI_OBJECT_SKY) != 0u;
+	float f = (flags & GI_OBJECT_UNSEEN) != 0u ? 0.0 : sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
 	range b = range(from.others.least, from.brightest);

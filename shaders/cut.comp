@@ -146,6 +146,7 @@ void main()
 		return;
 	bool same = mine == source;
 	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
+	bool unseen = ((object_bvh(mine).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
 	uint slot = leaf * frame.counts.z + source;
 	uvec2 block = load_segment(slot).xy;
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK, count;
@@ -154,7 +155,7 @@ void main()
 	for (bool again = true; again;) {
 		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
 		uint room = has ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
-		count = write_cut(p, leaf, source, same, block.x, room);
+		count = unseen ? 0u : write_cut(p, leaf, source, same, block.x, room);
 		uvec2 fitting = fit_block(block, count);
 		bool full = fitting.x == GI_NONE; // then what there is room for is kept
 		again = !full && fitting != block && count > 0u;

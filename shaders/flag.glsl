@@ -18,7 +18,7 @@ void keep_below(float slope, float limit, inout vec2 interval)
 
 // What crossings ask of an object, loaded once for all entries of a row: loads are what they cost.
 struct obstacle {
-	bool counts;              // it moved since the row was refreshed
+	bool counts;              // it moved since the row was refreshed, and is there
 	vec4 row0, row1, row2;    // world_from_object
 	vec3 lower, upper;
 	vec4 ball;
@@ -26,6 +26,7 @@ struct obstacle {
 
 obstacle load_obstacle(uint object, bool counts)
 {
+	counts = counts && (object_bvh(object).z & GI_OBJECT_UNSEEN) == 0u;
 	return obstacle(counts, object_row0(object), object_row1(object), object_row2(object), object_lower(object).xyz,
 			object_upper(object).xyz, object_sphere(object));
 }

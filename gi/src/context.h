@@ -36,6 +36,7 @@ typedef struct scene_object {
 	bool moved;          /* since the last update */
 	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
+	bool hidden;         /* by the host */
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
@@ -60,7 +61,6 @@ typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
 	uint64_t created_count; /* objects ever created */
-	bool uncommitted;
 	bool ever_committed;
 
 	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
@@ -74,7 +74,8 @@ typedef struct gi_scene {
 	gi_bvh_node *tlas;
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
-	uint32_t tlas_count, tlas_inner; /* nodes: of all objects, of those that may lie between two others */
+	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
+	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of those that may lie between two others */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
 		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,
@@ -193,9 +194,14 @@ bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *objec
 
 /* scene.c */
 bool scene_is_alive(const scene_object *object);
+/* Not hidden, not destroyed: what is not seen keeps its place until the next commit, and takes part in nothing. */
+bool scene_is_seen(const scene_object *object);
+/* The same as of the last update. Not the sky. */
+bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
+uint32_t scene_object_flags(const scene_object *object); /* GI_OBJECT_ */
 void scene_place_object(scene_object *object, gi_object_data *data);
 void scene_place_sky(gi_object_data *data);
-gi_material_data scene_material_data(const gi_material *material);
+gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
 /* Materials that changed; what emits is weighed again, which may relight others. */
 gi_result scene_upload_materials(gi_context *gi);

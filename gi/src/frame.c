@@ -248,9 +248,8 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (gi_check_current(gi, "gi_update"))
 		return GI_ERROR_WRONG_CONTEXT;
-	if (gi->scene.uncommitted || !gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
-			       "call gi_commit() after creating or destroying objects");
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;

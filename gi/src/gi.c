@@ -253,9 +253,33 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 		return stale(gi, "gi_destroy_object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
 	o->generation++;
+	o->moved = o->relit = o->material_changed = true;
 	if (!o->committed)
 		scene_free_object(o);
-	gi->scene.uncommitted = true;
+	return GI_OK;
+}
+
+gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_hidden");
+	if (o->hidden != hidden)
+		o->moved = o->relit = o->material_changed = true;
+	o->hidden = hidden;
+	return GI_OK;
+}
+
+gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_hidden: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_hidden");
+	*out = o->hidden;
 	return GI_OK;
 }
 
@@ -351,7 +375,6 @@ gi_result gi_commit(gi_context *gi)
 		o->committed = o->generation & 1;
 		o->moved = o->relit = o->material_changed = false;
 	}
-	gi->scene.uncommitted = false;
 	gi->scene.ever_committed = true;
 	return GI_OK;
 }

@@ -589,7 +589,6 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
 	made.created = gi->scene.created_count++;
 	gi->scene.objects[place] = made;
-	gi->scene.uncommitted = true;
 	*out = scene_handle(gi, place);
 	return GI_OK;
 }

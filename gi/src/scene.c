@@ -11,6 +11,16 @@ bool scene_is_alive(const scene_object *o)
 	return o->generation & 1;
 }
 
+bool scene_is_seen(const scene_object *o)
+{
+	return scene_is_alive(o) && !o->hidden;
+}
+
+bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
+{
+	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);
+}
+
 /* ---- poses ---- */
 
 /* Rows of the rotation matrix of a unit quaternion, in double so that a turn by 1e-7 does not scale. */
@@ -72,6 +82,11 @@ void scene_place_object(scene_object *o, gi_object_data *data)
 	data->plane = o->plane ? world_plane(o, m) : (gi_vec4){0, 0, 0, 0};
 }
 
+uint32_t scene_object_flags(const scene_object *o)
+{
+	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (scene_is_seen(o) ? 0 : GI_OBJECT_UNSEEN);
+}
+
 void scene_place_sky(gi_object_data *data)
 {
 	data->row0 = (gi_vec4){1, 0, 0, 0};
@@ -99,13 +114,14 @@ static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
 }
 
 /* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
- * is cut as fine as the finest of its leaves that emit. */
+ * is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
 void scene_update_exitance(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
 	const gi_hierarchy *h = &o->hierarchy;
+	const bool seen = scene_is_seen(o);
 	o->ceiling = (gi_vec4){0};
-	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
+	for (uint32_t leaf = 0; seen && leaf < h->leaf_count; leaf++)
 		include_ceiling(&o->ceiling, &o->materials[h->leaf_material[leaf]]);
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
@@ -114,7 +130,7 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 			const gi_material *m = &o->materials[h->leaf_material[leaf]];
 			const double a = h->geometry[h->leaf_node[leaf]].moment.w;
-			for (int c = 0; c < 3; c++)
+			for (int c = 0; seen && c < 3; c++)
 				sum[c] += a * m->exitance[c];
 			sum[3] += a * fmaxf(m->rho[0], fmaxf(m->rho[1], m->rho[2]));
 			area += a;
@@ -127,10 +143,12 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 	}
 }
 
-gi_material_data scene_material_data(const gi_material *m)
+gi_material_data scene_material_data(const scene_object *o, uint32_t material)
 {
+	const gi_material *m = &o->materials[material];
+	const float e = scene_is_seen(o) ? 1 : 0;
 	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0},
-				  {m->exitance[0], m->exitance[1], m->exitance[2], 0}};
+				  {e * m->exitance[0], e * m->exitance[1], e * m->exitance[2], 0}};
 }
 
 static void free_arrays(gi_scene *s)
@@ -149,7 +167,7 @@ static void upload_material(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
 	for (uint32_t m = 0; m < o->material_count; m++) {
-		const gi_material_data data = scene_material_data(&o->materials[m]);
+		const gi_material_data data = scene_material_data(o, m);
 		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data,
 				  &data);
 	}
@@ -183,14 +201,20 @@ gi_result scene_upload_changes(gi_context *gi)
 	gi_scene *s = &gi->scene;
 	if (scene_upload_materials(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
+	bool shown = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		if (s->slots[slot] == GI_NONE)
+			continue;
 		gi_object_data *data = &s->object_data[slot];
-		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-		data->bvh.z = o ? 0 : GI_OBJECT_SKY;
-		if (o && o->plane && !o->overlaps)
-			data->bvh.z |= GI_OBJECT_FLAT;
-		if (o && o->moved)
+		scene_object *o = &s->objects[s->slots[slot]];
+		shown = shown || scene_is_seen(o) != scene_slot_is_seen(s, slot);
+		data->bvh.z = scene_object_flags(o);
+		if (o->moved)
 			scene_place_object(o, data);
+	}
+	if (shown) {
+		shade_invalidate(gi);
+		estimate_invalidate(gi);
 	}
 	return tlas_upload(gi);
 }

@@ -245,7 +245,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
-			g->materials[material + m] = scene_material_data(&o->materials[m]);
+			g->materials[material + m] = scene_material_data(o, m);
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
@@ -254,7 +254,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
-		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, 0, 0};
+		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
 		scene_place_object(o, data);
 		slot++;
@@ -384,7 +384,6 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
-	g->next.uncommitted = s->uncommitted;
 	g->next.ever_committed = s->ever_committed;
 	*s = g->next;
 	if (!ready)
@@ -448,7 +447,6 @@ gi_result scene_upload(gi_context *gi)
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
 			       .created_count = before.scene.created_count,
-			       .uncommitted = before.scene.uncommitted,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);

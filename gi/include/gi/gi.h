@@ -59,7 +59,7 @@ extern "C" {
 	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
 	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
 	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
-	X(GI_ERROR_NOT_COMMITTED, "objects changed since the last gi_commit")                                          \
+	X(GI_ERROR_NOT_COMMITTED, "there was no gi_commit yet, or no gi_update since")                                 \
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
 	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
 	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")                                                                     \
@@ -295,7 +295,7 @@ gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_obj
 /* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
 void gi_free_leaf_choice(gi_leaf_choice *choice);
 
-/* The object is gone after the next gi_commit. */
+/* From the next gi_update on the object is not there, as if it were hidden; the next gi_commit gives its place away. */
 gi_result gi_destroy_object(gi_context *gi, gi_object object);
 
 bool gi_object_is_valid(const gi_context *gi, gi_object object);
@@ -304,6 +304,12 @@ bool gi_object_is_valid(const gi_context *gi, gi_object object);
 gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
+
+/* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
+ * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
+ * automatically does not look at it: a room encloses the others while it is hidden too.) */
+gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
+gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 
 /* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of
  * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black.
@@ -332,8 +338,8 @@ typedef struct gi_budget {
 } gi_budget;
 
 /* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
- * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. GI_ERROR_NOT_COMMITTED after creating
- * or destroying without gi_commit. */
+ * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. Objects created since the last gi_commit
+ * take no part yet. GI_ERROR_NOT_COMMITTED before the first one. */
 gi_result gi_update(gi_context *gi, const gi_budget *budget);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
