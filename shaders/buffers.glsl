@@ -55,67 +55,72 @@ layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 TEXELS(GI_BIND_OBJECTS) object_texels;
 vec4 object_row0(uint n)
 {
-	return float_texel(object_texels, 13u * n);
+	return float_texel(object_texels, 14u * n);
 }
 
 vec4 object_row1(uint n)
 {
-	return float_texel(object_texels, 13u * n + 1u);
+	return float_texel(object_texels, 14u * n + 1u);
 }
 
 vec4 object_row2(uint n)
 {
-	return float_texel(object_texels, 13u * n + 2u);
+	return float_texel(object_texels, 14u * n + 2u);
 }
 
 vec4 object_lower(uint n)
 {
-	return float_texel(object_texels, 13u * n + 3u);
+	return float_texel(object_texels, 14u * n + 3u);
 }
 
 vec4 object_upper(uint n)
 {
-	return float_texel(object_texels, 13u * n + 4u);
+	return float_texel(object_texels, 14u * n + 4u);
 }
 
 vec4 object_grid(uint n)
 {
-	return float_texel(object_texels, 13u * n + 5u);
+	return float_texel(object_texels, 14u * n + 5u);
 }
 
 vec4 object_cells(uint n)
 {
-	return float_texel(object_texels, 13u * n + 6u);
+	return float_texel(object_texels, 14u * n + 6u);
 }
 
 vec4 object_sphere(uint n)
 {
-	return float_texel(object_texels, 13u * n + 7u);
+	return float_texel(object_texels, 14u * n + 7u);
 }
 
 vec4 object_plane(uint n)
 {
-	return float_texel(object_texels, 13u * n + 8u);
+	return float_texel(object_texels, 14u * n + 8u);
 }
 
 uvec4 object_nodes(uint n)
 {
-	return texel(object_texels, 13u * n + 9u);
+	return texel(object_texels, 14u * n + 9u);
 }
 
 uvec4 object_bvh(uint n)
 {
-	return texel(object_texels, 13u * n + 10u);
+	return texel(object_texels, 14u * n + 10u);
 }
 
 uvec4 object_extra(uint n)
 {
-	return texel(object_texels, 13u * n + 11u);
+	return texel(object_texels, 14u * n + 11u);
 }
 
 uvec4 object_changed(uint n)
 {
-	return texel(object_texels, 13u * n + 12u);
+	return texel(object_texels, 14u * n + 12u);
+}
+
+uvec2 object_ids(uint n)
+{
+	return texel(object_texels, 14u * n + 13u).xy;
 }
 #endif
 

@@ -134,6 +134,9 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w 0
  *   changed.x update that last moved it    changed.y update that last lit or put it out
+ *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
+ *
+ * Ids count what was ever created: numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
  *
  * Neighbours are the objects whose boxes overlap its own, listed for movers only: they alone may have changed what its
  * entries see of itself.
@@ -152,6 +155,7 @@ GI_STRUCT(gi_object_data) {
 	GI_UVEC4 bvh;
 	GI_UVEC4 extra;
 	GI_UVEC4 changed;
+	GI_UVEC4 ids;
 } GI_END(gi_object_data)
 
 #define GI_OBJECT_SKY 2u

@@ -67,7 +67,7 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
 		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
-		vec4 u = sample_numbers(p.leaf, p.node ^ other, k);
+		vec4 u = sample_numbers(p.ids.x, p.ids.y ^ other, k);
 		vec3 m;
 		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
 		float carried = transfer(p, from, to, u.xy, m);
@@ -75,7 +75,7 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 			continue;
 		sum += carried;
 		// The first always, the next ones by their parts of the sum.
-		if (unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(k + 16u * attempt)))) * sum <= carried) {
+		if (unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(k + 16u * attempt)))) * sum <= carried) {
 			a = from;
 			b = to;
 		}
@@ -121,7 +121,7 @@ void main()
 		if (choose_segment(p, taken, candidates, a, b)) {
 			by = blocker_of(p.receiver, a, p.source, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
-			float pick = unit_float(hash(p.leaf * 0x9e3779b9u ^ hash(p.node ^ hash(~taken))));
+			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
 			found = found == GI_NONE || takes_over ? b.leaf : found;
 		}

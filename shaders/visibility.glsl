@@ -21,6 +21,7 @@ quad load_quad(uvec4 corners)
 
 struct pair {
 	uint leaf, node;
+	uvec2 ids;          // of both
 	bool back;          // the source is seen from behind
 	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
 	body receiver, source;
@@ -45,6 +46,8 @@ pair load_pair(uvec4 entry)
 	p.mine = load_leaf_quad(p.leaf);
 	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(p.t.range.y).y);
 	p.same = p.source.object == p.receiver.object;
+	// The sky is the last object.
+	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(p.sky ? frame.counts.z - 1u : p.source.object).y);
 	if (p.sky)
 		p.theirs = load_quad(p.t.corners);
 	else if (p.whole)
