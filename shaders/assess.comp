@@ -195,13 +195,13 @@ sums sum_row(uint leaf, watch w)
 }
 
 // xyz: bound on what refreshing the row changes of H; w: on the share of its weight that moves.
-vec4 bound_of(sums s, received r)
+vec4 bound_of(sums s, received r, bool open)
 {
 	float firm = s.firm_others + s.firm_emitters, lost = weight_of(s.lost);
 	float emitters = s.firm_emitters + s.lost.emitters + s.gained.emitters;
 	vec3 darkest = min(s.others.least, s.emitters.least), dim = s.others.most, bright = max(dim, s.emitters.most);
 	limits whole = whole_row(r, dim, s.emitters.most, emitters);
-	if (firm < CLOSES_ABOVE)
+	if (open || firm < CLOSES_ABOVE)
 		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
 	// Touched entries are raised too: none more than doubles, together they gain no more than the row lacks.
@@ -223,14 +223,20 @@ vec4 bound_of(sums s, received r)
 void assess(uint leaf)
 {
 	sums s = sum_row(leaf, watch_of(leaf));
-	uint since = load_row(leaf).z;
+	uvec4 row = load_row(leaf);
+	uint since = row.z;
+	bool open = (row.w & GI_ROW_OPEN) != 0u;
+	if (open) {
+		s.entries = max(s.entries, 1u);
+		s.rays = max(s.rays, 1u);
+	}
 	if (s.entries == 0u) {
 		rows[leaf].z = frame.update.x; // nothing of it can have changed
 		pending[leaf].key = uvec4(0u);
 		return;
 	}
 	gi_material_data m = load_material(load_leaf(leaf).z);
-	vec4 bound = bound_of(s, received_by(leaf, m));
+	vec4 bound = bound_of(s, received_by(leaf, m), open);
 	bound.xyz *= m.rho.xyz;
 	float off = expected_off(bound, max(m.rho.x, max(m.rho.y, m.rho.z)));
 	float worth = worth_of(off, load_world(load_leaf(leaf).x), s.rays);

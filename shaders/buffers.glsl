@@ -468,6 +468,30 @@ uint load_sobol(uint n)
 }
 #endif
 
+#ifdef READ_OLD_SEGMENTS
+TEXELS(GI_BIND_OLD_SEGMENTS) old_segment_texels;
+uvec4 load_old_segment(uint n)
+{
+	return texel(old_segment_texels, n);
+}
+#endif
+
+#ifdef READ_OLD_ROWS
+TEXELS(GI_BIND_OLD_ROWS) old_row_texels;
+uvec4 load_old_row(uint n)
+{
+	return texel(old_row_texels, n);
+}
+#endif
+
+#ifdef READ_MOVES
+TEXELS(GI_BIND_MOVES) move_texels;
+gi_move load_move(uint n)
+{
+	return gi_move(texel(move_texels, 2u * n), texel(move_texels, 2u * n + 1u));
+}
+#endif
+
 // ---- writes ----
 
 #ifdef WRITE_WORLD

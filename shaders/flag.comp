@@ -47,6 +47,8 @@ void main()
 			flagged++;
 		}
 	}
+	if ((load_row(leaf).w & GI_ROW_OPEN) != 0u)
+		flagged = max(flagged, 1u);
 	if (flagged > 0u)
 		touched[leaf] += flagged;
 	rows[leaf].z = frame.update.x;

@@ -265,7 +265,19 @@ GI_STRUCT(gi_pending) {
 #define GI_BLOCK_SMALLEST 4u
 
 /* Row header of a leaf: x link offset, y count and class as a block, z update that last
- * refreshed it, w row sum bits. */
+ * refreshed it, w row sum bits, and GI_ROW_OPEN. */
+#define GI_ROW_OPEN 0x80000000u /* it lost what it had of an object that went: it is to be closed again */
+
+/* Where an object of the scene before a commit is now (renumber.comp).
+ *
+ *   //--------------- 16B ---------------
+ *   before.x first leaf    before.y end leaf    before.z first node    before.w end node
+ *   now.x slot, GI_NONE: it went    now.y added to leaves    now.z added to nodes    now.w 0
+ */
+GI_STRUCT(gi_move) {
+	GI_UVEC4 before;
+	GI_UVEC4 now;
+} GI_END(gi_move)
 
 /* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
  * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
@@ -435,6 +447,11 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
+
+/* A commit's own (renumber.comp): the rows of before, and what became of objects. */
+#define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
+#define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
+#define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

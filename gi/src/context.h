@@ -28,6 +28,7 @@
 typedef struct scene_emission {
 	double area;    /* of its leaves, m2 */
 	uint32_t steps; /* while it emits it is cut 2^steps times finer than others */
+	bool ranked;    /* it emitted at the last commit (rank.h) */
 } scene_emission;
 
 typedef struct scene_object {
@@ -91,12 +92,16 @@ typedef struct gi_rows {
 	uint32_t current;  /* every row has seen all that changed up to this one */
 	bool rebuild;      /* everything is to be cut anew */
 	bool fitted;       /* the pools held the rows at least once since the commit */
+	bool kept;         /* the last commit kept them: no update ran since */
+	bool lost;         /* and an object went */
+	uint32_t lost_update; /* that saw the last one that went */
 	uint64_t entry_limit, link_limit;
 	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 		prepare_program;
+	uint32_t renumber_program; /* made by the first commit that keeps rows */
 } gi_rows;
 
 /* ---- budget ---- */
@@ -155,7 +160,8 @@ struct gi_context {
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
-	uint64_t commit_frame;               /* last gi_update before the last commit: reports up to it are of other rows */
+	uint64_t commit_frame;               /* last gi_update before the last commit */
+	uint64_t rows_frame;                 /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number;             /* of gi_draw calls */
 	gi_report report;
 	struct {
@@ -236,7 +242,23 @@ gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
+/* What became of the objects of the scene before, slot by slot. */
+typedef struct rows_moves {
+	gi_move *list;
+	uint32_t count, leaf_count; /* slots and leaves before */
+} rows_moves;
+/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
+ * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
+gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *moves);
 gi_result rows_grow(gi_context *gi);
+/* For rows_keep.c: tables of leaves and slots, without a row; pools of gi->rows.entry_limit; how many entries a pool
+ * may have where so many are wanted. */
+gi_result rows_allocate_tables(gi_context *gi);
+gi_result rows_allocate_pools(gi_context *gi);
+uint64_t rows_most_entries(gi_context *gi, uint64_t wanted);
+/* An allocator's state, for a pool of more elements. */
+void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit);
+void rows_recycle(gi_context *gi); /* what was given back may be taken again */
 gi_result rows_update(gi_context *gi, const gi_budget *budget);
 /* Where values of materials are all that changed: rows stay what they are. */
 gi_result rows_relight(gi_context *gi);

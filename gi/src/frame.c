@@ -105,7 +105,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		fill_report(gi, state, frame);
 		fresh = true;
-		if (frame <= gi->commit_frame)
+		if (frame <= gi->rows_frame)
 			continue;
 		take_waiting(gi, state, frame);
 		const gi_outcome outcome = gi->report.outcome;
@@ -149,7 +149,7 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->rows = c->rows || gi->rows.rebuild || rows_are_due(gi, budget);
+	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
 	/* Bounds of rows that wait were made with the materials of before. */

@@ -343,6 +343,31 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	return GI_OK;
 }
 
+/* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
+static bool ranks_otherwise(scene_object *o)
+{
+	bool changed = false;
+	for (uint32_t m = 0; m < o->material_count; m++) {
+		changed = changed || o->emission[m].ranked != scene_emits(&o->materials[m]);
+		o->emission[m].ranked = scene_emits(&o->materials[m]);
+	}
+	return changed;
+}
+
+/* What the rows that were kept have not seen. Where they are made anew nothing is left to be seen. */
+static void note_changes(gi_context *gi)
+{
+	const bool kept = gi->rows.kept;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		const bool alive = scene_is_alive(o), other = alive && ranks_otherwise(o), came = alive && !o->committed;
+		o->committed = alive;
+		o->moved = kept && (o->moved || other || came);
+		o->relit = kept && (o->relit || other || came);
+		o->material_changed = kept && (o->material_changed || came);
+	}
+}
+
 static void forget_dead_objects(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
@@ -367,14 +392,13 @@ gi_result gi_commit(gi_context *gi)
 		return result;
 	shade_invalidate(gi);
 	estimate_invalidate(gi);
-	gi->truncated = false;
 	gi->commit_frame = gi->frame_number;
-	forget_dead_objects(gi);
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		o->committed = o->generation & 1;
-		o->moved = o->relit = o->material_changed = false;
+	if (!gi->rows.kept) {
+		gi->truncated = false;
+		gi->rows_frame = gi->frame_number;
 	}
+	forget_dead_objects(gi);
+	note_changes(gi);
 	gi->scene.ever_committed = true;
 	return GI_OK;
 }

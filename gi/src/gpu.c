@@ -21,6 +21,7 @@ ASSERT_TEXELS(gi_node_spread, 2);
 ASSERT_TEXELS(gi_material_data, 2);
 ASSERT_TEXELS(gi_primitive, 4);
 ASSERT_TEXELS(gi_pending, 3);
+ASSERT_TEXELS(gi_move, 2);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 #undef ASSERT_TEXELS
 

@@ -2,6 +2,7 @@
 #include "bits.h"
 #include "context.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,7 +45,7 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const uint32_t *corners = &h->topology[node].corners.x;
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
-			 .row_sum = gi_float_from_bits(a->headers[leaf].w),
+			 .row_sum = fabsf(gi_float_from_bits(a->headers[leaf].w)),
 			 .object = scene_handle(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);

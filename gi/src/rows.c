@@ -64,7 +64,7 @@ static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
 	gpu_buffer_upload(&gi->gpu, pool, 0, sizeof head, head);
 }
 
-static gi_result allocate_pools(gi_context *gi)
+gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
@@ -79,8 +79,23 @@ static gi_result allocate_pools(gi_context *gi)
 		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
 	if (!result)
 		result = allocate_pool(gi, &r->link_pool, r->link_limit);
-	r->rebuild = true;
 	return result;
+}
+
+void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit)
+{
+	const uint64_t word = sizeof(uint32_t), lists = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
+	const uint32_t limit = (uint32_t)to_limit;
+	uint64_t from_at = lists, to_at = lists;
+	gpu_buffer_copy(from, 0, to, 0, word * GI_POOL_PENDING_LIST);
+	gpu_buffer_upload(&gi->gpu, to, word * GI_POOL_LIMIT, sizeof limit, &limit);
+	for (uint32_t c = 0; c < GI_BLOCK_CLASSES; c++) {
+		const uint64_t size = (uint64_t)GI_BLOCK_SMALLEST << c;
+		if (from_limit / size)
+			gpu_buffer_copy(from, word * from_at, to, word * to_at, word * (from_limit / size));
+		from_at += from_limit / size;
+		to_at += to_limit / size;
+	}
 }
 
 /* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
@@ -92,7 +107,7 @@ static void clear_rows(gi_rows *r)
 }
 
 /* Of a table or pool, where so many are wanted. */
-static uint64_t most_elements(gi_context *gi, uint64_t wanted)
+uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
 {
 	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
 }
@@ -104,7 +119,7 @@ static const uint64_t LEAST_ENTRIES = 16;
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
 {
 	const uint64_t elements = leaves * (slots > LEAST_ENTRIES ? slots : LEAST_ENTRIES);
-	return leaves <= GI_ENTRY_LEAF_MASK && elements <= most_elements(gi, elements);
+	return leaves <= GI_ENTRY_LEAF_MASK && elements <= rows_most_entries(gi, elements);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -125,34 +140,44 @@ static double mean_refinement(const gi_context *gi)
 	return fmax(sum / area, 1);
 }
 
-gi_result rows_allocate(gi_context *gi)
+gi_result rows_allocate_tables(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const gi_scene *s = &gi->scene;
 	gpu *g = &gi->gpu;
-	const uint64_t leaves = s->leaf_count;
-	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * s->slot_count, NULL);
+	const uint64_t leaves = gi->scene.leaf_count;
+	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * gi->scene.slot_count, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
+	if (!result)
+		clear_rows(r);
+	return result;
+}
+
+gi_result rows_allocate(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	const gi_scene *s = &gi->scene;
+	const uint64_t leaves = s->leaf_count;
+	const gi_result result = rows_allocate_tables(gi);
 	if (result)
 		return result;
-	clear_rows(r);
 	const double per_leaf = fmin(
 	    ENTRIES_TIMES_TOLERANCE * mean_refinement(gi) / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
-	const uint64_t most = most_elements(gi, limit);
+	const uint64_t most = rows_most_entries(gi, limit);
 	r->entry_limit = limit < most ? limit : most;
 	r->link_limit = r->entry_limit;
-	r->fitted = false;
-	return allocate_pools(gi);
+	r->fitted = r->kept = r->lost = false;
+	r->rebuild = true;
+	return rows_allocate_pools(gi);
 }
 
 gi_result rows_grow(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const uint64_t most = most_elements(gi, 2 * r->entry_limit);
+	const uint64_t most = rows_most_entries(gi, 2 * r->entry_limit);
 	if (r->entry_limit >= most)
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
@@ -161,7 +186,8 @@ gi_result rows_grow(gi_context *gi)
 	const uint64_t before = r->entry_limit;
 	r->entry_limit = 2 * before < most ? 2 * before : most;
 	r->link_limit = r->entry_limit;
-	const gi_result result = allocate_pools(gi);
+	const gi_result result = rows_allocate_pools(gi);
+	r->rebuild = true;
 	if (result)
 		r->entry_limit = r->link_limit = before; /* some buffers are no larger */
 	return result;
@@ -205,6 +231,8 @@ static void number_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
 	const uint32_t update = ++gi->rows.update;
+	if (gi->rows.lost)
+		gi->rows.lost_update = update;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
@@ -227,7 +255,7 @@ static bool plan_poses(gi_context *gi, plan *p)
 {
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
 		const gi_object_data *data = &gi->scene.object_data[slot];
-		if (!gi->rows.rebuild && data->changed.x != gi->rows.update)
+		if (!gi->rows.rebuild && !gi->rows.kept && data->changed.x != gi->rows.update)
 			continue;
 		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 0, data->nodes.x}))
 			return false;
@@ -374,10 +402,10 @@ static bool materials_changed(const gi_context *gi)
 	return false;
 }
 
-/* The update that last moved, lit or put out something. */
+/* The update that last saw something that moved, was lit or put out, or went. */
 static uint32_t newest_change(const gi_context *gi)
 {
-	uint32_t newest = 0;
+	uint32_t newest = gi->rows.lost_update;
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
 		const gi_uvec4 changed = gi->scene.object_data[slot].changed;
 		newest = changed.x > newest ? changed.x : newest;
@@ -423,7 +451,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .ceiling = ceiling_of(gi),
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
-	gi->frame.update.w |= materials_changed(gi) ? GI_UPDATE_MATERIAL : 0;
+	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
 		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
@@ -516,6 +544,12 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	return result ? result : upload_plan(gi, p);
 }
 
+void rows_recycle(gi_context *gi)
+{
+	prepare(gi, 2);
+	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
+}
+
 /* A pass with a thread a row: all rows, or those chosen. */
 static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t program)
 {
@@ -551,9 +585,8 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	prepare(gi, 1);
 	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
-	prepare(gi, 2);
-	gpu_dispatch_indirect(&gi->gpu, r->recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
-	r->rebuild = false;
+	rows_recycle(gi);
+	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)
 		r->current = r->update;
 	gi->rations.in_force = p.part;
@@ -622,5 +655,6 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
+	gpu_program_free(&gi->gpu, &r->renumber_program);
 	free(r->run_data);
 }

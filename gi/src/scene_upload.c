@@ -438,6 +438,49 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	return upload_gathered(gi, g);
 }
 
+/* What became of the old scene's objects. False: out of memory. */
+static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves *m)
+{
+	*m = (rows_moves){.list = allocate(old->slot_count, sizeof *m->list),
+			  .count = old->slot_count,
+			  .leaf_count = old->leaf_count};
+	for (uint32_t slot = 0; m->list && slot < m->count; slot++) {
+		const gi_uvec4 nodes = old->object_data[slot].nodes;
+		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
+		const uint32_t to = !o ? now->sky_slot : scene_is_alive(o) ? o->slot : GI_NONE;
+		gi_move *move = &m->list[slot];
+		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
+		if (to == GI_NONE)
+			continue;
+		const gi_uvec4 next = now->object_data[to].nodes;
+		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
+	}
+	return m->list;
+}
+
+/* Where little stays, building all rows at once, in pools made for them, is less work. */
+static bool much_stays(const rows_moves *m, const gi_scene *now)
+{
+	uint64_t stay = 0;
+	for (uint32_t slot = 0; slot < m->count; slot++)
+		if (m->list[slot].now.x != GI_NONE)
+			stay += m->list[slot].before.y - m->list[slot].before.x;
+	return stay && 2 * stay >= now->leaf_count;
+}
+
+static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
+{
+	const gi_scene *now = &gi->scene;
+	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
+			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
+	rows_moves m = {0};
+	if (usable && !follow_objects(old, now, &m))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
+	free(m.list);
+	return result;
+}
+
 /* Everything of a context that a commit makes anew. */
 typedef struct committed {
 	gi_scene scene;
@@ -492,7 +535,7 @@ gi_result scene_upload(gi_context *gi)
 	if (!result)
 		result = solver_allocate(gi);
 	if (!result)
-		result = rows_allocate(gi);
+		result = renew_rows(gi, &before.scene, &before.rows);
 	if (result) {
 		put_back(gi, &before);
 	} else {

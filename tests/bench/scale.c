@@ -82,7 +82,7 @@ static gi_object add_box(world *w, uint32_t number)
 static void build_world(world *w)
 {
 	engine_mesh mesh;
-	w->columns = (uint32_t)ceil(sqrt((double)w->count));
+	w->columns = (uint32_t)ceil(sqrt((double)w->count + 1)); /* room for the one that comes */
 	const float side = PITCH * (float)w->columns;
 	if (!shape_box((float[]){0, 0, 0}, (float[]){side, HEIGHT, side}, 4, true, &mesh))
 		fail("out of memory");

@@ -1,0 +1,350 @@
+/* Worlds whose objects come and go: rows that were kept from commit to commit are those of a context in which the scene of
+ * now was built at once, to the bit.
+ *
+ * Random frames of a Cornell box or a closed room: objects are created, destroyed, hidden, shown, moved, lit and put
+ * out, updates have budgets or none. Now and then a context is made that gets all of it at once: every object that there ever
+ * was, for samples are drawn by how many were created before, those that went destroyed before its only commit.
+ */
+#include "moving_scene.h"
+#include "snapshot.h"
+
+#include "scenes/cornell.h"
+#include "scenes/shapes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 1024, AT_ONCE = 7, KINDS = 5 };
+
+typedef struct thing {
+	int kind;
+	bool alive, hidden;
+	gi_material material;
+	gi_pose pose;
+	gi_object object;
+} thing;
+
+typedef struct world {
+	gi_context *gi;
+	bool room; /* closed: no sky */
+	thing things[MOST];
+	uint32_t count;
+} world;
+
+static uint32_t chance_state;
+
+static uint32_t chance_of(uint32_t most)
+{
+	chance_state = chance_state * 1664525u + 1013904223u; /* Numerical Recipes */
+	return (chance_state >> 8) % most;
+}
+
+/* ---- things ---- */
+
+static bool shape_of(int kind, engine_mesh *mesh)
+{
+	switch (kind) {
+	case 0:
+		return shape_box((float[]){-.4f, 0, -.4f}, (float[]){.4f, 1.1f, .4f}, 2, false, mesh);
+	case 1:
+		return shape_sphere(.5f, 2, mesh);
+	case 2:
+		return shape_quad((float[]){-.5f, .3f, -.5f}, (float[]){0, 0, 1}, (float[]){1, 0, .2f}, 3, 3, mesh);
+	case 3: /* a tile: on the floor, and on others of its kind, it lies in their plane */
+		return shape_quad((float[]){-.5f, 0, -.5f}, (float[]){0, 0, 1}, (float[]){1, 0, 0}, 2, 2, mesh);
+	default:
+		return shape_box((float[]){-.1f, -.1f, -.1f}, (float[]){.1f, .1f, .1f}, 1, false, mesh);
+	}
+}
+
+static void create(gi_context *gi, thing *t)
+{
+	engine_mesh mesh;
+	assert_true(shape_of(t->kind, &mesh));
+	gi_object_def def = gi_object_def_default();
+	def.name = "thing";
+	def.positions = mesh.positions;
+	def.vertex_count = mesh.vertex_count;
+	def.face_counts = mesh.face_counts;
+	def.face_count = mesh.face_count;
+	def.indices = mesh.indices;
+	def.index_count = mesh.index_count;
+	def.scheme = t->kind == 1 ? GI_SCHEME_CATMULL_CLARK : GI_SCHEME_BILINEAR;
+	def.double_sided = t->kind == 2;
+	def.materials = &t->material;
+	def.material_count = 1;
+	def.pose = t->pose;
+	assert_gi(gi_create_object(gi, &def, &t->object));
+	engine_mesh_free(&mesh);
+	if (t->hidden)
+		assert_gi(gi_set_hidden(gi, t->object, true));
+}
+
+static gi_pose pose_of(int kind)
+{
+	gi_pose p = random_pose(kind == 0 || kind == 3 ? BLOCK : SHEET, true);
+	if (kind == 3 && chance_of(2)) {
+		p = gi_pose_identity();
+		p.position[0] = .5f * (float)chance_of(5) - 1;
+		p.position[2] = .5f * (float)chance_of(5) - 1;
+	}
+	return p;
+}
+
+static gi_material material_of(bool emits)
+{
+	gi_material m = {.rho = {.1f * (float)(1 + chance_of(8)), .5f, .4f}};
+	if (emits)
+		m.exitance[0] = m.exitance[1] = 5 + (float)chance_of(20);
+	return m;
+}
+
+/* ---- worlds ---- */
+
+static void build_walls(world *w, const gi_context_def *def)
+{
+	w->gi = harness_context(def);
+	engine_mesh mesh;
+	if (w->room) {
+		assert_true(
+		    shape_box((float[]){-2.75f, 0, -2.75f}, (float[]){2.75f, 5.5f, 2.75f}, 4, true, &mesh));
+		harness_add(w->gi, &(harness_object){.name = "room", .rho = {.6f, .6f, .6f}}, &mesh);
+		assert_true(shape_quad((float[]){-.6f, 5.4f, -.6f}, (float[]){1.2f, 0, 0}, (float[]){0, 0, 1.2f}, 2, 2,
+				       &mesh));
+		harness_add(w->gi, &(harness_object){.name = "light", .exitance = {40, 40, 40}}, &mesh);
+		return;
+	}
+	cornell_def box = cornell_def_default();
+	box.wall_faces = 2;
+	box.wall_levels = 1;
+	box.light_levels = 1;
+	box.buddha = box.balls = false;
+	cornell made;
+	assert_gi(cornell_create(w->gi, &box, &made));
+}
+
+static thing *pick(world *w)
+{
+	uint32_t alive = 0;
+	for (uint32_t k = 0; k < w->count; k++)
+		alive += w->things[k].alive;
+	if (!alive)
+		return NULL;
+	uint32_t which = chance_of(alive);
+	for (uint32_t k = 0; k < w->count; k++)
+		if (w->things[k].alive && which-- == 0)
+			return &w->things[k];
+	return NULL;
+}
+
+static uint32_t alive_of(const world *w)
+{
+	uint32_t alive = 0;
+	for (uint32_t k = 0; k < w->count; k++)
+		alive += w->things[k].alive;
+	return alive;
+}
+
+static void come(world *w)
+{
+	assert_true(w->count < MOST);
+	thing *t = &w->things[w->count++];
+	*t = (thing){.kind = (int)chance_of(KINDS), .alive = true};
+	t->material = material_of(chance_of(4) == 0);
+	t->pose = pose_of(t->kind);
+	create(w->gi, t);
+}
+
+static void go(world *w, thing *t)
+{
+	t->alive = false;
+	assert_gi(gi_destroy_object(w->gi, t->object));
+}
+
+/* Returns whether objects came or went. */
+static bool something_happens(world *w)
+{
+	thing *t = pick(w);
+	const uint32_t what = chance_of(10);
+	if (!t || (what < 2 && alive_of(w) < AT_ONCE)) {
+		come(w);
+		return true;
+	}
+	if (what < 4 && alive_of(w) > 2) {
+		go(w, t);
+		return true;
+	}
+	if (what == 4 || what == 5) {
+		t->hidden = !t->hidden;
+		assert_gi(gi_set_hidden(w->gi, t->object, t->hidden));
+	} else if (what == 6) {
+		t->material = material_of(chance_of(2) == 0);
+		assert_gi(gi_set_material(w->gi, t->object, 0, t->material));
+	} else {
+		t->pose = pose_of(t->kind);
+		assert_gi(gi_set_pose(w->gi, t->object, t->pose));
+		assert_gi(gi_get_pose(w->gi, t->object, &t->pose));
+	}
+	return false;
+}
+
+/* The scene of now, in one commit. */
+static void build_at_once(const world *w, const gi_context_def *def, world *out)
+{
+	*out = *w;
+	build_walls(out, def);
+	for (uint32_t k = 0; k < out->count; k++)
+		create(out->gi, &out->things[k]);
+	for (uint32_t k = 0; k < out->count; k++)
+		if (!out->things[k].alive)
+			go(out, &out->things[k]);
+	assert_gi(gi_commit(out->gi));
+}
+
+typedef struct figures {
+	uint32_t compared, commits, builds;
+	double entries, fresh, kept_entries;
+} figures;
+
+static void compare_with_one_built_at_once(world *w, const gi_context_def *def, const char *when, figures *f)
+{
+	static world other;
+	assert_gi(gi_commit(w->gi)); /* which of surfaces in one place is seen is decided there */
+	harness_update(w->gi);
+	build_at_once(w, def, &other);
+	const gi_report full = harness_update(other.gi);
+	snapshot a = snapshot_take(w->gi), b = snapshot_take(other.gi);
+	snapshot_expect_same_rows(&a, &b, when);
+	const double distance = snapshot_distance(&a, &b), largest = snapshot_largest(&b);
+	if (!(distance <= 1e-5 * largest))
+		fail_msg("%s: B is %.3g W/m2 from the other's, whose largest is %g", when, distance, largest);
+	f->entries += (double)full.entries;
+	f->compared++;
+	snapshot_free(&a);
+	snapshot_free(&b);
+	gi_context_destroy(other.gi);
+}
+
+static gi_context_def world_def(bool room)
+{
+	gi_context_def def = harness_def();
+	def.row_tolerance = .05f;
+	def.solve_tolerance = 1e-4f;
+	def.profile = false;
+	def.sky = room ? GI_SKY_AUTO : GI_SKY_ON;
+	if (!room)
+		def.sky_exitance[2] = 2;
+	return def;
+}
+
+static void run(bool room, uint32_t seed)
+{
+	static world w;
+	const gi_context_def def = world_def(room);
+	const char *text = getenv("RELUME_FRAMES");
+	const uint32_t frames = text ? (uint32_t)atoi(text) : 100, every = frames > 200 ? 25 : 5;
+	figures f = {0};
+	chance_state = seed;
+	seed_motion(seed);
+	memset(&w, 0, sizeof w);
+	w.room = room;
+	build_walls(&w, &def);
+	for (int k = 0; k < 4; k++)
+		come(&w);
+	assert_gi(gi_commit(w.gi));
+	harness_update(w.gi);
+	for (uint32_t frame = 1; frame <= frames; frame++) {
+		char when[64];
+		snprintf(when, sizeof when, "%s, frame %u", room ? "room" : "box", frame);
+		bool others = false;
+		for (uint32_t k = 0; k <= chance_of(3); k++)
+			others = something_happens(&w) || others;
+		/* What was made takes part after a commit, what was destroyed is gone before it. */
+		if (others && chance_of(4)) {
+			assert_gi(gi_commit(w.gi));
+			f.commits++;
+		}
+		const gi_budget budget = {.rays = 500 + chance_of(3000)};
+		assert_gi(gi_update(w.gi, chance_of(2) ? &budget : NULL));
+		assert_gi(gi_finish(w.gi));
+		gi_report r;
+		assert_gi(gi_get_report(w.gi, &r));
+		assert_true(r.outcome != GI_OUTCOME_NOT_FINITE);
+		f.fresh += (double)r.new_entries;
+		f.kept_entries += (double)r.entries;
+		if (frame % every == 0)
+			compare_with_one_built_at_once(&w, &def, when, &f);
+	}
+	printf("  %s: %u frames, %u things, %u commits; %u times built at once, %.0f entries; cut anew %.1f %% a frame\n",
+	       room ? "room" : "box", frames, w.count, f.commits, f.compared, f.entries / f.compared,
+	       100 * f.fresh / f.kept_entries);
+	gi_context_destroy(w.gi);
+}
+
+static void in_a_box(void **state)
+{
+	(void)state;
+	run(false, 5);
+}
+
+static void in_a_room(void **state)
+{
+	(void)state;
+	run(true, 17);
+}
+
+/* One thing more and one less, again and again: nothing is built that was there, and memory is flat to the byte. */
+static void one_more_one_less(void **state)
+{
+	(void)state;
+	static world w;
+	const gi_context_def def = world_def(false);
+	memset(&w, 0, sizeof w);
+	chance_state = 3;
+	seed_motion(3);
+	build_walls(&w, &def);
+	for (int k = 0; k < 6; k++)
+		come(&w);
+	assert_gi(gi_commit(w.gi));
+	const gi_report full = harness_update(w.gi);
+	thing *mover = &w.things[0];
+	assert_gi(gi_set_pose(w.gi, mover->object, pose_of(mover->kind)));
+	harness_update(w.gi);
+	const thing one = {.kind = 0, .alive = true, .material = {.rho = {.5f, .5f, .5f}}, .pose = pose_of(0)};
+	gi_report flat = {0};
+	uint64_t added = 0, removed = 0;
+	for (int round = 0; round < 12; round++) {
+		thing *t = &w.things[w.count];
+		*t = one;
+		create(w.gi, t);
+		assert_gi(gi_commit(w.gi));
+		added = harness_update(w.gi).new_entries;
+		go(&w, t);
+		assert_gi(gi_commit(w.gi));
+		const gi_report r = harness_update(w.gi);
+		removed = r.new_entries;
+		if (round == 2)
+			flat = r;
+		if (round > 2)
+			assert_int_equal(r.gpu_bytes, flat.gpu_bytes);
+		if (round > 2)
+			assert_int_equal(r.entries, flat.entries);
+	}
+	printf("  of %llu entries one more takes %llu, one less %llu; %.1f MB\n", (unsigned long long)full.entries,
+	       (unsigned long long)added, (unsigned long long)removed, 1e-6 * (double)flat.gpu_bytes);
+	assert_true(added < full.entries / 2);
+	assert_int_equal(removed, 0);
+	gi_context_destroy(w.gi);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(in_a_box),
+	    cmocka_unit_test(in_a_room),
+	    cmocka_unit_test(one_more_one_less),
+	};
+	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
+}
