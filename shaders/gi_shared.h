@@ -136,7 +136,7 @@ GI_STRUCT(gi_primitive) {
  *   changed.x update that last moved it    changed.y update that last lit or put it out
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
- * Ids count what was ever created: numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
+ * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
  *
  * Neighbours are the objects whose boxes overlap its own, listed for movers only: they alone may have changed what its
  * entries see of itself.

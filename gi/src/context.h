@@ -56,14 +56,12 @@ typedef struct scene_object {
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
-	uint32_t first_leaf_id, first_node_id; /* how many leaves and nodes were */
 } scene_object;
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
 	uint64_t created_count; /* objects ever created */
-	uint32_t created_leaves, created_nodes; /* likewise, modulo 2^32 */
 	bool ever_committed;
 
 	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */

@@ -588,10 +588,6 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 	made.pose = pose;
 	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
 	made.created = gi->scene.created_count++;
-	made.first_leaf_id = gi->scene.created_leaves;
-	made.first_node_id = gi->scene.created_nodes;
-	gi->scene.created_leaves += made.hierarchy.leaf_count;
-	gi->scene.created_nodes += made.hierarchy.node_count;
 	gi->scene.objects[place] = made;
 	*out = scene_handle(gi, place);
 	return GI_OK;

@@ -15,7 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of its nodes; objects' are far below. */
+/* Between the first ids of objects in one place of gi_scene.objects and the next: the golden section of 2^32, whose
+ * multiples keep as far apart as so many can. A place that is given again gives the ids again. */
+static const uint32_t ID_STEP = 0x9E3779B1u;
+
 static const uint32_t FIRST_SKY_ID = 0xFFFF0000u;
 
 /* Does one closed room hold all other objects? */
@@ -58,7 +61,6 @@ typedef struct gathered {
 	uint32_t *wide;
 	gi_uvec4 *light_links; /* two uint pairs each */
 	uint32_t *light_first;
-	uint32_t *order, order_count; /* of the objects: by creation, so that places that are given again do not matter */
 	uint32_t bvh_count, primitive_count, material_count, light_link_count;
 } gathered;
 
@@ -77,34 +79,6 @@ static void gathered_free(gathered *g)
 	free(g->wide);
 	free(g->light_links);
 	free(g->light_first);
-	free(g->order);
-}
-
-typedef struct aged {
-	uint64_t created;
-	uint32_t index;
-} aged;
-
-static int by_age(const void *a, const void *b)
-{
-	const uint64_t x = ((const aged *)a)->created, y = ((const aged *)b)->created;
-	return (x > y) - (x < y);
-}
-
-static bool order_objects(const gi_scene *s, gathered *g)
-{
-	aged *list = calloc((size_t)s->object_count + 1, sizeof *list);
-	g->order = calloc((size_t)s->object_count + 1, sizeof *g->order);
-	for (uint32_t k = 0; list && g->order && k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k]))
-			list[g->order_count++] = (aged){s->objects[k].created, k};
-	if (list && g->order)
-		qsort(list, g->order_count, sizeof *list, by_age);
-	for (uint32_t k = 0; k < g->order_count; k++)
-		g->order[k] = list[k].index;
-	const bool ok = list && g->order;
-	free(list);
-	return ok;
 }
 
 static void count_all(const gi_context *gi, gathered *g)
@@ -259,10 +233,12 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 {
 	gi_scene *n = &g->next;
 	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
-	for (uint32_t k = 0; k < g->order_count; k++) {
-		scene_object *o = &gi->scene.objects[g->order[k]];
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		if (!scene_is_alive(o))
+			continue;
 		if (o->committed)
-			old[(*old_count)++] = (carried){g->order[k], o->node_base, o->leaf_base};
+			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
 		o->slot = slot;
 		o->node_base = node;
 		o->vertex_base = vertex;
@@ -271,7 +247,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		o->bvh_base = bvh;
 		o->primitive_base = primitive;
 		o->light_base = light;
-		n->slots[slot] = g->order[k];
+		n->slots[slot] = k;
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
@@ -286,7 +262,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
 		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
-		data->ids = (gi_uvec4){o->first_leaf_id - leaf, o->first_node_id - node, 0, 0};
+		data->ids = (gi_uvec4){k * ID_STEP - leaf, k * ID_STEP - node, 0, 0};
 		scene_place_object(o, data);
 		slot++;
 		node += o->hierarchy.node_count;
@@ -405,8 +381,6 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 		}
 	if (wants_sky(gi) && !sky_build(&g->sky))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (!order_objects(s, g))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
 	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
@@ -418,8 +392,6 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
-	g->next.created_leaves = s->created_leaves;
-	g->next.created_nodes = s->created_nodes;
 	g->next.ever_committed = s->ever_committed;
 	*s = g->next;
 	if (!ready)
@@ -526,8 +498,6 @@ gi_result scene_upload(gi_context *gi)
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
 			       .created_count = before.scene.created_count,
-			       .created_leaves = before.scene.created_leaves,
-			       .created_nodes = before.scene.created_nodes,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);

@@ -2,8 +2,8 @@
  * now was built at once, to the bit.
  *
  * Random frames of a Cornell box or a closed room: objects are created, destroyed, hidden, shown, moved, lit and put
- * out, updates have budgets or none. Now and then a context is made that gets all of it at once: every object that there ever
- * was, for samples are drawn by how many were created before, those that went destroyed before its only commit.
+ * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit; objects
+ * have the same handles, for samples are drawn by them.
  */
 #include "moving_scene.h"
 #include "snapshot.h"
@@ -195,11 +195,32 @@ static void build_at_once(const world *w, const gi_context_def *def, world *out)
 {
 	*out = *w;
 	build_walls(out, def);
+	/* Every place is taken, then each object gets its own. */
+	static gi_object fillers[MOST];
+	static bool filled[MOST];
+	thing filler = {.kind = 4, .pose = gi_pose_identity()};
+	uint32_t places = 0;
 	for (uint32_t k = 0; k < out->count; k++)
-		create(out->gi, &out->things[k]);
-	for (uint32_t k = 0; k < out->count; k++)
-		if (!out->things[k].alive)
-			go(out, &out->things[k]);
+		while (places < w->things[k].object.index1) {
+			create(out->gi, &filler);
+			places = filler.object.index1;
+			fillers[places] = filler.object;
+			filled[places] = true;
+		}
+	for (uint32_t k = 0; k < out->count; k++) {
+		thing *t = &out->things[k];
+		if (!t->alive)
+			continue;
+		const uint32_t place = t->object.index1;
+		assert_gi(gi_destroy_object(out->gi, fillers[place]));
+		filled[place] = false;
+		create(out->gi, t);
+		assert_int_equal(t->object.index1, place);
+	}
+	for (uint32_t k = 0; k <= places; k++)
+		if (filled[k])
+			assert_gi(gi_destroy_object(out->gi, fillers[k]));
+	memset(filled, 0, sizeof filled);
 	assert_gi(gi_commit(out->gi));
 }
 

@@ -76,8 +76,8 @@ typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
 /* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
  * it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
- * gi_context_create, gi_create_object, gi_commit, by the first gi_update after a commit, which builds every row, and where
- * compute shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
+ * gi_context_create, gi_create_object, gi_commit, by a gi_update that builds every row after a commit, and where compute
+ * shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
  * that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver takes back
  * what it computes: a program that must end within a second ends without gi_context_destroy (demos/interrupt.c). */
 typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
@@ -311,8 +311,11 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
 gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 
-/* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of
- * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black.
+/* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
+ * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
+ * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
+ * those of a context in which the scene was built at once, bit for bit, if objects have the same handles (index1) there:
+ * samples are drawn by them. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
 gi_result gi_commit(gi_context *gi);
 
@@ -322,8 +325,8 @@ gi_result gi_commit(gi_context *gi);
  *
  * A row (all that one leaf receives) is refreshed whole or waits. Rows that an update would change most go first, by a
  * certified bound; a row that waits keeps the light of poses it knew, and gi_report counts it and bounds what all
- * waiting rows are off by (stale_bound). The first update after a commit and those after gi_invalidate build every row
- * whatever the budget.
+ * waiting rows are off by (stale_bound). Updates after gi_invalidate, and after a gi_commit that keeps no rows, build every
+ * row whatever the budget.
  *
  * Under rays or error alone every row is looked at, and none waits for more than some 70 updates for lack of budget.
  * Given time, an update keeps to it: it looks at as many rows as fit, bounds the others by what any row may become
@@ -505,8 +508,8 @@ typedef struct gi_leaf {
 } gi_leaf;
 
 /* Copies up to `capacity` leaves; *count is how many there are, 0 on error. leaves may be NULL to ask for the count.
- * Between a gi_commit and the first gi_update after it there are no rows: corners are those of the committed poses, B is
- * what the first solve starts from, irradiance and row_sum are 0. */
+ * Between a gi_commit and the first gi_update after it corners are those of the committed poses, B is what the next solve
+ * starts from, and objects that came have no rows: irradiance and row_sum are 0. */
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
 /* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +
