@@ -93,6 +93,7 @@ struct sums {
 	vec3 exchanged;                   // F V of the touched that may change leaves, times how far their B is apart
 	range others, emitters;           // B of the entries, before and afterwards; of the firm, that of their objects
 	uint rays, entries;
+	uint had; // entries, touched or not
 };
 
 // What a row has of one source object.
@@ -172,11 +173,12 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
-	sums s = sums(0.0, 0.0, none, none, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u);
+	sums s = sums(0.0, 0.0, none, none, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	for (uint source = 0u; source < frame.counts.z; source++) {
 		uvec4 block = load_segment(leaf * frame.counts.z + source);
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
+		s.had += count;
 		bool cut = pair_is_dirty(w.mine, source, w.since);
 		source_part from = load_source(source);
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
@@ -230,6 +232,9 @@ void assess(uint leaf)
 		s.entries = max(s.entries, 1u);
 		s.rays = max(s.rays, 1u);
 	}
+	// A row of nothing yet will take about as much as others did.
+	if (s.had == 0u && s.entries > 0u)
+		s.rays = max(s.rays, state[GI_STATE_ENTRIES] / frame.counts.x);
 	if (s.entries == 0u) {
 		rows[leaf].z = frame.update.x; // nothing of it can have changed
 		pending[leaf].key = uvec4(0u);

@@ -360,12 +360,63 @@ static void one_more_one_less(void **state)
 	gi_context_destroy(w.gi);
 }
 
+/* What is known of the B of an update under a budget, against that of an exact one. */
+static uint64_t expect_certified(gi_context *gi, const char *when, double *worst)
+{
+	gi_report part;
+	assert_gi(gi_update(gi, &(gi_budget){.rays = 300}));
+	assert_gi(gi_finish(gi));
+	assert_gi(gi_get_report(gi, &part));
+	if (!(part.rays < 1200))
+		fail_msg("%s: %llu rays of 300", when, (unsigned long long)part.rays);
+	snapshot a = snapshot_take(gi);
+	const gi_report full = harness_update(gi);
+	snapshot b = snapshot_take(gi);
+	const double distance = snapshot_distance(&a, &b),
+		     bound = (double)part.solve_bound + (double)part.stale_bound + (double)full.solve_bound;
+	if (!(distance <= bound))
+		fail_msg("%s: B is off by %g W/m2, and at most %g was certified", when, distance, bound);
+	*worst = fmax(*worst, distance / bound);
+	snapshot_free(&a);
+	snapshot_free(&b);
+	return part.waiting_rows;
+}
+
+/* After a commit too an update keeps to its budget, and what it leaves to do is bounded. */
+static void under_a_budget(void **state)
+{
+	(void)state;
+	static world w;
+	const gi_context_def def = world_def(false);
+	double worst = 0;
+	memset(&w, 0, sizeof w);
+	chance_state = 11;
+	seed_motion(11);
+	build_walls(&w, &def);
+	for (int k = 0; k < 6; k++)
+		come(&w);
+	assert_gi(gi_commit(w.gi));
+	harness_update(w.gi);
+	for (int round = 0; round < 12; round++) {
+		come(&w);
+		assert_gi(gi_commit(w.gi));
+		assert_true(expect_certified(w.gi, "one more", &worst) > 0);
+		go(&w, pick(&w));
+		if (round % 2)
+			assert_gi(gi_commit(w.gi));
+		expect_certified(w.gi, "one less", &worst);
+	}
+	printf("  B was off by %.2g of what was certified at most\n", worst);
+	gi_context_destroy(w.gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(in_a_box),
 	    cmocka_unit_test(in_a_room),
 	    cmocka_unit_test(one_more_one_less),
+	    cmocka_unit_test(under_a_budget),
 	};
 	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
 }
