@@ -56,12 +56,15 @@ typedef struct scene_object {
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
+	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are enough. */
+	uint32_t leaf_id, node_id, leaf_ids, node_ids;
 } scene_object;
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
 	uint64_t created_count; /* objects ever created */
+	uint32_t next_leaf_id, next_node_id;
 	bool ever_committed;
 
 	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
@@ -98,8 +101,7 @@ typedef struct gi_rows {
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program;
-	uint32_t renumber_program; /* made by the first commit that keeps rows */
+		prepare_program, renumber_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -234,7 +236,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 8 };
+enum { ROWS_PROGRAMS = 9 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */

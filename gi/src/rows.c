@@ -32,7 +32,8 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"pose.comp", &r->pose_program},       {"cut.comp", &r->cut_program},
 	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
 	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
-	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
+	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program},
+	    {"renumber.comp", &r->renumber_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -655,6 +656,5 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	gpu_program_free(&gi->gpu, &r->renumber_program);
 	free(r->run_data);
 }

@@ -12,12 +12,6 @@
 /* Entries grow about as the square of the leaves; their blocks take so many times as much. */
 static const double BLOCKS = 1.6;
 
-static gi_result make_program(gi_context *gi)
-{
-	uint32_t *program = &gi->rows.renumber_program;
-	return *program ? GI_OK : gpu_programs_compute(&gi->gpu, &(gpu_program_file){"renumber.comp", program}, 1);
-}
-
 /* Larger pools beside the old ones, where those would not do. */
 static gi_result make_room(gi_context *gi, const gi_rows *before, const rows_moves *moves, bool *larger)
 {
@@ -117,10 +111,7 @@ gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)
 	gi_rows *r = &gi->rows;
 	gpu_buffer moves = {0};
 	bool larger = false;
-	gi_result result = make_program(gi);
-	before->renumber_program = r->renumber_program;
-	if (!result)
-		result = rows_allocate_tables(gi);
+	gi_result result = rows_allocate_tables(gi);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &moves, sizeof *m->list * m->count, m->list);
 	if (!result)

@@ -15,10 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Between the first ids of objects in one place of gi_scene.objects and the next: the golden section of 2^32, whose
- * multiples keep as far apart as so many can. A place that is given again gives the ids again. */
-static const uint32_t ID_STEP = 0x9E3779B1u;
-
+/* Objects' are far below. */
 static const uint32_t FIRST_SKY_ID = 0xFFFF0000u;
 
 /* Does one closed room hold all other objects? */
@@ -262,7 +259,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
 		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
-		data->ids = (gi_uvec4){k * ID_STEP - leaf, k * ID_STEP - node, 0, 0};
+		data->ids = (gi_uvec4){o->leaf_id - leaf, o->node_id - node, 0, 0};
 		scene_place_object(o, data);
 		slot++;
 		node += o->hierarchy.node_count;
@@ -392,6 +389,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
+	g->next.next_leaf_id = s->next_leaf_id;
+	g->next.next_node_id = s->next_node_id;
 	g->next.ever_committed = s->ever_committed;
 	*s = g->next;
 	if (!ready)
@@ -498,6 +497,8 @@ gi_result scene_upload(gi_context *gi)
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
 			       .created_count = before.scene.created_count,
+			       .next_leaf_id = before.scene.next_leaf_id,
+			       .next_node_id = before.scene.next_node_id,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);

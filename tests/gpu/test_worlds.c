@@ -2,8 +2,8 @@
  * now was built at once, to the bit.
  *
  * Random frames of a Cornell box or a closed room: objects are created, destroyed, hidden, shown, moved, lit and put
- * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit; objects
- * have the same handles, for samples are drawn by them.
+ * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit. Objects
+ * have the same places and ids there, for samples are drawn by them.
  */
 #include "moving_scene.h"
 #include "snapshot.h"
@@ -26,11 +26,20 @@ typedef struct thing {
 	gi_object object;
 } thing;
 
+/* A thing that was the first in its place, or larger than those before it: it got new ids. */
+typedef struct claim {
+	uint32_t place;
+	int kind;
+} claim;
+
 typedef struct world {
 	gi_context *gi;
 	bool room; /* closed: no sky */
 	thing things[MOST];
 	uint32_t count;
+	claim claims[MOST];
+	uint32_t claim_count;
+	uint32_t leaves[MOST], nodes[MOST]; /* that a place has ids for */
 } world;
 
 static uint32_t chance_state;
@@ -147,6 +156,36 @@ static uint32_t alive_of(const world *w)
 	return alive;
 }
 
+/* Leaves and nodes of each kind. */
+static uint32_t sizes[KINDS][2];
+
+static void measure_kinds(const gi_context_def *def)
+{
+	for (int kind = 0; kind < KINDS; kind++) {
+		gi_context_def alone = *def;
+		gi_report r;
+		alone.sky = GI_SKY_OFF;
+		gi_context *gi = harness_context(&alone);
+		create(gi, &(thing){.kind = kind, .pose = gi_pose_identity()});
+		assert_gi(gi_commit(gi));
+		assert_gi(gi_get_report(gi, &r));
+		sizes[kind][0] = r.leaves;
+		sizes[kind][1] = r.nodes;
+		gi_context_destroy(gi);
+	}
+}
+
+static void note_claim(world *w, const thing *t)
+{
+	const uint32_t place = t->object.index1, *size = sizes[t->kind];
+	assert_true(place < MOST);
+	if (size[0] <= w->leaves[place] && size[1] <= w->nodes[place])
+		return;
+	w->claims[w->claim_count++] = (claim){place, t->kind};
+	w->leaves[place] = size[0];
+	w->nodes[place] = size[1];
+}
+
 static void come(world *w)
 {
 	assert_true(w->count < MOST);
@@ -155,6 +194,7 @@ static void come(world *w)
 	t->material = material_of(chance_of(4) == 0);
 	t->pose = pose_of(t->kind);
 	create(w->gi, t);
+	note_claim(w, t);
 }
 
 static void go(world *w, thing *t)
@@ -195,32 +235,31 @@ static void build_at_once(const world *w, const gi_context_def *def, world *out)
 {
 	*out = *w;
 	build_walls(out, def);
-	/* Every place is taken, then each object gets its own. */
+	/* Places get their ids from what is first made there, and others from what is larger; then each object gets its own. */
 	static gi_object fillers[MOST];
-	static bool filled[MOST];
-	thing filler = {.kind = 4, .pose = gi_pose_identity()};
-	uint32_t places = 0;
-	for (uint32_t k = 0; k < out->count; k++)
-		while (places < w->things[k].object.index1) {
-			create(out->gi, &filler);
-			places = filler.object.index1;
-			fillers[places] = filler.object;
-			filled[places] = true;
-		}
+	memset(fillers, 0, sizeof fillers);
+	for (uint32_t k = 0; k < w->claim_count; k++) {
+		thing filler = {.kind = w->claims[k].kind, .pose = gi_pose_identity()};
+		const uint32_t place = w->claims[k].place;
+		if (fillers[place].index1)
+			assert_gi(gi_destroy_object(out->gi, fillers[place]));
+		create(out->gi, &filler);
+		assert_int_equal(filler.object.index1, place);
+		fillers[place] = filler.object;
+	}
 	for (uint32_t k = 0; k < out->count; k++) {
 		thing *t = &out->things[k];
 		if (!t->alive)
 			continue;
 		const uint32_t place = t->object.index1;
 		assert_gi(gi_destroy_object(out->gi, fillers[place]));
-		filled[place] = false;
+		fillers[place] = (gi_object){0};
 		create(out->gi, t);
 		assert_int_equal(t->object.index1, place);
 	}
-	for (uint32_t k = 0; k <= places; k++)
-		if (filled[k])
+	for (uint32_t k = 0; k < MOST; k++)
+		if (fillers[k].index1)
 			assert_gi(gi_destroy_object(out->gi, fillers[k]));
-	memset(filled, 0, sizeof filled);
 	assert_gi(gi_commit(out->gi));
 }
 
@@ -271,6 +310,7 @@ static void run(bool room, uint32_t seed)
 	seed_motion(seed);
 	memset(&w, 0, sizeof w);
 	w.room = room;
+	measure_kinds(&def);
 	build_walls(&w, &def);
 	for (int k = 0; k < 4; k++)
 		come(&w);

@@ -314,8 +314,8 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 /* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
  * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
  * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
- * those of a context in which the scene was built at once, bit for bit, if objects have the same handles (index1) there:
- * samples are drawn by them. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
+ * those of a context in which the scene was built at once, bit for bit, if objects were created in the same order there, those
+ * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
 gi_result gi_commit(gi_context *gi);
 
