@@ -175,8 +175,8 @@ sums sum_row(uint leaf, watch w)
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
 	sums s = sums(0.0, 0.0, none, none, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	for (uint source = 0u; source < frame.counts.z; source++) {
-		uvec4 block = load_segment(leaf * frame.counts.z + source);
+	for (uint source = frame.inner.z; source < frame.counts.z; source++) {
+		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		s.had += count;
 		bool cut = pair_is_dirty(w.mine, source, w.since);

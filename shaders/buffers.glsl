@@ -47,6 +47,17 @@ gi_node_geometry geometry_texels(usamplerBuffer from, uint n)
 
 #ifdef READ_FRAME
 layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
+
+// Static objects are one source: the table of segments has a column for each slot from the first source on.
+uint source_count()
+{
+	return frame.counts.z - frame.inner.z;
+}
+
+uint segment_of(uint leaf, uint source)
+{
+	return leaf * source_count() + source - frame.inner.z;
+}
 #endif
 
 // ---- reads ----
@@ -152,6 +163,11 @@ gi_node_geometry load_rest(uint n)
 vec4 load_rest_sphere(uint n)
 {
 	return float_texel(rest_texels, 3u * n);
+}
+
+float load_area(uint n)
+{
+	return float_texel(rest_texels, 3u * n + 2u).w;
 }
 #endif
 

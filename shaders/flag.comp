@@ -31,10 +31,10 @@ void main()
 	watch w = watch_of(leaf);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u;
-	for (uint source = 0u; source < frame.counts.z; source++) {
+	for (uint source = frame.inner.z; source < frame.counts.z; source++) {
 		if (pair_is_dirty(w.mine, source, w.since))
 			continue; // cut anew
-		uvec4 block = load_segment(leaf * frame.counts.z + source);
+		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		for (uint k = 0u; k < count; k++) {
 			if (!is_flagged(w, p, load_entry(block.x + k)))

@@ -38,6 +38,7 @@ typedef struct gi_uvec4 {
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
 #define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
+#define GI_NODE_TOP 128u    /* of several static objects (statics.h): in the world's frame, its two children behind it */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u
@@ -160,6 +161,7 @@ GI_STRUCT(gi_object_data) {
 
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
+#define GI_OBJECT_STATICS 16u /* no object: all static ones as one source */
 #define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
 
 /* A leaf: x node, y object slot, z material, w rank of its primitive.
@@ -184,7 +186,8 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; the first slot that is a
+ *          source, and that of the static objects as one, GI_NONE: there is none
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object

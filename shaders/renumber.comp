@@ -23,6 +23,8 @@ layout(location = 0) uniform uint first;     // leaf of this dispatch
 layout(location = 1) uniform uint count;     // leaves
 layout(location = 2) uniform uint old_slots; // objects before
 layout(location = 3) uniform uint slots;     // and now
+layout(location = 5) uniform uint old_first; // of them the first source
+layout(location = 6) uniform uint new_first;
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
 
 // The object before that a leaf was of.
@@ -83,15 +85,15 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes)
 uint move_segments(uint leaf, gi_move mine)
 {
 	uint went = 0u;
-	for (uint s = 0u; s < old_slots; s++) {
-		uvec4 segment = load_old_segment(leaf * old_slots + s), to = load_move(s).now;
-		if (mine.now.x == GI_NONE || to.x == GI_NONE) {
+	for (uint s = old_first; s < old_slots; s++) {
+		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
+		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
 			went += segment.y & GI_BLOCK_COUNT_MASK;
 			continue;
 		}
-		segments[(leaf + mine.now.y) * slots + to.x] = segment;
+		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
 		if (to.z != 0u || mine.now.y != 0u || blockers != 0u)
 			renumber_entries(segment.xy, leaf + mine.now.y, to.z);
 	}

@@ -61,14 +61,30 @@ uint candidates_of(pair p, bool emitter)
 	return far ? 1u : CANDIDATES;
 }
 
+// One of the objects below a top, by area; u becomes the digits that are left.
+void choose_object(inout pair p, inout float u)
+{
+	uint n = p.node;
+	while ((load_range(n).w & GI_NODE_TOP) != 0u) {
+		uint first = n + 1u, second = load_range(first).x;
+		float share = load_area(first) / (load_area(first) + load_area(second));
+		bool one = u < share;
+		u = clamp(one ? u / share : (u - share) / (1.0 - share), 0.0, 0.99999994);
+		n = one ? first : second;
+	}
+	set_source(p, load_topology(n));
+}
+
 // False where hardly any of the source is before the receiver.
-bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segment_end b)
+bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segment_end b, out body on)
 {
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
 		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
 		vec4 u = sample_numbers(p.ids.x, p.ids.y ^ other, k);
 		vec3 m;
+		if (p.top)
+			choose_object(p, u.z);
 		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
 		float carried = transfer(p, from, to, u.xy, m);
 		if (carried == 0.0)
@@ -78,6 +94,7 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 		if (unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(k + 16u * attempt)))) * sum <= carried) {
 			a = from;
 			b = to;
+			on = p.source;
 		}
 	}
 	return sum > 0.0;
@@ -116,10 +133,11 @@ void main()
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
 	while (taken < wanted) {
 		segment_end a, b;
+		body on;
 		// What is not before the receiver must not shine through its back.
 		uint by = p.receiver.object;
-		if (choose_segment(p, taken, candidates, a, b)) {
-			by = blocker_of(p.receiver, a, p.source, b, !p.back, (clear & (1u << taken)) != 0u);
+		if (choose_segment(p, taken, candidates, a, b, on)) {
+			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;

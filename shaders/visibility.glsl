@@ -30,7 +30,23 @@ struct pair {
 	bool sky, whole;    // whole: a leaf, or a patch of sky; else each sample is on a leaf of its own
 	// Where not whole: areas of the source's object before the node's first leaf, and up to and with its last.
 	float area_before, area_all;
+	bool top; // of several objects: each sample is on one of them (choose_object)
 };
+
+// What its samples ask of the source, a node of one object or a patch of sky.
+void set_source(inout pair p, gi_node_topology t)
+{
+	p.t = t;
+	p.whole = p.sky || t.range.z == 1u;
+	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(t.range.y).y);
+	p.same = !p.top && p.source.object == p.receiver.object;
+	if (p.sky)
+		p.theirs = load_quad(t.corners);
+	else if (p.whole)
+		p.theirs = load_leaf_quad(t.range.y);
+	p.area_before = p.whole || t.range.y == object_nodes(p.source.object).z ? 0.0 : load_area_up_to(t.range.y - 1u);
+	p.area_all = p.whole ? 0.0 : load_area_up_to(t.range.y + t.range.z - 1u);
+}
 
 pair load_pair(uvec4 entry)
 {
@@ -38,22 +54,16 @@ pair load_pair(uvec4 entry)
 	p.leaf = entry.w & GI_ENTRY_LEAF_MASK;
 	p.node = entry.x;
 	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
-	p.t = load_topology(entry.x);
-	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
-	p.whole = p.sky || p.t.range.z == 1u;
+	gi_node_topology t = load_topology(entry.x);
+	p.sky = (t.range.w & GI_NODE_SKY) != 0u;
+	p.top = (t.range.w & GI_NODE_TOP) != 0u;
 	uvec4 mine = load_leaf(p.leaf);
 	p.receiver = load_body(mine.y);
 	p.mine = load_leaf_quad(p.leaf);
-	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(p.t.range.y).y);
-	p.same = p.source.object == p.receiver.object;
+	set_source(p, t);
 	// The sky is the last object.
-	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(p.sky ? frame.counts.z - 1u : p.source.object).y);
-	if (p.sky)
-		p.theirs = load_quad(p.t.corners);
-	else if (p.whole)
-		p.theirs = load_leaf_quad(p.t.range.y);
-	p.area_before = p.whole || p.t.range.y == object_nodes(p.source.object).z ? 0.0 : load_area_up_to(p.t.range.y - 1u);
-	p.area_all = p.whole ? 0.0 : load_area_up_to(p.t.range.y + p.t.range.z - 1u);
+	uint from = p.top ? frame.inner.w : p.sky ? frame.counts.z - 1u : p.source.object;
+	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(from).y);
 	return p;
 }
 

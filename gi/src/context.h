@@ -38,6 +38,9 @@ typedef struct scene_object {
 	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
 	bool hidden;         /* by the host */
+	gi_mobility mobility;
+	bool grouped;        /* one of the static objects that are one source (statics.h) */
+	bool was_grouped;    /* before the last commit */
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
@@ -60,6 +63,11 @@ typedef struct scene_object {
 	uint32_t leaf_id, node_id, leaf_ids, node_ids;
 } scene_object;
 
+/* A node of several static objects, those of slots [first_slot, end_slot). */
+typedef struct scene_top {
+	uint32_t node, first_slot, end_slot;
+} scene_top;
+
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
@@ -70,6 +78,13 @@ typedef struct gi_scene {
 	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
 	uint32_t slot_count; /* the sky's too */
 	uint32_t sky_slot;   /* GI_NONE: none */
+	uint32_t statics_slot; /* static objects as one source, GI_NONE: none; their own slots are the first ones */
+	uint32_t first_source; /* slot; from here on they are sources */
+	scene_top *tops;
+	uint32_t top_count;
+	bool statics_changed;    /* since the last update: rows' parts of them are cut anew */
+	uint32_t statics_update; /* that did that last */
+	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
 	gi_object_data *object_data; /* slot_count */
@@ -206,11 +221,13 @@ bool scene_is_alive(const scene_object *object);
 bool scene_is_seen(const scene_object *object);
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
+uint32_t scene_source_count(const gi_scene *scene);
 uint32_t scene_object_flags(const scene_object *object); /* GI_OBJECT_ */
 void scene_place_object(scene_object *object, gi_object_data *data);
 void scene_place_sky(gi_object_data *data);
 gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
+void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
 /* Materials that changed; what emits is weighed again, which may relight others. */
 gi_result scene_upload_materials(gi_context *gi);
 gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
@@ -225,6 +242,9 @@ gi_result scene_weigh_emitters(gi_context *gi);
 
 /* tlas.c: where the objects are now. */
 gi_result tlas_upload(gi_context *gi);
+
+/* gi.c: what gi_commit does. */
+gi_result gi_take_in(gi_context *gi);
 
 /* scene_upload.c */
 gi_result scene_upload(gi_context *gi);
@@ -245,7 +265,7 @@ gi_result rows_allocate(gi_context *gi);
 /* What became of the objects of the scene before, slot by slot. */
 typedef struct rows_moves {
 	gi_move *list;
-	uint32_t count, leaf_count; /* slots and leaves before */
+	uint32_t count, leaf_count, first_source; /* slots and leaves before */
 } rows_moves;
 /* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
  * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */

@@ -257,6 +257,8 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	gi->gpu.uploaded_bytes = 0;
 	gi_result result = GI_OK;
 	changes c = {false, false};
+	if (gi->scene.regroup && gi_take_in(gi))
+		return GI_ERROR_OUT_OF_MEMORY;
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
@@ -313,7 +315,9 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 		return GI_ERROR_WRONG_CONTEXT;
 	collect_reports(gi, false);
 	*out = gi->report;
-	out->objects = gi->scene.slot_count - (gi->scene.sky_slot != GI_NONE && gi->scene.slot_count ? 1 : 0);
+	out->objects = gi->scene.slot_count;
+	out->objects -= gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
+	out->objects -= gi->scene.slot_count && gi->scene.statics_slot != GI_NONE;
 	out->leaves = gi->scene.leaf_count;
 	out->nodes = gi->scene.node_count;
 	out->gpu_bytes = gi->gpu.buffer_bytes;

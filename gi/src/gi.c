@@ -254,6 +254,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
 	o->generation++;
 	o->moved = o->relit = o->material_changed = true;
+	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
 		scene_free_object(o);
 	return GI_OK;
@@ -266,8 +267,10 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_hidden");
-	if (o->hidden != hidden)
+	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
+		gi->scene.regroup = gi->scene.regroup || (o->committed && o->mobility == GI_MOBILITY_STATIC);
+	}
 	o->hidden = hidden;
 	return GI_OK;
 }
@@ -301,6 +304,9 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 		return GI_OK;
 	o->pose = pose;
 	o->moved = true;
+	if (o->committed)
+		o->mobility = GI_MOBILITY_MOVABLE;
+	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	return GI_OK;
 }
 
@@ -360,7 +366,9 @@ static void note_changes(gi_context *gi)
 	const bool kept = gi->rows.kept;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
-		const bool alive = scene_is_alive(o), other = alive && ranks_otherwise(o), came = alive && !o->committed;
+		const bool alive = scene_is_alive(o), came = alive && !o->committed;
+		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
+		o->was_grouped = o->grouped;
 		o->committed = alive;
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
@@ -377,12 +385,8 @@ static void forget_dead_objects(gi_context *gi)
 	}
 }
 
-gi_result gi_commit(gi_context *gi)
+gi_result gi_take_in(gi_context *gi)
 {
-	if (!gi)
-		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_commit"))
-		return GI_ERROR_WRONG_CONTEXT;
 	gi_result result = end_programs(gi);
 	if (result)
 		return result;
@@ -399,8 +403,18 @@ gi_result gi_commit(gi_context *gi)
 	}
 	forget_dead_objects(gi);
 	note_changes(gi);
+	gi->scene.regroup = false;
 	gi->scene.ever_committed = true;
 	return GI_OK;
+}
+
+gi_result gi_commit(gi_context *gi)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (gi_check_current(gi, "gi_commit"))
+		return GI_ERROR_WRONG_CONTEXT;
+	return gi_take_in(gi);
 }
 
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)

@@ -249,11 +249,11 @@ static const char *broken_geometry(const gi_object_def *def)
 static gi_result check_def(const gi_context *gi, const gi_object_def *def, const char *name)
 {
 	const gi_log *log = &gi->gpu.log;
-	if (def->scheme > GI_SCHEME_LOOP || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
+	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
 	    def->draw_levels > MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
 		return gi_fail(
 		    log, GI_ERROR_INVALID_ARGUMENT,
-		    "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
+		    "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
 		    name, MAX_LEVELS, MAX_DRAW_LEVELS);
 	if (def->material_count && !def->materials)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
@@ -605,6 +605,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 		return result;
 	}
 	made.pose = pose;
+	made.mobility = def->mobility;
 	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
 	made.created = gi->scene.created_count++;
 	give_ids(&gi->scene, &gi->scene.objects[place], &made);

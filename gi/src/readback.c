@@ -145,7 +145,7 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	if (result)
 		return result;
 	const gi_scene *s = &gi->scene;
-	const uint64_t segments = (uint64_t)s->leaf_count * s->slot_count;
+	const uint64_t segments = (uint64_t)s->leaf_count * scene_source_count(s);
 	if (!segments)
 		return GI_OK;
 	gi_uvec4 *segment = read_buffer(&gi->rows.segments, sizeof *segment * segments);

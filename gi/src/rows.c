@@ -146,7 +146,7 @@ gi_result rows_allocate_tables(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = gi->scene.leaf_count;
-	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * gi->scene.slot_count, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
@@ -241,7 +241,12 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		s->statics_changed = s->statics_changed || (o->grouped && (o->moved || o->relit));
 	}
+	if (s->statics_slot == GI_NONE)
+		return;
+	s->statics_update = s->statics_changed ? update : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){s->statics_update, s->statics_update, 0, 0};
 }
 
 /* Does the cut of `source` for leaves of `receiver` have to be done again? */
@@ -273,9 +278,9 @@ static bool plan_cuts(gi_context *gi, plan *p)
 	const gi_scene *s = &gi->scene;
 	for (uint32_t receiver = 0; receiver < s->slot_count; receiver++) {
 		const gi_uvec4 nodes = s->object_data[receiver].nodes;
-		if (nodes.w == nodes.z)
+		if (nodes.w == nodes.z || s->slots[receiver] == GI_NONE)
 			continue;
-		for (uint32_t source = 0; source < s->slot_count; source++) {
+		for (uint32_t source = s->first_source; source < s->slot_count; source++) {
 			if (!pair_is_dirty(gi, receiver, source))
 				continue;
 			const gi_uvec4 run = {(uint32_t)p->cut_threads, receiver, source, nodes.z};
@@ -344,7 +349,7 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
 	*first = list->count;
-	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
+	for (uint32_t slot = s->first_source; ok && slot < s->slot_count; slot++)
 		if (s->topology[s->object_data[slot].nodes.x].range.w & GI_NODE_EMITTER)
 			ok = append(list, slot);
 	*end = list->count;
@@ -448,7 +453,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, 0, 0},
+	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, s->first_source, s->statics_slot},
 	    .ceiling = ceiling_of(gi),
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
@@ -587,7 +592,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
 	rows_recycle(gi);
-	r->rebuild = r->kept = r->lost = false;
+	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
 	if (!p.part)
 		r->current = r->update;
 	gi->rations.in_force = p.part;

@@ -86,9 +86,11 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 {
 	gi_rows *r = &gi->rows;
 	bool blockers = false;
-	uint32_t gone = 0;
+	uint32_t gone = 0; /* columns */
+	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
-		gone += went(m, slot);
+		gone += slot >= m->first_source && (went(m, slot) || m->list[slot].now.x < gi->scene.first_source);
+		lost = lost || went(m, slot);
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
 	rows_bind(gi);
@@ -98,12 +100,14 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	gpu_set_uint(r->renumber_program, 2, m->count);
 	gpu_set_uint(r->renumber_program, 3, gi->scene.slot_count);
 	gpu_set_uint(r->renumber_program, 4, blockers);
+	gpu_set_uint(r->renumber_program, 5, m->first_source);
+	gpu_set_uint(r->renumber_program, 6, gi->scene.first_source);
 	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
 		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
 			;
 		renumber(gi, m->list[slot].before.x, m->list[end - 1].before.y, went(m, slot) ? m->count + 1 : gone);
 	}
-	r->lost = r->lost || gone;
+	r->lost = r->lost || lost || gone;
 }
 
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)

@@ -16,6 +16,11 @@ bool scene_is_seen(const scene_object *o)
 	return scene_is_alive(o) && !o->hidden;
 }
 
+uint32_t scene_source_count(const gi_scene *s)
+{
+	return s->slot_count - s->first_source;
+}
+
 bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);
@@ -143,6 +148,27 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 	}
 }
 
+void scene_update_top(gi_context *gi, const scene_top *top)
+{
+	gi_scene *s = &gi->scene;
+	double sum[4] = {0}, area = 0;
+	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0;
+	for (uint32_t slot = top->first_slot; slot < top->end_slot; slot++) {
+		const scene_object *o = &s->objects[s->slots[slot]];
+		const gi_vec4 e = s->node_exitance[o->node_base];
+		const uint32_t own = s->topology[o->node_base].range.w;
+		for (int c = 0; c < 4; c++)
+			sum[c] += o->hierarchy.area * (&e.x)[c];
+		area += o->hierarchy.area;
+		emits |= own & GI_NODE_EMITTER;
+		const uint32_t finer = own >> GI_NODE_FINER_SHIFT & GI_NODE_FINER_MOST;
+		steps = finer > steps ? finer : steps;
+	}
+	s->node_exitance[top->node] =
+	    (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area), (float)(sum[2] / area), (float)(sum[3] / area)};
+	set_emitter(flags, emits, steps);
+}
+
 gi_material_data scene_material_data(const scene_object *o, uint32_t material)
 {
 	const gi_material *m = &o->materials[material];
@@ -154,6 +180,7 @@ gi_material_data scene_material_data(const scene_object *o, uint32_t material)
 static void free_arrays(gi_scene *s)
 {
 	free(s->slots);
+	free(s->tops);
 	free(s->object_data);
 	free(s->topology);
 	free(s->node_exitance);
@@ -179,6 +206,21 @@ static void upload_material(gi_context *gi, scene_object *o)
 			  sizeof(gi_node_topology) * count, s->topology + o->node_base);
 }
 
+static void upload_top(gi_context *gi, const scene_top *top)
+{
+	gi_scene *s = &gi->scene;
+	bool changed = false;
+	for (uint32_t slot = top->first_slot; slot < top->end_slot && !changed; slot++)
+		changed = s->objects[s->slots[slot]].material_changed;
+	if (!changed)
+		return;
+	scene_update_top(gi, top);
+	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * top->node, sizeof(gi_vec4),
+			  &s->node_exitance[top->node]);
+	gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node, sizeof(gi_node_topology),
+			  &s->topology[top->node]);
+}
+
 gi_result scene_upload_materials(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
@@ -192,6 +234,8 @@ gi_result scene_upload_materials(gi_context *gi)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed)
 			upload_material(gi, &s->objects[s->slots[slot]]);
+	for (uint32_t k = 0; k < s->top_count; k++)
+		upload_top(gi, &s->tops[k]);
 	lamps_select(gi, true);
 	return GI_OK;
 }

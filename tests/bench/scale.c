@@ -30,6 +30,7 @@ typedef struct world {
 	gi_object *boxes;
 	uint32_t count, columns;
 	uint32_t box_cells;
+	bool statics;
 } world;
 
 /* A number in [0,1) of two: the same whatever else there is. */
@@ -41,7 +42,21 @@ static float random_of(uint32_t a, uint32_t b)
 	return (float)((h ^ h >> 16) >> 8) * (1.0f / 16777216.0f);
 }
 
-static gi_object add_mesh(gi_context *gi, const char *name, engine_mesh *mesh, gi_material material, gi_pose pose)
+/* The k-th of those that move, all over the hall. */
+static uint32_t mover_of(const world *w, uint32_t k)
+{
+	return (w->count / 2 + k * (w->count / 10 + 1)) % w->count;
+}
+
+static bool moves(const world *w, uint32_t number)
+{
+	bool found = number == w->count;
+	for (uint32_t k = 0; k < 10 && k < w->count; k++)
+		found = found || mover_of(w, k) == number;
+	return found;
+}
+
+static gi_object add_mesh(const world *w, bool stays, const char *name, engine_mesh *mesh, gi_material material, gi_pose pose)
 {
 	gi_object_def def = gi_object_def_default();
 	def.name = name;
@@ -54,8 +69,9 @@ static gi_object add_mesh(gi_context *gi, const char *name, engine_mesh *mesh, g
 	def.materials = &material;
 	def.material_count = 1;
 	def.pose = pose;
+	def.mobility = w->statics && stays ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
 	gi_object object;
-	check(gi_create_object(gi, &def, &object));
+	check(gi_create_object(w->gi, &def, &object));
 	engine_mesh_free(mesh);
 	return object;
 }
@@ -76,7 +92,7 @@ static gi_object add_box(world *w, uint32_t number)
 	if (!shape_box((float[]){-half, 0, -half}, (float[]){half, high, half}, w->box_cells, false, &mesh))
 		fail("out of memory");
 	const gi_material material = {.rho = {.7f, .6f, .3f + .4f * random_of(number, 6)}};
-	return add_mesh(w->gi, "box", &mesh, material, pose_of(w, number, 0));
+	return add_mesh(w, !moves(w, number), "box", &mesh, material, pose_of(w, number, 0));
 }
 
 static void build_world(world *w)
@@ -86,12 +102,12 @@ static void build_world(world *w)
 	const float side = PITCH * (float)w->columns;
 	if (!shape_box((float[]){0, 0, 0}, (float[]){side, HEIGHT, side}, 4, true, &mesh))
 		fail("out of memory");
-	add_mesh(w->gi, "hall", &mesh, (gi_material){.rho = {.6f, .6f, .6f}}, gi_pose_identity());
+	add_mesh(w, true, "hall", &mesh, (gi_material){.rho = {.6f, .6f, .6f}}, gi_pose_identity());
 	const float middle = .5f * side, half = .1f * side;
 	if (!shape_quad((float[]){middle - half, HEIGHT - .05f, middle - half}, (float[]){2 * half, 0, 0},
 			(float[]){0, 0, 2 * half}, 2, 2, &mesh))
 		fail("out of memory");
-	add_mesh(w->gi, "lamp", &mesh, (gi_material){.exitance = {10, 10, 9}}, gi_pose_identity());
+	add_mesh(w, true, "lamp", &mesh, (gi_material){.exitance = {10, 10, 9}}, gi_pose_identity());
 	w->boxes = calloc(w->count + 1, sizeof *w->boxes);
 	if (!w->boxes)
 		fail("out of memory");
@@ -122,7 +138,7 @@ static void make_happen(world *w, event e, uint32_t round, double *commit_ms)
 	const double began = processor_ms();
 	const uint32_t movers = e == MOVE ? 1 : e == MOVE_TEN ? 10 : 0;
 	for (uint32_t k = 0; k < movers && k < w->count; k++) {
-		const uint32_t number = (w->count / 2 + k * (w->count / 10 + 1)) % w->count;
+		const uint32_t number = mover_of(w, k);
 		check(gi_set_pose(w->gi, w->boxes[number], pose_of(w, number, .02f * (float)(round % 5 + 1))));
 	}
 	if (e == MATERIAL) {
@@ -180,7 +196,8 @@ static void print_tally(const world *w, event e, const tally *t)
 
 typedef struct options {
 	engine_context_kind kind;
-	uint32_t most, rounds, cells;
+	uint32_t rounds, cells;
+	bool statics;
 	float row_tolerance;
 	const char *counts;
 } options;
@@ -191,7 +208,7 @@ static void measure_world(engine_context *context, const options *o, uint32_t co
 	memset(tallies, 0, sizeof tallies);
 	bench_settings settings = bench_settings_fine();
 	settings.row_tolerance = o->row_tolerance;
-	world w = {.gi = bench_open(context, &settings), .count = count, .box_cells = o->cells};
+	world w = {.gi = bench_open(context, &settings), .count = count, .box_cells = o->cells, .statics = o->statics};
 	build_world(&w);
 	measure(&w, FIRST, 0, &tallies[FIRST]);
 	print_tally(&w, FIRST, &tallies[FIRST]);
@@ -220,6 +237,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	case 'b':
 		o->cells = (uint32_t)atoi(argument);
 		return 0;
+	case 's':
+		o->statics = true;
+		return 0;
 	case 't':
 		o->row_tolerance = (float)atof(argument);
 		return 0;
@@ -236,6 +256,7 @@ int main(int argc, char **argv)
 	    {"objects", 'n', "N,N,...", 0, "boxes of each world, default 10,30,100,300", 0},
 	    {"rounds", 'r', "N", 0, "times each event happens, default 3", 0},
 	    {"cells", 'b', "N", 0, "cells a side of a box, default 1", 0},
+	    {"static", 's', NULL, 0, "what does not move is GI_MOBILITY_STATIC", 0},
 	    {"row-tolerance", 't', "T", 0, "default 0.3", 0},
 	    {0},
 	};

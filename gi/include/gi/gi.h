@@ -200,6 +200,13 @@ typedef struct gi_leaf_cut {
 	float from[3], to[3]; /* object space as gi_object_def.positions; what is off the face's plane is projected to it */
 } gi_leaf_cut;
 
+/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
+typedef enum gi_mobility {
+	GI_MOBILITY_MOVABLE, /* every row that it faces has entries for it alone (default) */
+	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Hiding, destroying or relighting
+			      * it builds what rows have of all static objects anew; once it is moved it is movable */
+} gi_mobility;
+
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
 typedef struct gi_object_def {
@@ -236,6 +243,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
+	gi_mobility mobility;
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
 	float scale[3]; /* default 1 1 1; not zero, not negative */
