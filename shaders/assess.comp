@@ -166,7 +166,9 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	include(s.others, from.others);
 	if (from.emits)
 		include(s.emitters, b);
-	s.rays += count == 0u ? 1u : 0u;
+	// Of all static objects a row has about as much as it has of all.
+	uint unknown = from.object == frame.inner.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
+	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
 

@@ -27,13 +27,14 @@ layout(location = 5) uniform uint old_first; // of them the first source
 layout(location = 6) uniform uint new_first;
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
 
-// The object before that a leaf was of.
-uint slot_of(uint leaf)
+// The object before that a leaf was of, or with `node` a node of one.
+uint slot_of(uint number, bool node)
 {
 	uint low = 0u, high = old_slots;
 	while (high - low > 1u) {
 		uint middle = (low + high) >> 1u;
-		if (load_move(middle).before.x <= leaf)
+		uvec4 before = load_move(middle).before;
+		if ((node ? before.z : before.x) <= number)
 			low = middle;
 		else
 			high = middle;
@@ -100,15 +101,13 @@ uint move_segments(uint leaf, gi_move mine)
 	return went;
 }
 
-// Links lie in the order of their objects. Returns how many stay.
+// Returns how many stay.
 uint move_links(uvec4 row)
 {
-	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u, s = 0u;
+	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	for (uint k = 0u; k < links_before; k++) {
 		uvec2 l = links[row.x + k];
-		while (l.x >= load_move(s).before.w)
-			s++;
-		uvec4 to = load_move(s).now;
+		uvec4 to = load_move(slot_of(l.x, true)).now;
 		if (to.x == GI_NONE)
 			continue;
 		links[row.x + stay] = uvec2(l.x + to.z, l.y);
@@ -125,7 +124,7 @@ void main()
 	if (t >= count)
 		return;
 	uint leaf = first + t;
-	gi_move mine = load_move(slot_of(leaf));
+	gi_move mine = load_move(slot_of(leaf, false));
 	uvec4 row = load_old_row(leaf);
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	uint went = move_segments(leaf, mine);

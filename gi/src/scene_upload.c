@@ -120,8 +120,8 @@ static void count_all(const gi_context *gi, gathered *g)
 	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
 	n->sky_slot = n->statics_slot = GI_NONE;
 	if (g->statics.count) {
-		n->first_source = g->statics.object_count;
-		n->statics_slot = n->slot_count++;
+		n->first_source = n->statics_slot = g->statics.object_count;
+		n->slot_count++;
 		n->top_count = g->statics.object_count - 1;
 		n->node_count += n->top_count;
 	}
@@ -256,7 +256,7 @@ typedef struct carried {
 } carried;
 
 /* Tops, and what all of it is as one source, in the world's frame. */
-static void gather_statics(gathered *g, uint32_t slot)
+static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 {
 	gi_scene *n = &g->next;
 	const static_tree *t = &g->statics;
@@ -265,7 +265,7 @@ static void gather_statics(gathered *g, uint32_t slot)
 			n->tops[top++] = (scene_top){t->nodes[k].node, t->nodes[k].first_slot, t->nodes[k].end_slot};
 	gi_object_data *data = &n->object_data[slot];
 	n->slots[slot] = GI_NONE;
-	data->nodes = (gi_uvec4){0, t->node_count, 0, n->object_data[t->object_count - 1].nodes.w};
+	data->nodes = (gi_uvec4){0, t->node_count, 0, leaf_count};
 	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_STATICS, 0};
 	data->ids = (gi_uvec4){0, FIRST_TOP_ID, 0, 0};
 	scene_place_sky(data);
@@ -277,14 +277,15 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
 	const uint32_t statics = g->statics.object_count;
 	uint32_t along = 0; /* the tree of the static ones */
-	for (; slot < g->order_count;) {
-		const uint32_t k = g->order[slot];
+	for (uint32_t number = 0; number < g->order_count; number++) {
+		const uint32_t k = g->order[number];
 		scene_object *o = &gi->scene.objects[k];
 		if (o->committed)
 			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
-		for (; slot < statics && g->statics.nodes[along].top; along++)
+		for (; number < statics && g->statics.nodes[along].top; along++)
 			;
-		node = slot < statics ? g->statics.nodes[along++].node : slot == statics && statics ? g->statics.node_count : node;
+		if (number < statics)
+			node = g->statics.nodes[along++].node;
 		o->slot = slot;
 		o->node_base = node;
 		o->vertex_base = vertex;
@@ -319,12 +320,12 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		primitive += o->bvh.primitive_count;
 		light += o->skin.light_count;
 		link += o->skin.light_first[o->skin.light_count];
+		if (number + 1 == statics) {
+			gather_statics(g, slot++, leaf);
+			node = g->statics.node_count;
+		}
 	}
 	g->light_first[light] = link;
-	if (statics) {
-		node = slot == statics ? g->statics.node_count : node;
-		gather_statics(g, slot++);
-	}
 	if (n->sky_slot == GI_NONE)
 		return;
 	gi_object_data *data = &n->object_data[slot];
@@ -500,7 +501,9 @@ static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves 
 		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
 		if (slot == old->statics_slot) {
 			to = same ? now->statics_slot : GI_NONE;
-			move->before.x = move->before.y = old->leaf_count; /* leaves are their objects' */
+			/* Leaves and the nodes that links name are their objects'. */
+			move->before.x = nodes.w;
+			move->before.z = nodes.y;
 		}
 		if (to == GI_NONE)
 			continue;

@@ -2,7 +2,7 @@
  * at once. Their nodes and leaves lie in the order of the tree, tops in between, so that all of it is one hierarchy:
  *
  *   nodes   | top | top | object | object | top | object | ... | movers ... | sky
- *   slots   | objects in the order of the tree | movers | the whole, as a source | sky
+ *   slots   | objects in the order of the tree | the whole, as a source | movers | sky
  *
  * A top is in the world's frame. The tree is a function of the objects' boxes and their order alone.
  */

@@ -16,11 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 1024, AT_ONCE = 7, KINDS = 5 };
+enum { MOST = 1024, AT_ONCE = 12, KINDS = 5 };
 
 typedef struct thing {
 	int kind;
 	bool alive, hidden;
+	gi_mobility mobility;
 	gi_material material;
 	gi_pose pose;
 	gi_object object;
@@ -82,6 +83,7 @@ static void create(gi_context *gi, thing *t)
 	def.index_count = mesh.index_count;
 	def.scheme = t->kind == 1 ? GI_SCHEME_CATMULL_CLARK : GI_SCHEME_BILINEAR;
 	def.double_sided = t->kind == 2;
+	def.mobility = t->mobility;
 	def.materials = &t->material;
 	def.material_count = 1;
 	def.pose = t->pose;
@@ -192,6 +194,7 @@ static void come(world *w)
 	thing *t = &w->things[w->count++];
 	*t = (thing){.kind = (int)chance_of(KINDS), .alive = true};
 	t->material = material_of(chance_of(4) == 0);
+	t->mobility = chance_of(4) ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
 	t->pose = pose_of(t->kind);
 	create(w->gi, t);
 	note_claim(w, t);
@@ -222,13 +225,16 @@ static bool something_happens(world *w)
 	} else if (what == 6) {
 		t->material = material_of(chance_of(2) == 0);
 		assert_gi(gi_set_material(w->gi, t->object, 0, t->material));
-	} else {
+	} else if (t->mobility != GI_MOBILITY_STATIC || chance_of(6) == 0) {
 		t->pose = pose_of(t->kind);
 		assert_gi(gi_set_pose(w->gi, t->object, t->pose));
 		assert_gi(gi_get_pose(w->gi, t->object, &t->pose));
+		t->mobility = GI_MOBILITY_MOVABLE; /* from now on */
 	}
 	return false;
 }
+
+static uint32_t static_things; /* of worlds built at once */
 
 /* The scene of now, in one commit. */
 static void build_at_once(const world *w, const gi_context_def *def, world *out)
@@ -252,6 +258,7 @@ static void build_at_once(const world *w, const gi_context_def *def, world *out)
 		if (!t->alive)
 			continue;
 		const uint32_t place = t->object.index1;
+		static_things += t->mobility == GI_MOBILITY_STATIC && !t->hidden;
 		assert_gi(gi_destroy_object(out->gi, fillers[place]));
 		fillers[place] = (gi_object){0};
 		create(out->gi, t);
@@ -264,9 +271,21 @@ static void build_at_once(const world *w, const gi_context_def *def, world *out)
 }
 
 typedef struct figures {
-	uint32_t compared, commits, builds;
+	uint32_t compared, commits;
 	double entries, fresh, kept_entries;
+	uint64_t common; /* entries of several objects at once */
 } figures;
+
+static uint64_t common_entries(const snapshot *s)
+{
+	uint64_t count = 0;
+	for (uint64_t k = 0; k < s->entry_count; k++) {
+		const gi_entry *e = &s->entries[k];
+		count += e->leaf_count && s->leaves[e->first_leaf].object.index1 !=
+						  s->leaves[e->first_leaf + e->leaf_count - 1].object.index1;
+	}
+	return count;
+}
 
 static void compare_with_one_built_at_once(world *w, const gi_context_def *def, const char *when, figures *f)
 {
@@ -281,6 +300,7 @@ static void compare_with_one_built_at_once(world *w, const gi_context_def *def, 
 	if (!(distance <= 1e-5 * largest))
 		fail_msg("%s: B is %.3g W/m2 from the other's, whose largest is %g", when, distance, largest);
 	f->entries += (double)full.entries;
+	f->common += common_entries(&b);
 	f->compared++;
 	snapshot_free(&a);
 	snapshot_free(&b);
@@ -307,12 +327,13 @@ static void run(bool room, uint32_t seed)
 	const uint32_t frames = text ? (uint32_t)atoi(text) : 100, every = frames > 200 ? 25 : 5;
 	figures f = {0};
 	chance_state = seed;
+	static_things = 0;
 	seed_motion(seed);
 	memset(&w, 0, sizeof w);
 	w.room = room;
 	measure_kinds(&def);
 	build_walls(&w, &def);
-	for (int k = 0; k < 4; k++)
+	for (int k = 0; k < 8; k++)
 		come(&w);
 	assert_gi(gi_commit(w.gi));
 	harness_update(w.gi);
@@ -338,9 +359,11 @@ static void run(bool room, uint32_t seed)
 		if (frame % every == 0)
 			compare_with_one_built_at_once(&w, &def, when, &f);
 	}
-	printf("  %s: %u frames, %u things, %u commits; %u times built at once, %.0f entries; cut anew %.1f %% a frame\n",
+	printf("  %s: %u frames, %u things, %u commits; %u times built at once, %.0f entries, %.1f static things, "
+	       "%.0f common entries; cut anew %.1f %% a frame\n",
 	       room ? "room" : "box", frames, w.count, f.commits, f.compared, f.entries / f.compared,
-	       100 * f.fresh / f.kept_entries);
+	       (double)static_things / f.compared, (double)f.common / f.compared, 100 * f.fresh / f.kept_entries);
+	assert_true(f.common > 0);
 	gi_context_destroy(w.gi);
 }
 
