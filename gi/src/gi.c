@@ -310,6 +310,17 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 	return GI_OK;
 }
 
+gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_mobility: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_mobility");
+	*out = o->mobility;
+	return GI_OK;
+}
+
 gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 {
 	if (!gi || !out)

@@ -203,8 +203,9 @@ typedef struct gi_leaf_cut {
 /* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
 typedef enum gi_mobility {
 	GI_MOBILITY_MOVABLE, /* every row that it faces has entries for it alone (default) */
-	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Hiding, destroying or relighting
-			      * it builds what rows have of all static objects anew; once it is moved it is movable */
+	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Where one comes, goes, is hidden,
+			      * shown or relit, what rows have of all static objects is built anew; once it is moved after a
+			      * commit it is movable. The update after such a change commits by itself */
 } gi_mobility;
 
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
@@ -318,6 +319,9 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
  * automatically does not look at it: a room encloses the others while it is hidden too.) */
 gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
 gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
+
+/* What it is now: a static object that was given another pose after a commit is movable. */
+gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
 
 /* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
  * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
