@@ -30,8 +30,12 @@ struct pair {
 	bool sky, whole;    // whole: a leaf, or a patch of sky; else each sample is on a leaf of its own
 	// Where not whole: areas of the source's object before the node's first leaf, and up to and with its last.
 	float area_before, area_all;
-	bool top; // of several objects: each sample is on one of them (choose_object)
 };
+
+// Shaders for nodes of several objects, whose samples are each on one of them (trace.glsl), define TOPS as 1.
+#ifndef TOPS
+#define TOPS 0
+#endif
 
 // What its samples ask of the source, a node of one object or a patch of sky.
 void set_source(inout pair p, gi_node_topology t)
@@ -39,7 +43,7 @@ void set_source(inout pair p, gi_node_topology t)
 	p.t = t;
 	p.whole = p.sky || t.range.z == 1u;
 	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(t.range.y).y);
-	p.same = !p.top && p.source.object == p.receiver.object;
+	p.same = TOPS == 0 && p.source.object == p.receiver.object;
 	if (p.sky)
 		p.theirs = load_quad(t.corners);
 	else if (p.whole)
@@ -56,13 +60,12 @@ pair load_pair(uvec4 entry)
 	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
 	gi_node_topology t = load_topology(entry.x);
 	p.sky = (t.range.w & GI_NODE_SKY) != 0u;
-	p.top = (t.range.w & GI_NODE_TOP) != 0u;
 	uvec4 mine = load_leaf(p.leaf);
 	p.receiver = load_body(mine.y);
 	p.mine = load_leaf_quad(p.leaf);
 	set_source(p, t);
 	// The sky is the last object.
-	uint from = p.top ? frame.inner.w : p.sky ? frame.counts.z - 1u : p.source.object;
+	uint from = TOPS == 1 ? frame.inner.w : p.sky ? frame.counts.z - 1u : p.source.object;
 	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(from).y);
 	return p;
 }

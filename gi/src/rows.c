@@ -33,7 +33,7 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
 	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
 	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program},
-	    {"renumber.comp", &r->renumber_program}};
+	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -530,6 +530,18 @@ static bool flagging_would_end_early(const gi_context *gi)
 	return gi->gpu.software && LONGEST_ROW * entries * (movers + 1) > TURNS;
 }
 
+static void trace(gi_context *gi)
+{
+	const gi_rows *r = &gi->rows;
+	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
+	frame_progress(gi, GI_PASS_TRACE);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
+	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
+	if (gi->scene.statics_slot != GI_NONE)
+		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, arguments);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
+}
+
 static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 {
 	gi_rows *r = &gi->rows;
@@ -589,7 +601,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (!r->rebuild)
 		run_rows(gi, &p, GI_PASS_FLAG, r->flag_program);
 	prepare(gi, 1);
-	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
+	trace(gi);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
 	rows_recycle(gi);
 	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
