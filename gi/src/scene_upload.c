@@ -457,9 +457,6 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	s->wide_count = g->next.wide_count;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	for (uint32_t k = 0; k < s->top_count; k++)
-		if (s->topology[s->tops[k].node].range.z > GI_WIDE_LEAVES)
-			g->wide[s->wide_count++] = s->tops[k].node;
 	place_vertices(g);
 	if (!rank_primitives(s, g->primitive_count, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
