@@ -362,6 +362,12 @@ uint load_suspect(uint n)
 {
 	return word(suspect_texels, n);
 }
+
+// Lower and upper corner of the k-th trail.
+vec4 load_trail(uint k, uint corner)
+{
+	return float_texel(suspect_texels, frame.trails.x + 2u * k + corner);
+}
 #endif
 
 #ifdef READ_WIDE_NODES

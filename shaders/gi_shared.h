@@ -193,6 +193,11 @@ GI_STRUCT(gi_material_data) {
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
+ *   trails: in the list of suspects, in fours of words, where the trails begin; how many
+ *
+ * A trail is where something was that is there no more, two vec4: a world box, in the first one's w the update that saw it
+ * go as uint bits.
+ *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
 GI_STRUCT(gi_frame) {
@@ -208,6 +213,7 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 limit;
 	GI_UVEC4 rations;
 	GI_VEC4 ceiling;
+	GI_UVEC4 trails;
 } GI_END(gi_frame)
 
 #define GI_UPDATE_REBUILD 1u   /* every row from nothing */

@@ -55,6 +55,8 @@ typedef struct scene_object {
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
+	bool trails; /* where it was since every row has seen it: */
+	gi_vec4 trail_lower, trail_upper;
 	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
@@ -111,6 +113,7 @@ typedef struct gi_rows {
 	bool kept;         /* the last commit kept them: no update ran since */
 	bool lost;         /* and an object went */
 	uint32_t lost_update; /* that saw the last one that went */
+	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
 	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
@@ -224,6 +227,8 @@ bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
 uint32_t scene_source_count(const gi_scene *scene);
 uint32_t scene_object_flags(const scene_object *object); /* GI_OBJECT_ */
 void scene_place_object(scene_object *object, gi_object_data *data);
+void scene_leave_trail(scene_object *object); /* before it is placed elsewhere */
+void scene_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 void scene_place_sky(gi_object_data *data);
 gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);

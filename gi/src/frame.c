@@ -257,8 +257,11 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	gi->gpu.uploaded_bytes = 0;
 	gi_result result = GI_OK;
 	changes c = {false, false};
-	if (gi->scene.regroup && gi_take_in(gi))
-		return GI_ERROR_OUT_OF_MEMORY;
+	if (gi->scene.regroup) {
+		const gi_result regrouped = gi_take_in(gi);
+		if (regrouped)
+			return regrouped;
+	}
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);

@@ -11,6 +11,7 @@
  * to each other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows
  * kept by updates are those of a rebuild, bit for bit.
  */
+#include "bits.h"
 #include "context.h"
 
 #include <math.h>
@@ -200,6 +201,7 @@ typedef struct plan {
 	bool part; /* under a budget: the chosen rows alone */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
+	uint32_t first_trail, trails;        /* likewise, in fours of words */
 	uint64_t cut_threads;
 } plan;
 
@@ -358,7 +360,38 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data), movers first, and those that emit. */
+static bool append_trail(slot_list *list, gi_vec4 lower, gi_vec4 upper, uint32_t update)
+{
+	uint32_t words[8];
+	lower.w = gi_float_from_bits(update);
+	memcpy(words, &lower, sizeof lower);
+	memcpy(words + 4, &upper, sizeof upper);
+	bool ok = true;
+	for (int k = 0; ok && k < 8; k++)
+		ok = append(list, words[k]);
+	return ok;
+}
+
+/* Where movers were, and what went. */
+static bool list_trails(const gi_context *gi, slot_list *list, plan *p)
+{
+	const gi_scene *s = &gi->scene;
+	const gi_rows *r = &gi->rows;
+	bool ok = true;
+	while (ok && list->count % 4)
+		ok = append(list, 0);
+	p->first_trail = list->count / 4;
+	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		if (o && o->trails && ++p->trails)
+			ok = append_trail(list, o->trail_lower, o->trail_upper, o->moved_update);
+	}
+	if (ok && r->lost_lower.x <= r->lost_upper.x && ++p->trails)
+		ok = append_trail(list, r->lost_lower, r->lost_upper, r->lost_update);
+	return ok;
+}
+
+/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and trails. */
 static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
@@ -373,6 +406,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		data->extra.x = list.count;
 	}
 	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
+	ok = ok && list_trails(gi, &list, p);
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
 	if (!ok)
@@ -455,6 +489,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .cells = s->tlas_cells,
 	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, s->first_source, s->statics_slot},
 	    .ceiling = ceiling_of(gi),
+	    .trails = {p->first_trail, p->trails, 0, 0},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
@@ -577,6 +612,20 @@ static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t progr
 		run(gi, pass, program, gi->scene.leaf_count);
 }
 
+/* Trails that every row has seen. */
+static void forget_trails(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		o->trails = o->trails && o->moved_update > r->current;
+	}
+	if (r->lost_update > r->current)
+		return;
+	r->lost_lower = (gi_vec4){INFINITY, INFINITY, INFINITY, 0};
+	r->lost_upper = (gi_vec4){-INFINITY, -INFINITY, -INFINITY, 0};
+}
+
 gi_result rows_update(gi_context *gi, const gi_budget *budget)
 {
 	gi_rows *r = &gi->rows;
@@ -607,6 +656,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
 	if (!p.part)
 		r->current = r->update;
+	forget_trails(gi);
 	gi->rations.in_force = p.part;
 	return GI_OK;
 }

@@ -108,6 +108,9 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 		renumber(gi, m->list[slot].before.x, m->list[end - 1].before.y, went(m, slot) ? m->count + 1 : gone);
 	}
 	r->lost = r->lost || lost || gone;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		if (gi->scene.objects[k].committed && !scene_is_alive(&gi->scene.objects[k]))
+			scene_include_box(&gi->scene.objects[k], &r->lost_lower, &r->lost_upper);
 }
 
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)

@@ -87,6 +87,32 @@ void scene_place_object(scene_object *o, gi_object_data *data)
 	data->plane = o->plane ? world_plane(o, m) : (gi_vec4){0, 0, 0, 0};
 }
 
+static void include(gi_vec4 lower, gi_vec4 upper, gi_vec4 *to_lower, gi_vec4 *to_upper)
+{
+	for (int k = 0; k < 3; k++) {
+		(&to_lower->x)[k] = fminf((&to_lower->x)[k], (&lower.x)[k]);
+		(&to_upper->x)[k] = fmaxf((&to_upper->x)[k], (&upper.x)[k]);
+	}
+}
+
+void scene_leave_trail(scene_object *o)
+{
+	if (o->trails) {
+		include(o->world_lower, o->world_upper, &o->trail_lower, &o->trail_upper);
+		return;
+	}
+	o->trail_lower = o->world_lower;
+	o->trail_upper = o->world_upper;
+	o->trails = true;
+}
+
+void scene_include_box(const scene_object *o, gi_vec4 *lower, gi_vec4 *upper)
+{
+	include(o->world_lower, o->world_upper, lower, upper);
+	if (o->trails)
+		include(o->trail_lower, o->trail_upper, lower, upper);
+}
+
 uint32_t scene_object_flags(const scene_object *o)
 {
 	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (scene_is_seen(o) ? 0 : GI_OBJECT_UNSEEN);
@@ -253,8 +279,10 @@ gi_result scene_upload_changes(gi_context *gi)
 		scene_object *o = &s->objects[s->slots[slot]];
 		shown = shown || scene_is_seen(o) != scene_slot_is_seen(s, slot);
 		data->bvh.z = scene_object_flags(o);
-		if (o->moved)
+		if (o->moved) {
+			scene_leave_trail(o);
 			scene_place_object(o, data);
+		}
 	}
 	if (shown) {
 		shade_invalidate(gi);

@@ -428,6 +428,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k])) {
 			gi_object_data scratch;
+			if (s->objects[k].committed && s->objects[k].moved)
+				scene_leave_trail(&s->objects[k]);
 			scene_place_object(&s->objects[k], &scratch);
 		}
 	if (wants_sky(gi) && !sky_build(&g->sky))
