@@ -9,7 +9,19 @@
 /* Places that are tried, directions to look in from each, rays of a picture's side. */
 enum { PLACES = 8, DIRECTIONS = 16, GRID = 6 };
 
-/* Whether a lamp's light comes straight to a point on the side that the ray saw. */
+/* Whether the sky is seen from a point on the side that the ray saw. */
+static bool is_below_sky(file_rays *r, const float point[3], const float normal[3])
+{
+	for (int tries = 0; tries < 4; tries++) {
+		vec3 way;
+		file_rays_scatter(r, normal, way);
+		if (file_rays_shoot(r, point, way, 1e-5f * r->radius, false).triangle == UINT32_MAX)
+			return true;
+	}
+	return false;
+}
+
+/* Whether a lamp's light comes straight to it. */
 static bool is_lit(file_rays *r, const float point[3], const float normal[3])
 {
 	vec3 lamp, unused, way;
@@ -42,7 +54,7 @@ static int shows_light(file_rays *r, const float eye[3], const float direction[3
 	glm_vec3_scale((float *)t->normal, hit.back ? -1 : 1, normal);
 	glm_vec3_copy((float *)eye, point);
 	glm_vec3_muladds((float *)direction, hit.distance, point);
-	return is_lit(r, point, normal);
+	return (r->sky && is_below_sky(r, point, normal)) || is_lit(r, point, normal);
 }
 
 /* 1 where a ray of the picture meets the back of a face with one side. */
@@ -134,19 +146,19 @@ static bool is_dark(file_rays *r, const camera *view)
 	return r->rays > 0 && r->powers[r->count - 1] > 0 && share(r, view, shows_light) < 0.02f;
 }
 
-bool file_inside_sees_backs(const engine_scene *scene, const camera *view)
+bool file_inside_sees_backs(const engine_scene *scene, bool sky, const camera *view)
 {
 	file_rays r;
-	const bool sees = file_rays_make(&r, scene) && is_dark(&r, view) && share(&r, view, meets_back) > 0.5f;
+	const bool sees = file_rays_make(&r, scene, sky) && is_dark(&r, view) && share(&r, view, meets_back) > 0.5f;
 	file_rays_free(&r);
 	return sees;
 }
 
-bool file_inside_look(const engine_scene *scene, camera *view)
+bool file_inside_look(const engine_scene *scene, bool sky, camera *view)
 {
 	file_rays r;
 	bool moved = false;
-	if (file_rays_make(&r, scene) && is_dark(&r, view))
+	if (file_rays_make(&r, scene, sky) && is_dark(&r, view))
 		try_places(&r, view, &moved);
 	file_rays_free(&r);
 	return moved;

@@ -88,12 +88,12 @@ static void find_sphere(file_rays *r)
 	r->radius = 0.5f * glm_vec3_distance(lower, upper);
 }
 
-bool file_rays_make(file_rays *r, const engine_scene *scene)
+bool file_rays_make(file_rays *r, const engine_scene *scene, bool sky)
 {
 	size_t triangles = 0;
 	for (uint32_t o = 0; o < scene->object_count; o++)
 		triangles += scene->objects[o].mesh.index_count - 2 * (size_t)scene->objects[o].mesh.face_count;
-	*r = (file_rays){.random = 2463534242u};
+	*r = (file_rays){.sky = sky, .random = 2463534242u};
 	r->triangles = malloc((triangles + 1) * sizeof *r->triangles);
 	r->powers = malloc((triangles + 1) * sizeof *r->powers);
 	if (!r->triangles || !r->powers)

@@ -26,6 +26,7 @@ typedef struct file_rays {
 	double *powers;          /* count: sums of power up to and with each triangle */
 	float middle[3], radius; /* of a sphere about all */
 	uint32_t rays;           /* that take about a quarter of a second; 0: too many triangles for any */
+	bool sky;                /* what meets no face meets light */
 	uint32_t random;
 } file_rays;
 
@@ -39,7 +40,7 @@ typedef struct file_hit {
 void file_world_from_object(const engine_pose *pose, mat4 out);
 
 /* False: out of memory; file_rays_free() is fine on it. */
-bool file_rays_make(file_rays *r, const engine_scene *scene);
+bool file_rays_make(file_rays *r, const engine_scene *scene, bool sky);
 void file_rays_free(file_rays *r);
 
 /* The nearest triangle ahead, farther than `least` metres. through_backs: backs of faces with one side, which pictures

@@ -64,6 +64,8 @@ static void measure(file_scene *f)
 typedef struct facing {
 	double inward;   /* area that looks to the middle less area that looks away, m2 */
 	double walls[4]; /* area that looks inward at the sides +z, +x, -x, -z, m2 */
+	double area;     /* m2 */
+	vec3 normal;     /* sum of all normals times their areas, m2 */
 } facing;
 
 static const float sides[4][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 0, -1}};
@@ -76,6 +78,8 @@ static void add_face(facing *a, const file_scene *f, vec3 corners[4], uint32_t c
 	glm_vec3_cross(e, d, normal);
 	const float area = (count > 3 ? 1 : 0.5f) * glm_vec3_norm(normal);
 	glm_vec3_normalize(normal);
+	a->area += (double)area;
+	glm_vec3_muladds(normal, area, a->normal);
 	glm_vec3_add((float *)f->lower, (float *)f->upper, middle);
 	glm_vec3_scale(middle, 0.5f, middle);
 	glm_vec3_sub(corners[0], middle, outward);
@@ -101,6 +105,12 @@ static facing find_facing(const file_scene *f)
 	return a;
 }
 
+/* Open ground below a lamp looks inward too, and from the side there is little of it to see. */
+static bool is_room(const facing *a)
+{
+	return a->inward > 0 && a->walls[0] + a->walls[1] + a->walls[2] + a->walls[3] > 0.02 * a->area;
+}
+
 /* A room is looked into from its most open side (backs are not drawn: a closed one opens like a doll's house), anything
  * else from the front, the right and above.
  */
@@ -108,7 +118,11 @@ static void find_direction(const file_scene *f, vec3 direction)
 {
 	const facing a = find_facing(f);
 	glm_vec3_copy((vec3){0.45f, 0.35f, 1}, direction);
-	if (a.inward > 0) {
+	if (glm_vec3_dot((float *)a.normal, direction) < -0.01f * (float)a.area) { /* from the other side of a slope */
+		direction[0] = copysignf(direction[0], a.normal[0]);
+		direction[2] = copysignf(direction[2], a.normal[2]);
+	}
+	if (is_room(&a)) {
 		int open = 0;
 		for (int k = 1; k < 4; k++)
 			if (a.walls[k] < 0.5 * a.walls[open])
@@ -235,11 +249,11 @@ static void warn(const file_scene *f, const char *path)
 static void choose_view(file_scene *f, const char *path)
 {
 	camera start;
-	if (!f->scene.has_camera && file_inside_look(&f->scene, &f->framing))
+	if (!f->scene.has_camera && file_inside_look(&f->scene, f->lit, &f->framing))
 		options_say(f->program, "%s: nothing lit is seen from outside; the camera stands where light falls",
 			    path);
 	file_scene_view(f, 0, &start);
-	if (f->scene.has_camera && file_inside_sees_backs(&f->scene, &start))
+	if (f->scene.has_camera && file_inside_sees_backs(&f->scene, f->lit, &start))
 		options_say(f->program,
 			    "%s: the file's camera sees backs of faces, which are not drawn; --two-sided draws them",
 			    path);
@@ -392,14 +406,26 @@ static void tell_choice(const file_scene *f, const gi_leaf_choice *choice)
 			    (double)choice->leaf_size);
 }
 
+/* Adds what mends it to what the library said. */
+static void name_options(char *message, size_t message_size)
+{
+	const size_t length = strlen(message);
+	if (length < message_size)
+		snprintf(message + length, message_size - length, " (--leaf-size, --leaves)");
+}
+
 /* Chooses sizes for what has none and creates all. */
-static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs)
+static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, const bool *moves, char *message,
+			    size_t message_size)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
 	def.leaves = f->leaves;
 	def.leaf_size = f->leaf_size;
+	def.moves = moves;
 	gi_result result = gi_choose_leaves(gi, &def, defs, f->scene.object_count, &choice);
+	if (result == GI_ERROR_INVALID_ARGUMENT)
+		name_options(message, message_size);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
 	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
@@ -413,14 +439,17 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	const uint32_t count = f->scene.object_count;
 	prepared *objects = calloc((size_t)count + 1, sizeof *objects);
 	gi_object_def *defs = calloc((size_t)count + 1, sizeof *defs);
+	bool *moves = calloc((size_t)count + 1, sizeof *moves);
 	const fineness fine = fineness_of(&f->scene, f->leaves);
-	bool created = objects && defs;
+	bool created = objects && defs && moves;
 	if (!created)
 		snprintf(message, message_size, "out of memory");
-	for (uint32_t k = 0; created && k < count; k++)
+	for (uint32_t k = 0; created && k < count; k++) {
+		moves[k] = f->scene.objects[k].animated;
 		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+	}
 	if (created) {
-		const gi_result result = create_all(f, gi, defs);
+		const gi_result result = create_all(f, gi, defs, moves, message, message_size);
 		if (result && !message[0])
 			snprintf(message, message_size, "%s", gi_result_text(result));
 		created = result == GI_OK;
@@ -432,6 +461,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	}
 	free(objects);
 	free(defs);
+	free(moves);
 	return created;
 }
 

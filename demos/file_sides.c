@@ -240,9 +240,9 @@ static bool follow_light(engine_scene *scene, bool sky, const char *program)
 	sides *of_objects = calloc((size_t)scene->object_count + 1, sizeof *of_objects);
 	sides *of_faces = calloc(faces + 1, sizeof *of_faces);
 	uint32_t *first_face = calloc((size_t)scene->object_count + 1, sizeof *first_face);
-	bool done = file_rays_make(&r, scene) && of_objects && of_faces && first_face &&
+	bool done = file_rays_make(&r, scene, sky) && of_objects && of_faces && first_face &&
 		    mend_by_light(scene, &r, of_objects, of_faces, first_face, program) &&
-		    (!sky || r.count == 0 || mend_by_sky(scene, &r, program));
+		    (!r.sky || r.count == 0 || mend_by_sky(scene, &r, program));
 	file_rays_free(&r);
 	free(of_objects);
 	free(of_faces);

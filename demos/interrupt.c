@@ -62,6 +62,8 @@ void interrupt_begin(const char *program)
 
 bool interrupt_came(void)
 {
+	if (came)
+		alarm(0);
 	return came != 0;
 }
 

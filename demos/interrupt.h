@@ -10,6 +10,7 @@
 /* From now on; a signal that is ignored, by nohup, stays so. */
 void interrupt_begin(const char *program);
 
+/* True ends the second's grace: the program is about to end by itself. */
 bool interrupt_came(void);
 
 /* Ends the program as the signal would have, if one came. */

@@ -308,7 +308,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		o->exposure = positive(o, "--exposure", text, 1e9);
 		return 0;
 	case KEY_SKY:
-		o->sky = positive(o, "--sky", text, 1e9);
+		o->sky = not_negative(o, "--sky", text, 1e9);
 		return 0;
 	case KEY_TWO_SIDED:
 		parse_two_sided(o, text);

@@ -130,7 +130,6 @@ static bool begin(player *p)
 
 static void end(player *p)
 {
-	report_abandon(&p->report);
 	report_free(&p->report);
 	gi_context_destroy(p->gi);
 	engine_hud_destroy(p->hud);
@@ -378,8 +377,9 @@ int player_run(const options *o, const player_scene *scene)
 	if (played && !sound)
 		options_say(o->program, "the light of %u of %u frames is wrong: %s", p->failed_frames, p->frame,
 			    report_outcome_name(p->failure));
+	report_abandon(&p->report);
+	interrupt_end(); /* files are whole; the context takes its time to go */
 	end(p);
 	free(p);
-	interrupt_end();
 	return played && sound ? EXIT_SUCCESS : EXIT_FAILURE;
 }

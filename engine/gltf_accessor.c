@@ -45,6 +45,32 @@ static uint32_t components_of(const char *type)
 	return 0;
 }
 
+/* glTF is little-endian, as are the machines this runs on; memcpy because elements need not be aligned. */
+static double component(int type, bool normalized, const uint8_t *at)
+{
+	uint16_t wide;
+	uint32_t bits;
+	float value;
+	switch (type) {
+	case BYTE:
+		return normalized ? fmax((int8_t)*at / 127.0, -1) : (int8_t)*at;
+	case UNSIGNED_BYTE:
+		return normalized ? *at / 255.0 : *at;
+	case SHORT:
+		memcpy(&wide, at, sizeof wide);
+		return normalized ? fmax((int16_t)wide / 32767.0, -1) : (int16_t)wide;
+	case UNSIGNED_SHORT:
+		memcpy(&wide, at, sizeof wide);
+		return normalized ? wide / 65535.0 : wide;
+	case UNSIGNED_INT:
+		memcpy(&bits, at, sizeof bits);
+		return normalized ? bits / 4294967295.0 : bits;
+	default:
+		memcpy(&value, at, sizeof value);
+		return (double)value;
+	}
+}
+
 static gltf_view place_view(const gltf_document *document, const cJSON *from)
 {
 	int64_t number = -1;
@@ -104,6 +130,20 @@ static const char *place_sparse(const gltf_document *document, const cJSON *spar
 	return to->sparse_numbers && to->sparse_values ? NULL : "a sparse accessor reaches past the end of its buffer";
 }
 
+/* What sparse_element() relies on. */
+static bool sparse_numbers_rise(const gltf_accessor *accessor)
+{
+	const size_t width = component_size(accessor->sparse_type);
+	double last = -1;
+	for (uint32_t k = 0; k < accessor->sparse_count; k++) {
+		const double number = component(accessor->sparse_type, false, accessor->sparse_numbers + k * width);
+		if (number <= last)
+			return false;
+		last = number;
+	}
+	return true;
+}
+
 static const char *place_accessor(const gltf_document *document, const cJSON *from, gltf_accessor *to)
 {
 	size_t count = 0, type = 0;
@@ -129,8 +169,19 @@ bool gltf_place_accessors(gltf_document *document)
 		return false;
 	for (uint32_t i = 0; i < views->count; i++)
 		document->views[i] = place_view(document, views->items[i]);
-	for (uint32_t i = 0; i < table->count; i++)
-		document->accessors[i].fault = place_accessor(document, table->items[i], &document->accessors[i]);
+	uint64_t looks = gltf_budget(document); /* many accessors may share a list of numbers */
+	for (uint32_t i = 0; i < table->count; i++) {
+		gltf_accessor *accessor = &document->accessors[i];
+		accessor->fault = place_accessor(document, table->items[i], accessor);
+		if (accessor->fault || accessor->sparse_count == 0)
+			continue;
+		if (accessor->sparse_count > looks)
+			accessor->fault = "a sparse accessor is one of too many for a file of this size";
+		else if (!sparse_numbers_rise(accessor))
+			accessor->fault = "a sparse accessor's indices do not rise";
+		else
+			looks -= accessor->sparse_count;
+	}
 	return true;
 }
 
@@ -142,32 +193,6 @@ const gltf_accessor *gltf_find_accessor(const gltf_document *document, int64_t n
 	if (!*fault && accessor->components != components)
 		*fault = "an accessor has a type that does not suit its use";
 	return *fault ? NULL : accessor;
-}
-
-/* glTF is little-endian, as are the machines this runs on; memcpy because elements need not be aligned. */
-static double component(int type, bool normalized, const uint8_t *at)
-{
-	uint16_t wide;
-	uint32_t bits;
-	float value;
-	switch (type) {
-	case BYTE:
-		return normalized ? fmax((int8_t)*at / 127.0, -1) : (int8_t)*at;
-	case UNSIGNED_BYTE:
-		return normalized ? *at / 255.0 : *at;
-	case SHORT:
-		memcpy(&wide, at, sizeof wide);
-		return normalized ? fmax((int16_t)wide / 32767.0, -1) : (int16_t)wide;
-	case UNSIGNED_SHORT:
-		memcpy(&wide, at, sizeof wide);
-		return normalized ? wide / 65535.0 : wide;
-	case UNSIGNED_INT:
-		memcpy(&bits, at, sizeof bits);
-		return normalized ? bits / 4294967295.0 : bits;
-	default:
-		memcpy(&value, at, sizeof value);
-		return (double)value;
-	}
 }
 
 /* Where the sparse values hold element i, or NULL: their numbers rise. */

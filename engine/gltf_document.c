@@ -263,6 +263,12 @@ static bool is_one_of(const char *name, const char *const *list, size_t count)
 	return false;
 }
 
+static const char *const known_extensions[] = {
+    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+    "KHR_texture_transform", /* a mean has no place */
+};
+
 /* What holds the geometry alone may not be required; of the rest, what is not read is told where it is used. */
 static bool check_extensions(gltf_document *document)
 {
@@ -274,15 +280,11 @@ static bool check_extensions(gltf_document *document)
 		const char *name = cJSON_GetStringValue(item);
 		if (name && is_one_of(name, geometric, sizeof geometric / sizeof geometric[0]))
 			return scene_fail(document->loader, "needs %s, which is not read; export without it", name);
+		if (name && !is_one_of(name, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
+			scene_note(document->loader, name, "extensions that the file requires are not read");
 	}
 	return true;
 }
-
-static const char *const known_extensions[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
-    "KHR_texture_transform", /* a mean has no place */
-};
 
 static void note_extension(gltf_document *document, const cJSON *extension, const char *subject)
 {
@@ -319,6 +321,15 @@ static void note_all_extensions(gltf_document *document)
 		const cJSON *array = gltf_member(document->root, array_names[i]), *item;
 		cJSON_ArrayForEach(item, array) note_extensions(document, item, NULL);
 	}
+}
+
+/* A file that holds its geometry once takes a byte or more a corner. One that places a mesh often may make more of it,
+ * but not without end: 4 million corners, or 64 a byte, are more than light can be computed for.
+ */
+uint64_t gltf_budget(const gltf_document *document)
+{
+	uint64_t budget = 64 * (uint64_t)document->bytes_read, least = 1u << 22, most = 1u << 27;
+	return budget < least ? least : budget > most ? most : budget;
 }
 
 static bool make_side_tables(gltf_document *document)

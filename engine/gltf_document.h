@@ -136,4 +136,7 @@ void gltf_element(const gltf_accessor *accessor, uint32_t i, double *values);
 /* All elements as floats, the caller's to free(). NULL: out of memory. */
 float *gltf_floats(const gltf_accessor *accessor);
 
+/* Corners, or floats of animations, that are made of a file of this size. */
+uint64_t gltf_budget(const gltf_document *document);
+
 #endif

@@ -72,12 +72,22 @@ uint64_t gltf_count_corners(const gltf_document *document, const cJSON *mesh)
 	return corners;
 }
 
-/* Of 3 or 4 components; NULL where there is none that can be read. */
-static const gltf_accessor *optional(const gltf_document *document, const cJSON *attributes, const char *key,
+/* Of `components`, or one more, and with an element for each position; NULL where there is none. */
+static const gltf_accessor *optional(const reading *r, const primitive *p, const cJSON *attributes, const char *key,
 				     uint32_t components)
 {
 	const char *fault;
-	return gltf_find_accessor(document, accessor_number(document, attributes, key), components, &fault);
+	int64_t number = accessor_number(r->document, attributes, key);
+	const gltf_accessor *found = gltf_find_accessor(r->document, number, components, &fault);
+	if (!found && number >= 0 && components == 3)
+		found = gltf_find_accessor(r->document, number, components + 1, &fault);
+	if (found && found->count < p->positions->count) {
+		fault = "it has fewer elements than there are positions";
+		found = NULL;
+	}
+	if (!found && gltf_member(attributes, key))
+		scene_note(r->document->loader, r->name, "attributes %s are left out: %s", key, fault);
+	return found;
 }
 
 static void find_targets(reading *r, const cJSON *from, primitive *p)
@@ -86,10 +96,15 @@ static void find_targets(reading *r, const cJSON *from, primitive *p)
 		    *weight = r->target_weights ? r->target_weights->child : NULL;
 	target = target ? target->child : NULL;
 	for (int i = 0; target && weight && i < 4096; i++, target = target->next, weight = weight->next) {
-		const gltf_accessor *moves = optional(r->document, target, "POSITION", 3);
 		double value = cJSON_IsNumber(weight) && isfinite(weight->valuedouble) ? weight->valuedouble : 0;
-		if (value == 0 || !moves || moves->count < p->positions->count || p->target_count == MAX_TARGETS)
+		const gltf_accessor *moves = value != 0 ? optional(r, p, target, "POSITION", 3) : NULL;
+		if (!moves)
 			continue;
+		if (p->target_count == MAX_TARGETS) {
+			scene_note(r->document->loader, r->name, "morph targets beyond %d active ones are left out",
+				   MAX_TARGETS);
+			return;
+		}
 		p->targets[p->target_count] = moves;
 		p->target_weights[p->target_count++] = value;
 	}
@@ -97,22 +112,15 @@ static void find_targets(reading *r, const cJSON *from, primitive *p)
 
 static void find_attributes(reading *r, const cJSON *from, primitive *p)
 {
-	const gltf_document *document = r->document;
 	const cJSON *attributes = gltf_member(from, "attributes");
-	p->colors = optional(document, attributes, "COLOR_0", 3);
-	if (!p->colors)
-		p->colors = optional(document, attributes, "COLOR_0", 4);
-	p->joints[0] = optional(document, attributes, "JOINTS_0", 4);
-	p->joints[1] = optional(document, attributes, "JOINTS_1", 4);
-	p->weights[0] = optional(document, attributes, "WEIGHTS_0", 4);
-	p->weights[1] = optional(document, attributes, "WEIGHTS_1", 4);
-	for (int set = 0; set < 2; set++) {
-		if (!p->joints[set] || !p->weights[set] || p->joints[set]->count < p->positions->count ||
-		    p->weights[set]->count < p->positions->count)
+	static const char *const joints[2] = {"JOINTS_0", "JOINTS_1"}, *const weights[2] = {"WEIGHTS_0", "WEIGHTS_1"};
+	p->colors = optional(r, p, attributes, "COLOR_0", 3);
+	for (int set = 0; r->skin && set < 2; set++) {
+		p->joints[set] = optional(r, p, attributes, joints[set], 4);
+		p->weights[set] = optional(r, p, attributes, weights[set], 4);
+		if (!p->joints[set] || !p->weights[set])
 			p->joints[set] = p->weights[set] = NULL;
 	}
-	if (p->colors && p->colors->count < p->positions->count)
-		p->colors = NULL;
 	find_targets(r, from, p);
 }
 
@@ -324,8 +332,7 @@ bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *nod
 		if (!add_primitive(&r, from))
 			return false;
 	}
-	scene_note_many(document->loader, r.left_out, name,
-			"faces with a corner that is not there, not finite or beyond 1e15 m are left out");
+	scene_note_many(document->loader, r.left_out, name, SCENE_BROKEN_FACES);
 	document->loader->meshes_broken = document->loader->meshes_broken || r.left_out > 0;
 	float *positions = realloc(out->positions, ((size_t)out->vertex_count + 1) * 3 * sizeof(float));
 	out->positions = positions ? positions : out->positions;

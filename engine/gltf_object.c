@@ -10,15 +10,6 @@ enum { CORNERS_OF_OBJECT = 64 };
 
 /* ---- how much there will be -------------------------------------------------------------------------------------- */
 
-/* A file that holds its geometry once takes a byte or more a corner. One that places a mesh often may make more of it,
- * but not without end: 4 million corners, or 64 a byte, are more than light can be computed for.
- */
-uint64_t gltf_budget(const gltf_document *document)
-{
-	uint64_t budget = 64 * (uint64_t)document->bytes_read, least = 1u << 22, most = 1u << 27;
-	return budget < least ? least : budget > most ? most : budget;
-}
-
 static const char *const instance_properties[SCENE_PROPERTIES] = {"TRANSLATION", "ROTATION", "SCALE"};
 
 /* Attributes of a node's instances, or NULL. */

@@ -52,7 +52,4 @@ bool gltf_count_objects(gltf_document *document, gltf_objects *objects);
 bool gltf_read_objects(gltf_document *document, gltf_objects *objects, const bool *in_scene);
 void gltf_free_objects(const gltf_document *document, gltf_objects *objects);
 
-/* Corners, or floats of animations, that are made of a file of this size. */
-uint64_t gltf_budget(const gltf_document *document);
-
 #endif

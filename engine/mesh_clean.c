@@ -220,7 +220,7 @@ static bool cut_polygons(engine_mesh *mesh, engine_clean_report *report)
 	return true;
 }
 
-static bool drop_unused_vertices(engine_mesh *mesh)
+bool engine_mesh_drop_unused_vertices(engine_mesh *mesh)
 {
 	uint32_t *number = calloc((size_t)mesh->vertex_count + 1, sizeof *number);
 	if (!number)
@@ -261,7 +261,7 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 	if (weld(mesh, report)) {
 		drop_degenerate(mesh, report);
 		if (engine_mesh_drop_duplicates(mesh, &report->duplicate_faces) && cut_polygons(mesh, report) &&
-		    drop_unused_vertices(mesh))
+		    engine_mesh_drop_unused_vertices(mesh))
 			return true;
 	}
 	snprintf(message, message_size, "out of memory for a mesh of %u vertices", mesh->vertex_count);

@@ -39,6 +39,9 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 typedef bool engine_mesh_keep(const void *context, uint32_t face, const uint32_t *corners);
 uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context);
 
+/* Drops the vertices that no face has. False, with nothing changed: out of memory. */
+bool engine_mesh_drop_unused_vertices(engine_mesh *mesh);
+
 /* Turns a face over: its corners run the other way. */
 void engine_mesh_turn_face(uint32_t *corners, uint32_t count);
 

@@ -68,6 +68,11 @@ uint8_t *scene_read_file(scene_loader *loader, size_t *size)
 	uint8_t *bytes = scene_read_all(file, (size_t)4 << 30, size, why, sizeof why);
 	if (!bytes)
 		scene_fail(loader, "%s", why);
+	else if (*size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0)) {
+		scene_fail(loader, "is UTF-16; save it as UTF-8");
+		free(bytes);
+		return NULL;
+	}
 	return bytes;
 }
 

@@ -90,8 +90,12 @@ typedef struct scene_loader {
 /* Writes "path: text" as one line; always false, so that callers can return it. */
 __attribute__((format(printf, 2, 3))) bool scene_fail(scene_loader *loader, const char *format, ...);
 
-/* All bytes of the scene's own file, at most 4 GiB, and a zero after the last; the caller frees them. NULL: reported. */
+/* All bytes of the scene's own file, at most 4 GiB, and a zero after the last; the caller frees them. NULL: reported.
+ */
 uint8_t *scene_read_file(scene_loader *loader, size_t *size);
+
+/* A note on faces that have no place, of any format. */
+#define SCENE_BROKEN_FACES "faces with a corner that is not there, not finite or beyond 1e15 m are left out"
 
 /* Counts one more case of what the text says; each text becomes one clause of the scene's warning, with the count and
  * the subject (a name; NULL: none) of the first case. Texts are plural: "textures are not read".
@@ -170,6 +174,14 @@ typedef enum scene_pose_result {
 #define SCENE_FARTHEST 1e9
 #define SCENE_LEAST_AREA 1e-23
 #define SCENE_MOST_RADIANCE 3e11f
+
+/* Finds the pose as graph->world has it; where the matrix mirrors or shears, the mesh takes that part. Faces too far or
+ * too small for the library are dropped.
+ */
+scene_pose_result scene_stand_object(scene_loader *loader, engine_scene_object *object);
+
+/* What an object holds. */
+void scene_release_object(engine_scene_object *object);
 
 /* Sets the `moves` of all nodes in the order. */
 void scene_mark_moving(engine_scene_graph *graph);

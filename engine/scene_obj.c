@@ -45,9 +45,7 @@ typedef struct obj_reader {
 	library libraries[MOST_LIBRARIES];
 	uint32_t library_count, names; /* of libraries read; of libraries and textures looked for */
 	const char *object;            /* of the last o */
-	uint32_t last_vertex;          /* the highest number that a face has, from 1 on, and the line where it stands */
-	uint32_t last_vertex_line;
-	uint64_t pixels, bytes; /* of all textures so far */
+	uint64_t pixels, bytes;        /* of all textures so far */
 } obj_reader;
 
 static bool fail_memory(obj_reader *r)
@@ -59,22 +57,15 @@ static bool fail_memory(obj_reader *r)
 
 static bool read_vertex(obj_reader *r, char *rest)
 {
+	const char *line = scene_rest_of_line(rest);
 	double values[7];
 	int count = 0;
 	while (count < 7 && scene_read_number(&rest, &values[count]))
 		count++;
-	if (count < 3)
-		return scene_fail(r->loader, "line %u: a vertex needs three numbers, and \"%.40s\" is none",
-				  r->text.line, scene_rest_of_line(rest));
-	const char *fault = scene_position_fault(values);
-	if (fault)
-		return scene_fail(r->loader, "line %u: the position %g %g %g %s", r->text.line, values[0], values[1],
-				  values[2], fault);
-	scene_vertex *vertex = scene_array_add(&r->polygons.vertices, sizeof *vertex);
+	scene_vertex *vertex = scene_add_vertex(r->loader, &r->polygons, count < 3 ? NULL : values, r->text.line, line);
 	if (!vertex)
 		return fail_memory(r);
-	*vertex = (scene_vertex){.colored = count == 6};
-	memcpy(vertex->position, values, sizeof vertex->position);
+	vertex->colored = count == 6;
 	if (vertex->colored)
 		scene_linear_color(values + 3, vertex->color);
 	return true;
@@ -91,24 +82,13 @@ static bool parse_vertex_number(const char *word, int64_t *number)
 }
 
 /* From the file's numbers (from 1 on, or back from -1, the vertex before the line) to ours from 0 on. */
-static bool add_corner(obj_reader *r, const char *word)
+static uint32_t vertex_of(const obj_reader *r, const char *word)
 {
 	int64_t number, vertices = (int64_t)r->polygons.vertices.count;
-	if (!parse_vertex_number(word, &number))
-		return scene_fail(r->loader, "line %u: \"%.40s\" is no vertex number", r->text.line, word);
+	if (!parse_vertex_number(word, &number) || number < -vertices)
+		return SCENE_NO_VERTEX;
 	int64_t counted = number < 0 ? vertices + 1 + number : number;
-	if (number < -vertices || counted < 1 || counted >= SCENE_MOST_ITEMS)
-		return scene_fail(r->loader,
-				  "line %u: vertex number %.24s is out of range, there are %lld vertices before",
-				  r->text.line, word, (long long)vertices);
-	if (counted > r->last_vertex) {
-		r->last_vertex = (uint32_t)counted;
-		r->last_vertex_line = r->text.line;
-	}
-	uint32_t *corner = scene_array_add(&r->polygons.corners, sizeof *corner);
-	if (corner)
-		*corner = (uint32_t)counted - 1;
-	return corner || fail_memory(r);
+	return counted < 1 || counted >= SCENE_MOST_ITEMS ? SCENE_NO_VERTEX : (uint32_t)counted - 1;
 }
 
 static bool read_face(obj_reader *r, char *rest)
@@ -116,13 +96,16 @@ static bool read_face(obj_reader *r, char *rest)
 	uint32_t corners = 0;
 	const char *word;
 	while ((word = scene_next_word(&rest)) && word[0] != '#') {
-		if (!add_corner(r, word))
-			return false;
+		uint32_t *corner = scene_array_add(&r->polygons.corners, sizeof *corner);
+		if (!corner)
+			return fail_memory(r);
+		*corner = vertex_of(r, word);
 		corners++;
 	}
 	scene_polygon *face = scene_add_polygon(&r->polygons, corners);
 	if (!face)
 		return fail_memory(r);
+	face->place = r->text.line;
 	face->group = (uint32_t)r->groups.count - 1;
 	face->material = (uint32_t)r->uses.count - 1;
 	return true;
@@ -273,6 +256,7 @@ static const struct {
     {"vt", skip},
     {"vn", skip},
     {"f", read_face},
+    {"fo", read_face}, /* of files before 1995 */
     {"usemtl", read_material},
     {"o", read_object},
     {"g", read_group},
@@ -301,9 +285,7 @@ static bool read_lines(obj_reader *r)
 		if (!read_line(r, line))
 			return false;
 	}
-	return r->last_vertex <= r->polygons.vertices.count ||
-	       scene_fail(r->loader, "line %u: vertex number %u is out of range, there are %zu vertices",
-			  r->last_vertex_line, r->last_vertex, r->polygons.vertices.count);
+	return true;
 }
 
 /* ---- textures of lamps ------------------------------------------------------------------------------------------- */
@@ -443,7 +425,7 @@ bool scene_read_obj(scene_loader *loader)
 	uint8_t *bytes = scene_read_file(loader, &size);
 	if (!bytes)
 		return false;
-	obj_reader r = {.loader = loader, .text = scene_text_of(bytes, size), .object = ""};
+	obj_reader r = {.loader = loader, .text = scene_text_of(bytes, size), .polygons.places = "line", .object = ""};
 	bool read = read_file(&r);
 	free_reader(&r);
 	free(bytes);

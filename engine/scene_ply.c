@@ -5,6 +5,7 @@
  */
 #include "scene_ply_header.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,12 @@ static bool fail_short(ply_reader *r)
 {
 	return scene_fail(r->loader, "is cut off: %llu of %llu elements \"%s\" are there", (unsigned long long)r->index,
 			  (unsigned long long)r->element->count, r->element->name);
+}
+
+/* Where the reader is, as r->polygons.places counts. */
+static uint32_t place(const ply_reader *r)
+{
+	return r->header.format == PLY_ASCII ? r->text.line : (uint32_t)r->index;
 }
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
@@ -122,28 +129,27 @@ static bool skip_values(ply_reader *r, ply_type type, uint32_t count)
 	return true;
 }
 
-/* -1 ends a strip and begins another. */
-static bool check_corner(ply_reader *r, double value)
+/* In a list of corners, where one strip ends and another begins. */
+static const uint32_t STRIP_END = SCENE_NO_VERTEX - 1;
+
+static uint32_t vertex_of(const ply_reader *r, double value)
 {
-	char fault[96];
-	if ((value == -1 && r->element->kind == PLY_STRIPS) ||
-	    (value >= 0 && value < (double)r->header.vertex_count && value == (double)(uint64_t)value))
-		return true;
-	snprintf(fault, sizeof fault, "vertex number %g is out of range, there are %llu vertices", value,
-		 (unsigned long long)r->header.vertex_count);
-	return fail_at(r, fault);
+	if (value == -1 && r->element->kind == PLY_STRIPS)
+		return STRIP_END;
+	const double most = fmin((double)r->header.vertex_count, SCENE_MOST_ITEMS);
+	return value >= 0 && value < most && value == floor(value) ? (uint32_t)value : SCENE_NO_VERTEX;
 }
 
 static bool read_corners(ply_reader *r, ply_type type, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {
 		double value;
-		if (!read_value(r, type, &value) || !check_corner(r, value))
+		if (!read_value(r, type, &value))
 			return false;
 		uint32_t *corner = scene_array_add(&r->polygons.corners, sizeof *corner);
 		if (!corner)
 			return fail_at(r, "out of memory");
-		*corner = value < 0 ? UINT32_MAX : (uint32_t)value;
+		*corner = vertex_of(r, value);
 	}
 	return true;
 }
@@ -197,17 +203,11 @@ static bool read_color(const ply_reader *r, const ply_values *values, float colo
 static bool add_vertex(ply_reader *r, const ply_values *values)
 {
 	const double *position = values->value + PLY_X;
-	char text[160];
-	const char *fault = scene_position_fault(position);
-	if (fault) {
-		snprintf(text, sizeof text, "the position %g %g %g %s", position[0], position[1], position[2], fault);
-		return fail_at(r, text);
-	}
-	scene_vertex *vertex = scene_array_add(&r->polygons.vertices, sizeof *vertex);
+	char text[64];
+	snprintf(text, sizeof text, "%g %g %g", position[0], position[1], position[2]);
+	scene_vertex *vertex = scene_add_vertex(r->loader, &r->polygons, position, place(r), text);
 	if (!vertex)
 		return fail_at(r, "out of memory");
-	*vertex = (scene_vertex){0};
-	memcpy(vertex->position, position, sizeof vertex->position);
 	vertex->colored = read_color(r, values, vertex->color);
 	return true;
 }
@@ -217,6 +217,7 @@ static bool add_face(ply_reader *r, const ply_values *values)
 	scene_polygon *face = scene_add_polygon(&r->polygons, values->corners);
 	if (!face)
 		return fail_at(r, "out of memory");
+	face->place = place(r);
 	float color[3];
 	if (read_color(r, values, color)) {
 		face->colored = true;
@@ -228,7 +229,7 @@ static bool add_face(ply_reader *r, const ply_values *values)
 static bool add_triangle(ply_reader *r, uint32_t a, uint32_t b, uint32_t c)
 {
 	const uint32_t corners[3] = {a, b, c};
-	if (a == b || b == c || c == a) /* strips are sewn together by such */
+	if ((a == b || b == c || c == a) && fmax(fmax(a, b), c) < STRIP_END) /* strips are sewn together by such */
 		return true;
 	for (int i = 0; i < 3; i++) {
 		uint32_t *corner = scene_array_add(&r->polygons.corners, sizeof *corner);
@@ -236,14 +237,18 @@ static bool add_triangle(ply_reader *r, uint32_t a, uint32_t b, uint32_t c)
 			return fail_at(r, "out of memory");
 		*corner = corners[i];
 	}
-	return scene_add_polygon(&r->polygons, 3) || fail_at(r, "out of memory");
+	scene_polygon *face = scene_add_polygon(&r->polygons, 3);
+	if (!face)
+		return fail_at(r, "out of memory");
+	face->place = place(r);
+	return true;
 }
 
-/* Every second triangle of a strip runs the other way round. `at` holds the numbers, UINT32_MAX between strips. */
+/* Every second triangle of a strip runs the other way round. */
 static bool add_strips(ply_reader *r, const uint32_t *at, uint32_t count)
 {
 	for (uint32_t i = 0, begin = 0; i < count; i++) {
-		if (at[i] == UINT32_MAX)
+		if (at[i] == STRIP_END)
 			begin = i + 1;
 		else if (i >= begin + 2 && !((i - begin) % 2 ? add_triangle(r, at[i - 1], at[i - 2], at[i])
 							     : add_triangle(r, at[i - 2], at[i - 1], at[i])))
@@ -304,6 +309,7 @@ static bool read_file(ply_reader *r)
 	if (!ply_read_header(r->loader, &r->text, &r->header))
 		return false;
 	r->text.line++; /* where the body begins */
+	r->polygons.places = r->header.format == PLY_ASCII ? "line" : "face";
 	const ply_element *elements = r->header.elements.items;
 	for (size_t i = 0; i < r->header.elements.count; i++) {
 		r->element = &elements[i];

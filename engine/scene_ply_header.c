@@ -55,6 +55,9 @@ static ply_role role_of(ply_kind kind, const char *name, bool is_list)
 	    {"diffuse_red", PLY_RED, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
 	    {"diffuse_green", PLY_GREEN, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
 	    {"diffuse_blue", PLY_BLUE, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
+	    {"r", PLY_RED, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
+	    {"g", PLY_GREEN, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
+	    {"b", PLY_BLUE, false, 1 << PLY_VERTEX | 1 << PLY_FACE},
 	    {"vertex_indices", PLY_CORNERS, true, 1 << PLY_FACE | 1 << PLY_STRIPS},
 	    {"vertex_index", PLY_CORNERS, true, 1 << PLY_FACE | 1 << PLY_STRIPS},
 	};

@@ -2,8 +2,10 @@
 
 #include "image_mean.h"
 #include "mesh_clean.h"
+#include "scene_bounds.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,21 +32,68 @@ void scene_polygons_free(scene_polygons *polygons)
 
 /* ---- vertices and faces ------------------------------------------------------------------------------------------ */
 
-const char *scene_position_fault(const double position[3])
+static bool is_near(const double position[3])
 {
-	for (int k = 0; k < 3; k++) {
-		if (!isfinite(position[k]))
-			return "is not finite";
-		if (fabs(position[k]) > (double)ENGINE_MESH_FARTHEST)
-			return "is beyond 1e15 m";
+	const double farthest = (double)ENGINE_MESH_FARTHEST; /* false for what is no number, too */
+	return fabs(position[0]) <= farthest && fabs(position[1]) <= farthest && fabs(position[2]) <= farthest;
+}
+
+scene_vertex *scene_add_vertex(scene_loader *loader, scene_polygons *polygons, const double *position, uint32_t place,
+			       const char *text)
+{
+	scene_vertex *vertex = scene_array_add(&polygons->vertices, sizeof *vertex);
+	if (!vertex)
+		return NULL;
+	*vertex = (scene_vertex){.broken = !position || !is_near(position)};
+	if (!vertex->broken) {
+		memcpy(vertex->position, position, sizeof vertex->position);
+		return vertex;
 	}
-	return NULL;
+	char where[64];
+	snprintf(where, sizeof where, "%s %u%s%s", strcmp(polygons->places, "line") ? "vertex" : "line", place,
+		 text ? ": " : "", text ? text : "");
+	scene_note(loader, where, "vertices that are not three numbers within 1e15 m are left out");
+	return vertex;
 }
 
 void scene_linear_color(const double srgb[3], float linear[3])
 {
 	for (int c = 0; c < 3; c++)
 		linear[c] = (float)engine_linear_of_srgb(fmin(fmax(srgb[c], 0), 1));
+}
+
+static bool is_whole(const scene_polygons *polygons, const scene_polygon *face, const uint32_t *corners)
+{
+	const scene_vertex *vertices = polygons->vertices.items;
+	for (uint32_t i = 0; i < face->corners; i++) {
+		if (corners[i] >= polygons->vertices.count || vertices[corners[i]].broken)
+			return false;
+	}
+	return true;
+}
+
+/* Drops the faces whose corners are not all there, once all vertices are known. Returns whether most stay. */
+static bool drop_broken_faces(scene_loader *loader, scene_polygons *polygons)
+{
+	scene_polygon *faces = polygons->faces.items;
+	uint32_t *corners = polygons->corners.items, *next = corners, dropped = 0;
+	size_t kept = 0, kept_corners = 0, all = polygons->faces.count;
+	char first[64] = "";
+	for (size_t f = 0; f < all; f++) {
+		const scene_polygon face = faces[f];
+		if (is_whole(polygons, &face, next)) {
+			memmove(corners + kept_corners, next, face.corners * sizeof *next);
+			kept_corners += face.corners;
+			faces[kept++] = face;
+		} else if (dropped++ == 0) {
+			snprintf(first, sizeof first, "%s %u", polygons->places, face.place);
+		}
+		next += face.corners;
+	}
+	polygons->faces.count = kept;
+	polygons->corners.count = kept_corners;
+	scene_note_many(loader, dropped, first, SCENE_BROKEN_FACES);
+	return dropped <= kept;
 }
 
 /* The mean of the colours of the corners, where all have one. */
@@ -185,28 +234,15 @@ static bool add_group(scene_loader *loader, const scene_polygons *polygons, grou
 	return scene_add_object(loader, &def, &mesh);
 }
 
-/* Whole numbers near the middle of the vertices that faces use, or 0 where floats keep the digits without that: map
- * coordinates have seven digits before the point. Small scenes far out (1 m at 1 km and more) gain too.
- */
+/* Taken off in double precision, before the positions become floats. */
 static void find_offset(const scene_polygons *polygons, double offset[3])
 {
 	const scene_vertex *vertices = polygons->vertices.items;
 	const uint32_t *corners = polygons->corners.items;
-	double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-	double size = 0, farthest = 0;
-	for (size_t i = 0; i < polygons->corners.count; i++) {
-		for (int k = 0; k < 3; k++) {
-			lower[k] = fmin(lower[k], vertices[corners[i]].position[k]);
-			upper[k] = fmax(upper[k], vertices[corners[i]].position[k]);
-		}
-	}
-	for (int k = 0; k < 3; k++) {
-		offset[k] = rint(0.5 * (lower[k] + upper[k]));
-		size = fmax(size, upper[k] - lower[k]);
-		farthest = fmax(farthest, fabs(offset[k]));
-	}
-	if (farthest <= 64 * size)
-		memset(offset, 0, 3 * sizeof *offset);
+	scene_bounds bounds = scene_bounds_of_nothing();
+	for (size_t i = 0; i < polygons->corners.count; i++)
+		scene_bounds_widen(&bounds, vertices[corners[i]].position);
+	scene_bounds_far_middle(&bounds, offset);
 }
 
 static bool add_groups(scene_loader *loader, const scene_polygons *polygons, const char *const *names,
@@ -249,8 +285,16 @@ static bool number_materials(scene_loader *loader, scene_polygons *polygons)
 bool scene_add_polygons(scene_loader *loader, scene_polygons *polygons, const char *const *names, uint32_t group_count)
 {
 	scene_note_many(loader, polygons->small_faces, NULL, "faces of fewer than three corners are left out");
-	if (polygons->faces.count == 0)
-		return scene_fail(loader, "holds no faces");
+	const size_t faces = polygons->faces.count;
+	scene_write_warning(loader);
+	if (faces == 0)
+		return scene_fail(loader, "holds no faces%s%s", loader->scene->warning[0] ? ": " : "",
+				  loader->scene->warning);
+	if (!drop_broken_faces(loader, polygons)) {
+		scene_write_warning(loader);
+		return scene_fail(loader, "%zu of its %zu faces cannot be used, it may be cut off: %s",
+				  faces - polygons->faces.count, faces, loader->scene->warning);
+	}
 	/* Both formats place their objects in world space: one node at the origin serves all. */
 	return scene_make_graph(loader, 1) && number_materials(loader, polygons) &&
 	       add_groups(loader, polygons, names, group_count);

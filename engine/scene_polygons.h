@@ -7,6 +7,9 @@
 /* A face without a material: by its colour, where it has one, else the default material. */
 #define SCENE_NO_MATERIAL UINT32_MAX
 
+/* A corner whose number in the file is of no vertex. */
+#define SCENE_NO_VERTEX UINT32_MAX
+
 /* Below 2^30, so that three numbers for each still count in 32 bits wherever they go. */
 #define SCENE_MOST_ITEMS (1u << 30)
 
@@ -23,27 +26,33 @@ typedef struct scene_polygon {
 	uint32_t corners;  /* how many; they follow those of the polygon before, in scene_polygons.corners */
 	uint32_t group;    /* which object it becomes a part of */
 	uint32_t material; /* the scene's number, or SCENE_NO_MATERIAL */
+	uint32_t place;    /* where it is in the file: see scene_polygons */
 	bool colored;
 	float color[3]; /* reflectance, linear */
 } scene_polygon;
 
 typedef struct scene_vertex {
-	double position[3]; /* metres, finite */
+	double position[3]; /* metres, finite, no farther than ENGINE_MESH_FARTHEST; 0 of a broken one */
+	bool broken;        /* no place is known; faces on it are left out */
 	bool colored;
 	float color[3]; /* reflectance, linear */
 } scene_vertex;
 
 typedef struct scene_polygons {
 	scene_array vertices; /* scene_vertex */
-	scene_array corners;  /* uint32_t, numbers of vertices */
+	scene_array corners;  /* uint32_t, numbers of vertices that may come later, or SCENE_NO_VERTEX */
 	scene_array faces;    /* scene_polygon */
 	uint32_t small_faces; /* of fewer than three corners, dropped */
+	const char *places;   /* what scene_polygon.place counts: "line" or "face" */
 } scene_polygons;
 
 void scene_polygons_free(scene_polygons *polygons);
 
-/* What is wrong with a position ("is not finite"), or NULL. */
-const char *scene_position_fault(const double position[3]);
+/* Adds a vertex without a colour; a broken one where the position is NULL, not finite or too far, so that the others
+ * keep their numbers. `text` is what the file says there, or NULL. NULL: out of memory.
+ */
+scene_vertex *scene_add_vertex(scene_loader *loader, scene_polygons *polygons, const double *position, uint32_t place,
+			       const char *text);
 
 /* The reflectance that a displayed colour stands for: sRGB, each brought to 0..1, to linear. */
 void scene_linear_color(const double srgb[3], float linear[3]);
@@ -55,7 +64,8 @@ void scene_linear_color(const double srgb[3], float linear[3]);
 scene_polygon *scene_add_polygon(scene_polygons *polygons, uint32_t corners);
 
 /* Makes the scene's objects: one for each group that has faces, in the order of the groups, named names[group] (NULL or
- * empty: numbered). All corners must number vertices. Faces without a material get one of their colour, or the default.
+ * empty: numbered). Faces with a corner that is no vertex, or a broken one, are left out and told; the file is refused
+ * where those are most of it. Faces without a material get one of their colour, or the default.
  */
 bool scene_add_polygons(scene_loader *loader, scene_polygons *polygons, const char *const *names, uint32_t group_count);
 

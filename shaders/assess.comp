@@ -11,7 +11,8 @@
 // An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from another
 // leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as
 // much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
-// raised or lowered by counts on its own. A row that may not close may become anything.
+// raised or lowered by counts on its own. Black sky gets its part where no ray saw it, too. A row that may not close may
+// become anything.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -90,6 +91,7 @@ struct sums {
 	float firm_others, firm_emitters; // F V of the untouched
 	part lost, gained;                // of the touched
 	float kept;                       // what the touched may weigh afterwards
+	float unseen;                     // F of the touched that closing may raise from nothing, black sky
 	vec3 exchanged;                   // F V of the touched that may change leaves, times how far their B is apart
 	range others, emitters;           // B of the entries, before and afterwards; of the firm, that of their objects
 	uint rays, entries;
@@ -102,6 +104,7 @@ struct source_part {
 	range others;   // B of its leaves that are no emitters
 	vec3 brightest; // B of all of them
 	bool emits;     // some of it
+	bool dark_sky;
 };
 
 source_part load_source(uint object)
@@ -110,8 +113,8 @@ source_part load_source(uint object)
 	bool emits = (flags & GI_NODE_EMITTER) != 0u;
 	vec3 b = load_radiosity(root).xyz;
 	if ((object_bvh(object).z & GI_OBJECT_SKY) != 0u)
-		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits);
-	source_part from = source_part(object, NOTHING, vec3(0.0), emits);
+		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits);
+	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false);
 	for (uint c = 0u; c < 3u; c++) {
 		uint at = GI_SHINE_WORDS * object + c;
 		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
@@ -127,6 +130,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(seen_of(e)) / float(taken) : 0.0;
 	s.rays += touched ? max(taken, 1u) : 0u;
 	s.entries += touched ? 1u : 0u;
+	s.unseen += touched && v == 0.0 && from.dark_sky ? f : 0.0;
 	if (v == 0.0 && !(touched && stays))
 		return;
 	bool emitter = from.emits && (load_range(e.x).w & GI_NODE_EMITTER) != 0u;
@@ -167,7 +171,7 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	if (from.emits)
 		include(s.emitters, b);
 	// Of all static objects a row has about as much as it has of all.
-	uint unknown = from.object == frame.inner.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
+	uint unknown = from.object == frame.trails.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
 	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -175,9 +179,9 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
-	sums s = sums(0.0, 0.0, none, none, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
+	sums s = sums(0.0, 0.0, none, none, 0.0, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	for (uint source = frame.inner.z; source < frame.counts.z; source++) {
+	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
 		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		s.had += count;
@@ -188,7 +192,7 @@ sums sum_row(uint leaf, watch w)
 			uvec4 e = load_entry(block.x + k);
 			add_entry(s, from, block.x + k, e, cut || is_flagged(w, p, e), !cut);
 		}
-		if (s.firm_others > firm_others)
+		if (s.firm_others > firm_others || (from.dark_sky && count > 0u))
 			include(s.others, from.others);
 		if (s.firm_emitters > firm_emitters)
 			include(s.emitters, range(from.others.least, from.brightest));
@@ -208,8 +212,9 @@ vec4 bound_of(sums s, received r, bool open)
 	if (open || firm < CLOSES_ABOVE)
 		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
-	// Touched entries are raised too: none more than doubles, together they gain no more than the row lacks.
-	float raise_old = min((CLOSE_RAISE - 1.0) * lost, max(0.0, 1.0 - firm - lost));
+	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor; together
+	// they gain no more than the row lacks.
+	float raise_old = min((CLOSE_RAISE - 1.0) * lost + s.unseen, max(0.0, 1.0 - firm - lost));
 	float raise_new = min((CLOSE_RAISE - 1.0) * s.kept, max(0.0, 1.0 - firm));
 	float moved = min(1.0, max(lost, s.kept) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
 	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.

@@ -51,12 +51,12 @@ layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 // Static objects are one source: the table of segments has a column for each slot from the first source on.
 uint source_count()
 {
-	return frame.counts.z - frame.inner.z;
+	return frame.counts.z - frame.trails.z;
 }
 
 uint segment_of(uint leaf, uint source)
 {
-	return leaf * source_count() + source - frame.inner.z;
+	return leaf * source_count() + source - frame.trails.z;
 }
 #endif
 

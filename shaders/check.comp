@@ -37,10 +37,11 @@
 // a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window of its steps begins, comes
 // back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
 //
-// Not farther than from a cold start. R of before has the residual r over the new rows, R = 0 has s. What is missing is
-// M^-1 of that, in flux A times the flux of |r| at most, and about A times that of s; what is local counts about once. Where a
-// channel begins worse by that estimate than from R = 0, all begin again from there; one with too much light, from the part of R
-// whose flux is right, if that is better (weigh.comp).
+// Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the solution. No
+// sweep is lost: T is linear, and what it makes of the start follows from what it made of 1, v and R. Cold, R before is s, so
+// that only what light reached in a sweep, channel by channel, begins with more than 0, and the rest gets what links bring.
+// Warm, what is left of the residual decides, all channels alike, flux amplified A times and what is local about once: where it
+// is not clearly less than of the best multiple of 1, the solve begins again, cold, and the sweep does not count.
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -81,8 +82,9 @@ const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// A warm start against a cold one: what is local may spread worse than it looks.
-const float UNSURE = 2.0;
+// A warm start leaves so much less than a multiple of 1, of the flux astray and of all, or is refused: what nearly equal residuals come
+// to depends on where they are, which nobody knows.
+const float NEARER = 0.5;
 
 // v of rows that amplified so many times more or less tells nothing of these.
 const float OTHER_ROWS = 16.0;
@@ -100,11 +102,11 @@ const float FLOOR = 2.0 / 16777216.0;
 
 // The words of the state that the solve goes by, as registers: read at the start, written at the end. In place, their
 // hundred loads and stores took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
-uint words[92];
+uint words[104];
 
 void read_words()
 {
-	for (uint k = 0u; k < 23u; k++) {
+	for (uint k = 0u; k < 26u; k++) {
 		uvec4 four = load_four_words(k);
 		for (uint c = 0u; c < 4u; c++)
 			words[4u * k + c] = four[c];
@@ -121,9 +123,8 @@ void write_words()
 		state[k] = words[k];
 	for (uint k = GI_STATE_ARGS_DOUBLE; k < GI_STATE_DIRECT_BITS; k++)
 		state[k] = words[k];
-	state[GI_STATE_WEIGHED] = words[GI_STATE_WEIGHED];
-	state[GI_STATE_RECALLS] = words[GI_STATE_RECALLS];
-	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_FACTOR_BITS + 4u; k++)
+	state[GI_STATE_START] = words[GI_STATE_START];
+	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_LIFT_BITS; k++)
 		state[k] = words[k];
 }
 
@@ -177,6 +178,7 @@ void stop(uint verdict)
 	if (verdict != GI_SOLVE_GOES_ON && words[GI_STATE_FAILINGS] == 0u && words[GI_STATE_ELLIPSE] > 0u)
 		words[GI_STATE_ELLIPSE] -= 1u;
 	words[GI_STATE_VERDICT] = verdict;
+	words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_ARGS_GATHER] = 0u;
 	words[GI_STATE_ARGS_DOUBLE] = 0u;
 	words[GI_STATE_ARGS_PULL] = 0u;
@@ -190,7 +192,7 @@ void queue_next()
 	queue_sweep(load(GI_STATE_SEEN_BITS) > AMPLIFIED);
 }
 
-// The largest light reflected, as far as it is known before the first sweep. A cold start has R = 0 and v = 1.
+// The largest light reflected, as far as it is known before the first sweep. A cold start has v = 1.
 void note_first_scale()
 {
 	if (largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
@@ -212,6 +214,25 @@ void begin_anew()
 	note_first_scale();
 }
 
+// From the light first reflected and v = 1, as where nothing was reflected before, and with nothing that depends on what was: the same
+// scene, the same bits.
+void begin_cold()
+{
+	words[GI_STATE_SWEEPS] = words[GI_STATE_ELLIPSE] = 0u;
+	store(GI_STATE_SEEN_BITS, 0.0);
+	for (uint c = 0u; c < 3u; c++)
+		words[GI_STATE_SCALE_BITS + c] = 0u;
+	begin_anew();
+	words[GI_STATE_START] = GI_START_COLD;
+	words[GI_STATE_ACTION] = GI_ACTION_COLD;
+}
+
+void begin_warm()
+{
+	begin_anew();
+	words[GI_STATE_START] = GI_START_WARM;
+}
+
 // Sweeps of this frame, and what came in the place of sweeps: solver.c queues no more than max_sweeps of both and SPARE_SWEEPS.
 uint spent()
 {
@@ -220,13 +241,16 @@ uint spent()
 
 void begin()
 {
-	words[GI_STATE_SWEEPS] = words[GI_STATE_WEIGHED] = words[GI_STATE_RECALLS] = 0u;
+	words[GI_STATE_SWEEPS] = words[GI_STATE_RECALLS] = 0u;
+	words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
 	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.y));
 	put_groups(GI_STATE_ARGS_WIDE, frame.misc.y);
 	put_groups(GI_STATE_ARGS_CHECK, 1u);
-	if (stage == STAGE_BEGIN)
-		begin_anew();
+	if (stage == STAGE_BEGIN && largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
+		begin_cold();
+	else if (stage == STAGE_BEGIN)
+		begin_warm();
 	else if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV && words[GI_STATE_ACTION] == 0u)
 		words[GI_STATE_ACTION] = GI_ACTION_KEEP;
 	clear_findings();
@@ -424,42 +448,46 @@ void judge(bool in_double, float last_residual, float residual)
 	queue_sweep(amplified > AMPLIFIED || in_double || (kappa < HUGE && kappa <= IN_DOUBLE * least));
 }
 
-// ---- warm or cold ----
+// ---- where a solve begins ----
 
-// How much of R before the sweep a channel should have begun with: the part that weigh.comp chose, where that is no farther from
-// the solution than none is.
-float part_of_warm(uint c, float a)
+// Is R of before no help in a channel, as far as what is left of the residual tells?
+bool is_colder(uint c, float a)
 {
 	float astray = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c);
-	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_DIRECT_BITS + c);
-	return a * astray + UNSURE * local <= a * mean + most ? load(GI_STATE_FACTOR_BITS + c) : 0.0;
+	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_COLD_MOST_BITS + c);
+	return !(astray <= NEARER * mean && a * astray + local <= NEARER * (a * mean + most));
 }
 
-bool should_have_begun_otherwise()
+// Does R of before leave no less than nothing would, in some channel? A cold start has nothing to be compared with.
+bool is_refused(float a)
+{
+	return words[GI_STATE_START] == GI_START_WARM && (is_colder(0u, a) || is_colder(1u, a) || is_colder(2u, a));
+}
+
+// What the sweep would have made of the start that weigh.comp found, instead of what it made of R before. v anew, as of a
+// sweep from v = 1, where that of other rows is no start.
+void begin_from_start(float a, float seen)
+{
+	bool other_rows = words[GI_STATE_START] == GI_START_WARM && (a > OTHER_ROWS * seen || seen > OTHER_ROWS * a);
+	store(GI_STATE_FACTOR_BITS + 3u, other_rows ? 0.0 : 1.0);
+	store(GI_STATE_SEEN_BITS, other_rows ? 0.0 : seen);
+	if (other_rows)
+		words[GI_STATE_ELLIPSE] = 0u;
+	for (uint c = 0u; other_rows && c < 3u; c++)
+		words[GI_STATE_SCALE_BITS + c] = 0u;
+	words[GI_STATE_DONE_RESIDUAL_BITS] = 0u;
+	begin_anew();
+	words[GI_STATE_SWEEPS] = max_sweeps > 1u ? 1u : 0u;
+	words[GI_STATE_ACTION] = GI_ACTION_SCALE;
+}
+
+void begin_weighed(float seen)
 {
 	float a = amplification();
-	vec3 part = vec3(part_of_warm(0u, a), part_of_warm(1u, a), part_of_warm(2u, a));
-	float least = min(part.x, min(part.y, part.z));
-	for (uint c = 0u; c < 3u; c++)
-		store(GI_STATE_FACTOR_BITS + c, least > 0.0 ? part[c] : 0.0);
-	float seen = load(GI_STATE_SEEN_BITS);
-	bool other_rows = a > OTHER_ROWS * seen || seen > OTHER_ROWS * a;
-	store(GI_STATE_FACTOR_BITS + 3u, least > 0.0 && !other_rows ? 1.0 : 0.0);
-	return least < 1.0 || other_rows;
-}
-
-// The sweep that told so does not count.
-void begin_otherwise(float seen)
-{
-	for (uint c = 0u; c < 3u; c++)
-		store(GI_STATE_SCALE_BITS + c, load(GI_STATE_FACTOR_BITS + c) * load(GI_STATE_SCALE_BITS + c));
-	bool cold = load(GI_STATE_FACTOR_BITS + 3u) == 0.0;
-	store(GI_STATE_SEEN_BITS, cold ? 0.0 : seen);
-	if (cold)
-		words[GI_STATE_ELLIPSE] = 0u;
-	begin_anew();
-	words[GI_STATE_SWEEPS] = 0u;
-	words[GI_STATE_ACTION] = GI_ACTION_SCALE;
+	if (is_refused(a))
+		begin_cold();
+	else
+		begin_from_start(a, seen);
 	queue_next();
 }
 
@@ -492,8 +520,7 @@ void finish_sweep()
 	// Of the R that this sweep kept, if it kept one.
 	if (words[GI_STATE_ACTION] == GI_ACTION_KEEP)
 		store(GI_STATE_KEPT_BITS, residual);
-	bool otherwise = words[GI_STATE_WEIGHED] != 0u && should_have_begun_otherwise();
-	words[GI_STATE_WEIGHED] = 0u;
+	bool weighed = words[GI_STATE_START] != GI_START_NONE;
 	words[GI_STATE_ACTION] = 0u;
 	words[GI_STATE_SWEEPS] += 1u;
 	store(GI_STATE_DONE_RESIDUAL_BITS, residual);
@@ -507,8 +534,8 @@ void finish_sweep()
 	else
 		judge(in_double, last_residual, residual);
 	note_light();
-	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && otherwise)
-		begin_otherwise(seen);
+	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && weighed)
+		begin_weighed(seen);
 	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && spent() >= max_sweeps)
 		end_frame();
 	clear_findings();
@@ -516,6 +543,8 @@ void finish_sweep()
 
 void finish_action()
 {
+	if (words[GI_STATE_ACTION] == GI_ACTION_SCALE)
+		words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_ACTION] = 0u;
 	queue_next();
 }

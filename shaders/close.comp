@@ -55,6 +55,7 @@ const float LEAST_FACTOR = 1e-30;
 struct visible_entry {
 	float weight;   // F V
 	float variance; // of F V
+	float least, most; // what a correction leaves or makes of the weight
 	bool emitter;
 };
 
@@ -102,23 +103,24 @@ float visibility_variance(float seen, float taken, float share)
 	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
 }
 
-visible_entry read_entry(uvec4 e, float share)
+// Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where no
+// ray of its own saw it, as far as the segment's do. What is lowered when a ray sees it and not raised when the ray misses
+// makes all that shines too bright.
+visible_entry read_entry(uvec4 e, float share, bool dark_sky)
 {
 	float taken = float(samples_of(e)), seen = float(seen_of(e));
 	float f = uintBitsToFloat(e.y);
-	if (seen == 0.0 || f < LEAST_FACTOR)
-		return visible_entry(0.0, 0.0, false);
+	if (f < LEAST_FACTOR || (seen == 0.0 && !dark_sky))
+		return visible_entry(0.0, 0.0, 0.0, 0.0, false);
 	uint flags = load_range(e.x).w;
-	return visible_entry(f * seen / taken, f * f * (visibility_variance(seen, taken, share) + factor_variance(flags)),
-			     (flags & GI_NODE_EMITTER) != 0u);
+	float weight = f * seen / taken, most = CLOSE_RAISE * weight;
+	return visible_entry(weight, f * f * (visibility_variance(seen, taken, share) + factor_variance(flags)), CLOSE_LOWER * weight,
+			     dark_sky ? max(f, most) : most, (flags & GI_NODE_EMITTER) != 0u);
 }
 
 float corrected(visible_entry v, correction c)
 {
-	if (v.weight <= 0.0)
-		return 0.0;
-	float per_variance = v.emitter ? c.emitters : c.others;
-	return v.weight * clamp(1.0 + per_variance * v.variance / v.weight, CLOSE_LOWER, CLOSE_RAISE);
+	return clamp(v.weight + (v.emitter ? c.emitters : c.others) * v.variance, v.least, v.most);
 }
 
 bool carries_light(uvec4 e, uint target)
@@ -145,7 +147,7 @@ struct row_counts {
 row_counts count_row(uint leaf)
 {
 	row_counts count = row_counts(0u, 0u);
-	for (uint s = frame.inner.z; s < frame.counts.z; s++) {
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		uint seen = 0u, taken = 0u;
@@ -170,18 +172,18 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
 	row_sums row = row_sums(0.0, correction(0.0, 0.0));
-	for (uint s = frame.inner.z; s < frame.counts.z; s++) {
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
-			visible_entry v = read_entry(e, share);
-			if (v.weight <= 0.0)
+			visible_entry v = read_entry(e, share, s == frame.inner.z);
+			if (v.most <= 0.0)
 				continue;
 			float w = corrected(v, c);
 			add(weight, w);
-			if (raise ? w >= CLOSE_RAISE * v.weight : w <= CLOSE_LOWER * v.weight)
+			if (raise ? w >= v.most : w <= v.least)
 				continue;
 			row.free.others += v.emitter ? 0.0 : v.variance;
 			row.free.emitters += v.emitter ? v.variance : 0.0;
@@ -194,13 +196,13 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
-	for (uint s = frame.inner.z; s < frame.counts.z; s++) {
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
-			float weight = scale * corrected(read_entry(e, share), c);
+			float weight = scale * corrected(read_entry(e, share, s == frame.inner.z), c);
 			if (weight <= 0.0 || !carries_light(e, load_target(k)))
 				continue;
 			links[at++] = uvec2(load_target(k), floatBitsToUint(weight));

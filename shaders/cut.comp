@@ -40,7 +40,8 @@ const float SPARSE = 0.35;
 const float SPARSE_NEAR = 4.0;
 
 // From within this many radii the middle of a node that is seen along it says little of its nearest part: of a floor from 5 cm
-// above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at most.
+// above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at most; it is refined
+// as if so much did.
 const float NEAR = 1.5;
 const float ALONG = 0.25;
 
@@ -70,7 +71,7 @@ uint classify_sky(shape p, gi_node_geometry g, uint flags)
 // The object whose frame a node's spread is in; that of tops is the world, as their source's.
 uint object_of(uint source, uvec4 range)
 {
-	return source != frame.inner.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
+	return source != frame.trails.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
 }
 
 uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
@@ -86,8 +87,9 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	float d = f.d;
 	// Nor anything where the two face each other, a hair apart.
 	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
-	if (d < max((f.faced < ALONG * d ? NEAR : 1.0) * g.sphere.w, reach))
+	if (d < max(g.sphere.w, reach))
 		return CUT_REFINE;
+	bool near = f.faced < ALONG * d && d < NEAR * g.sphere.w;
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
@@ -101,6 +103,8 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	bool walls = ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
 	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
+	if (near)
+		shown = max(shown, ALONG * g.moment.w);
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
 	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
 	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
@@ -133,7 +137,7 @@ uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state[GI_STATE_CHOSEN];
-		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.inner.z + t / count) : uvec2(GI_NONE);
+		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.trails.z + t / count) : uvec2(GI_NONE);
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);

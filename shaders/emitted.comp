@@ -1,7 +1,7 @@
 #version 450 core
 // Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum over
-// links of weight * E, in double precision, and the part of it by what is not drawn per pixel. Walks the rows that were
-// refreshed, or with ALL every row. One thread a leaf.
+// links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights sum to less
+// than 1, rounded down. Walks the rows that were refreshed, or with ALL every row. One thread a leaf.
 //
 // Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected light
 // exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
@@ -29,6 +29,9 @@ shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
 // More than the rounding of rho * irradiance and of a division.
 const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 
+// More than a double's sum of ten thousand weights is off by, and than a float's rounding.
+const double SUMMED = 1e-12lf, ROUNDED_DOWN = 1.0lf - 1.0lf / 4194304.0lf;
+
 void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 {
 	vec3 exitance = load_exitance(node).xyz;
@@ -43,14 +46,19 @@ void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 vec3 walk(uint leaf, uvec4 row)
 {
 	dvec3 sum = dvec3(0.0lf), undrawn = dvec3(0.0lf);
+	double weights = 0.0lf;
 	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
 	for (uint k = row.x / 2u; 2u * k < end; k++) {
 		uvec4 two = load_two_links(k);
 		add(sum, undrawn, two.x, two.y);
 		add(sum, undrawn, two.z, two.w);
+		weights += double(uintBitsToFloat(two.y));
+		weights += double(uintBitsToFloat(two.w));
 	}
 	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
 	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, uintBitsToFloat(row.z));
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w =
+		float(max(1.0lf - weights - SUMMED, 0.0lf) * ROUNDED_DOWN);
 	float area = load_rest(load_leaf(leaf).x).moment.w;
 	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn, area);
 	return emitted;

@@ -31,7 +31,7 @@ void main()
 	watch w = watch_of(leaf);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u;
-	for (uint source = frame.inner.z; source < frame.counts.z; source++) {
+	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
 		if (pair_is_dirty(w.mine, source, w.since))
 			continue; // cut anew
 		uvec4 block = load_segment(segment_of(leaf, source));

@@ -37,23 +37,19 @@ const float HUGE = 3e38;
 const float SLACK = 1e-6;
 
 struct gathered {
-	REAL4 sum;    // of weight * R_node, and of weight * v_node
-	REAL row_sum; // of weights
-	uint count;   // of links
+	REAL4 sum;  // of weight * R_node, and of weight * v_node
+	uint count; // of links
 };
 
 gathered gather(uint leaf)
 {
 	uvec4 row = load_row(leaf);
-	gathered g = gathered(REAL4(0.0), REAL(0.0), row.y & GI_BLOCK_COUNT_MASK);
+	gathered g = gathered(REAL4(0.0), row.y & GI_BLOCK_COUNT_MASK);
 	uint reflected = GI_NODE_R * frame.counts.y;
 	for (uint k = row.x / 2u; 2u * k < row.x + g.count; k++) {
 		uvec4 two = load_two_links(k);
-		REAL first = REAL(uintBitsToFloat(two.y)), second = REAL(uintBitsToFloat(two.w));
-		g.sum += first * REAL4(load_radiosity(reflected + two.x));
-		g.sum += second * REAL4(load_radiosity(reflected + two.z));
-		g.row_sum += first;
-		g.row_sum += second;
+		g.sum += REAL(uintBitsToFloat(two.y)) * REAL4(load_radiosity(reflected + two.x));
+		g.sum += REAL(uintBitsToFloat(two.w)) * REAL4(load_radiosity(reflected + two.z));
 	}
 	return g;
 }
@@ -92,13 +88,13 @@ REAL ratio(REAL3 x, REAL3 of)
 struct swept {
 	REAL4 before, arrived, image; // R and v; rho * sum; T R
 	REAL4 arrived_doubt, doubt;
-	REAL3 row_sum;                // rho * the row's sum, rounded up
+	REAL3 row_sum, gap;           // rho * the row's sum, rounded up; 1 - that, rounded down
 };
 
 // Nodes are off by ROUNDING of their means, all terms of the sums are >= 0 and n of them, and what is done with the sum, add
 // n ROUNDING_OF_REAL; what is below the least normal float may be lost, and nodes are off by as much. The irradiance by exitance is off by ROUNDING twice: means and store. A leaf that sees nothing has R = 0, exactly,
 // and so have all where nothing is lit.
-swept work_out(gathered g, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
+swept work_out(gathered g, REAL lacks, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
 {
 	swept s;
 	s.before = REAL4(before);
@@ -109,7 +105,8 @@ swept work_out(gathered g, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
 	s.arrived_doubt = (REAL(ROUNDING) + relative) * s.arrived + lost;
 	s.doubt = s.arrived_doubt + REAL(4.0) * ROUNDING_OF_REAL * s.image + lost;
 	s.doubt.xyz += REAL(2.1 * ROUNDING) * source.xyz;
-	s.row_sum = rho.xyz * g.row_sum * (REAL(1.0) + relative);
+	s.row_sum = rho.xyz * (REAL(1.0) - lacks) * (REAL(1.0) + REAL(4.0) * ROUNDING_OF_REAL);
+	s.gap = ((REAL(1.0) - rho.xyz) + rho.xyz * lacks) * (REAL(1.0) - REAL(4.0) * ROUNDING_OF_REAL);
 	return s;
 }
 
@@ -142,7 +139,7 @@ void report(swept s, vec4 next, vec3 b)
 	report_exactly(GI_STATE_B_MAX_BITS, max(b.x, max(b.y, b.z)));
 	report_exactly(GI_STATE_V_MAX_BITS, float(s.before.w));
 	// Rounded on the way to a float, which check.comp allows for.
-	report_exactly(GI_STATE_GAP_BITS, max(float(REAL(1.0) - largest(s.row_sum) * (REAL(1.0) + SLACK_OF_REAL)), 0.0));
+	report_exactly(GI_STATE_GAP_BITS, float(min(s.gap.x, min(s.gap.y, s.gap.z))));
 	REAL descent = s.before.w * (REAL(1.0) - SLACK_OF_REAL) - s.arrived.w - s.arrived_doubt.w;
 	report_exactly(GI_STATE_DESCENT_BITS, max(float(descent), 0.0));
 }
@@ -154,11 +151,11 @@ REAL4 confined(REAL4 r, REAL4 source, vec3 ceiling, vec3 exitance)
 	return min(max(r, source), REAL4(most));
 }
 
-void store(uint leaf, vec4 before, vec4 next, vec3 b)
+void store(uint leaf, vec4 before, vec4 next, vec3 b, float lacks)
 {
 	leaf_radiosity[GI_LEAF_R * frame.counts.x + leaf] = next;
 	leaf_radiosity[GI_LEAF_BEFORE * frame.counts.x + leaf] = before;
-	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf] = vec4(b, 0.0);
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf] = vec4(b, lacks);
 }
 
 // R and v, by what T makes of them.
@@ -182,7 +179,8 @@ void sweep(uint leaf, uint action)
 	vec3 ceiling = load_three(GI_STATE_CEILING_BITS);
 	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
 	REAL4 source = REAL4(vec4(m.rho.xyz, 1.0)) * REAL4(vec4(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 1.0));
-	swept s = work_out(g, rho, source, before, ceiling);
+	float lacks = load_leaf_part(GI_LEAF_B, leaf).w;
+	swept s = work_out(g, REAL(lacks), rho, source, before, ceiling);
 	vec4 next = to_single(confined(step_from(s, leaf), source, ceiling, m.exitance.xyz));
 	bool finite = !any(isnan(next)) && !any(isinf(next));
 	if (!finite) {
@@ -190,20 +188,39 @@ void sweep(uint leaf, uint action)
 		next = before = vec4(0.0, 0.0, 0.0, 1.0);
 	}
 	vec3 b = m.exitance.xyz + next.xyz;
-	store(leaf, before, next, b);
+	store(leaf, before, next, b, lacks);
 	if (finite)
 		report(s, next, b);
 }
 
-// Instead of a sweep: the R that was kept, or a part of R; no part of R and v is a cold start.
+// Of T R and T v of the last sweep, T (a R + b v + c): T R - s and T v - 1 are linear in R and v. Channel by channel it stays 0
+// where no light came to, for 1 and v are positive in rooms that no light reaches too; and what light of before there is,
+// in rooms that may be sealed by now, is raised only where light first arrives: no more than R or T R elsewhere.
+vec4 scaled(vec4 before, vec4 swept, vec3 rho, vec3 source, float row_sum)
+{
+	vec3 by_v = rho * ((swept.w - 1.0) / max(max(rho.x, max(rho.y, rho.z)), 1e-20));
+	vec3 r = source + load_three(GI_STATE_FACTOR_BITS) * (swept.xyz - source) + load_three(GI_STATE_LIFT_BITS) * by_v;
+	r += load_three(GI_STATE_BASE_BITS) * rho * row_sum;
+	if (load_state(GI_STATE_START) == GI_START_WARM)
+		r = mix(min(r, max(before.xyz, swept.xyz)), r, greaterThan(source, vec3(0.0)));
+	r = mix(vec3(0.0), r, greaterThan(swept.xyz, vec3(0.0)));
+	float v = load_state(GI_STATE_FACTOR_BITS + 3u) != 0u ? swept.w : 1.0 + max(rho.x, max(rho.y, rho.z)) * row_sum;
+	return vec4(r, v);
+}
+
+// Instead of a sweep: the R that was kept, what the last sweep would have made of another R, or a cold start.
 void go_back(uint leaf, uint action)
 {
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	vec4 r = load_leaf_part((action & GI_ACTION_RECALL) != 0u ? GI_LEAF_KEPT : GI_LEAF_R, leaf);
-	if ((action & GI_ACTION_SCALE) != 0u)
-		r *= vec4(load_three(GI_STATE_FACTOR_BITS), uintBitsToFloat(load_state(GI_STATE_FACTOR_BITS + 3u)));
-	vec4 next = to_single(vec4(r.xyz, max(r.w, 1.0)));
-	store(leaf, next, next, m.exitance.xyz + next.xyz);
+	float lacks = load_leaf_part(GI_LEAF_B, leaf).w;
+	vec4 source = vec4(m.rho.xyz * load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 1.0);
+	if ((action & GI_ACTION_COLD) != 0u)
+		r = source;
+	else if ((action & GI_ACTION_SCALE) != 0u)
+		r = scaled(load_leaf_part(GI_LEAF_BEFORE, leaf), r, m.rho.xyz, source.xyz, 1.0 - lacks);
+	vec4 next = to_single(vec4(confined(REAL4(r), REAL4(source), load_three(GI_STATE_CEILING_BITS), m.exitance.xyz)));
+	store(leaf, next, next, m.exitance.xyz + next.xyz, lacks);
 }
 
 // Of a leaf that is none.

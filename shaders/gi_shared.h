@@ -186,14 +186,14 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others; the first slot that is a
- *          source, and that of the static objects as one, GI_NONE: there is none
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   trails: in the list of suspects, in fours of words, where the trails begin; how many
+ *   trails: in the list of suspects, in fours of words, where the trails begin; how many; the first slot that is a source, and
+ *           that of the static objects as one, GI_NONE: there is none
  *
  * A trail is where something was that is there no more, two vec4: a world box, in the first one's w the update that saw it
  * go as uint bits.
@@ -347,12 +347,16 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it; kept over frames */
 #define GI_STATE_DIRECT_BITS 69u   /* 3: largest light first reflected (emitted.comp) */
 #define GI_STATE_CEILING_BITS 72u  /* 3: no reflected light is more */
-#define GI_STATE_WEIGHED 75u       /* 1: the next words hold how a warm start compares with a cold one (weigh.comp) */
+#define GI_STATE_START 75u         /* GI_START_ */
+/* How the start that weigh.comp found compares with the best multiple of 1. */
 #define GI_STATE_WARM_MEAN_BITS 76u /* 3: mean flux of its residual, W/m2 */
 #define GI_STATE_WARM_MOST_BITS 79u /* 3: largest residual */
-#define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of a cold start */
+#define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of the multiple of 1 */
 #define GI_STATE_FACTOR_BITS 85u   /* 4: what becomes of R and v of before */
 #define GI_STATE_RECALLS 89u       /* how often in this frame a kept R came back, each in the place of a sweep */
+#define GI_STATE_LIFT_BITS 90u     /* 3: how much of v is added to R */
+#define GI_STATE_BASE_BITS 93u     /* 3: and of 1 */
+#define GI_STATE_COLD_MOST_BITS 96u /* 3: largest residual of the multiple of 1 */
 /* Rows under a budget. */
 #define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
 #define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */
@@ -388,10 +392,16 @@ GI_STRUCT(gi_move) {
 /* GI_STATE_ACTION. */
 #define GI_ACTION_KEEP 1u          /* a sweep, which keeps the R it begins with */
 #define GI_ACTION_RECALL 2u        /* no sweep: the R that was kept comes back */
-#define GI_ACTION_SCALE 4u         /* no sweep: R and v times a factor */
+#define GI_ACTION_SCALE 4u         /* no sweep: what the last sweep makes of the start that weigh.comp found */
+#define GI_ACTION_COLD 8u          /* no sweep: R is the light first reflected, v is 1 */
+
+/* GI_STATE_START: what the sweep to come, or just done, begins the solve with; weigh.comp looks at it. */
+#define GI_START_NONE 0u           /* it begins none */
+#define GI_START_WARM 1u           /* R of before */
+#define GI_START_COLD 2u           /* the light first reflected */
 
 /* The buffer of leaf radiosity, a part after the other, each a vec4 per leaf; that of node radiosity, a vec4 per node. */
-#define GI_LEAF_B 0u               /* B, W/m2 */
+#define GI_LEAF_B 0u               /* B, W/m2; w: what its row sums to less than 1 */
 #define GI_LEAF_R 1u               /* R = B - E, v */
 #define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
 #define GI_LEAF_KEPT 3u            /* R, v to come back to */

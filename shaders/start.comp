@@ -1,5 +1,5 @@
 #version 450 core
-// R = 0, B = E and v = 1 everywhere: a cold start. One thread a node. The sky reflects nothing and amplifies nothing.
+// R = 0, B = E and v = 1 everywhere: what check.comp takes for a cold start. One thread a node. The sky reflects nothing and amplifies nothing.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE
@@ -27,7 +27,7 @@ void main()
 	radiosity[GI_NODE_R * frame.counts.y + n] = r;
 	if ((range.w & GI_NODE_LEAF) == 0u || sky)
 		return;
-	leaf_radiosity[GI_LEAF_B * frame.counts.x + range.y] = b;
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + range.y].xyz = b.xyz;
 	leaf_radiosity[GI_LEAF_R * frame.counts.x + range.y] = r;
 	leaf_radiosity[GI_LEAF_BEFORE * frame.counts.x + range.y] = r;
 }

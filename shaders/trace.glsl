@@ -1,5 +1,5 @@
-// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, and
-// the rest where those disagree.
+// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, eight
+// where those are hidden, and the rest where they disagree.
 // An entry's samples are always taken from the first, so the result does not depend on what was known before.
 //
 // TOPS: of entries of several objects at once, whose samples are each on an object of their own; else of all others. Apart,
@@ -31,10 +31,19 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
+// So many that agree are enough. Of hidden ones more: in shadow the little that comes in is all the light there is, and would
+// come in at one go where the first of four is no longer hidden.
 const uint PROBES = 4u;
+const uint HIDDEN_PROBES = 8u;
+const uint SKY_PROBES = 2u;
 
-// A patch of black sky has a ray for each so much of its form factor, up to four: rows that miss a large one by a single
-// ray are raised, and what hits one is not lowered as much.
+// The order that samples of a sequence of 16 are taken in, a hexadecimal digit each: the first four and eight of it fill both
+// squares evenly (small wrap-around discrepancy, Hickernell 1998), so that those that agree seldom overlook an edge
+// between them. In the sequence's own order the first four leave 0.43 of one coordinate without any.
+const uvec2 ORDER = uvec2(0xf653c9a0u, 0xe4d1b278u);
+
+// A patch of black sky has a ray for each so much of its form factor, up to four: a row that missed a large one by a single
+// ray would be raised by half.
 const float COARSE_SKY = 0.15;
 
 // A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
@@ -84,8 +93,7 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 {
 	float sum = 0.0;
 	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
-		uint other = hash(attempt); // 0 for the first: a sequence of its own for each
-		vec4 u = sample_numbers(p.ids.x, p.ids.y ^ other, k);
+		vec4 u = segment_numbers(p.ids.x, p.ids.y, attempt, k);
 		vec3 m;
 #if TOPS
 		choose_object(p, u.z);
@@ -134,8 +142,9 @@ void main()
 	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
 	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
 	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
-	// rays to save.
-	uint probes = emitter ? min(wanted, PROBES) : wanted;
+	// rays to save. Black sky is not seen at all.
+	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
+	bool reordered = emitter || (!p.sky && wanted <= PROBES);
 	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
@@ -145,7 +154,8 @@ void main()
 		body on = p.source;
 		// What is not before the receiver must not shine through its back.
 		uint by = p.receiver.object;
-		if (choose_segment(p, taken, candidates, a, b, on)) {
+		uint k = reordered ? ((taken < 8u ? ORDER.x : ORDER.y) >> (4u * (taken & 7u))) & 15u : taken;
+		if (choose_segment(p, k, candidates, a, b, on)) {
 			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
@@ -157,7 +167,8 @@ void main()
 		else
 			blocker = blocker == GI_BLOCKER_NONE || blocker == by ? by : GI_BLOCKER_MIXED;
 		taken++;
-		if (taken == probes && (visible == 0u || visible == (1u << probes) - 1u))
+		bool agree = visible == 0u || visible == (1u << taken) - 1u;
+		if (agree && taken == (emitter && visible == 0u ? min(wanted, HIDDEN_PROBES) : probes))
 			break;
 	}
 	entries[slot].z = visible | (blocker << 16u);

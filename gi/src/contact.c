@@ -19,11 +19,9 @@
 #define SHORTEST 0.05
 /* An edge that rises steeper over a face has no shadow's border below it. */
 #define STEEPEST 0.5
-/* Strips begin this many heights below an edge, or at this part of a leaf, and grow by this factor up to this part of a
- * leaf. */
-#define STRIP_HEIGHTS 2
-#define THINNEST_STRIP (1 / 16.0)
-#define STRIP_GROWTH 4
+/* Strips begin a height below an edge, or at this part of a leaf, and grow by this factor up to this part of a leaf. */
+#define THINNEST_STRIP (1 / 32.0)
+#define STRIP_GROWTH 2
 #define WIDEST_STRIP 0.7
 /* Within 35 degrees. */
 #define ALONG_COSINE 0.82
@@ -236,7 +234,7 @@ static bool find_edges(finder *f)
 
 /* ---- lines ---- */
 
-static bool add_cut(gi_contact_object *o, uint32_t face_number, gi_vec3d from, gi_vec3d to)
+static bool add_cut(gi_contact_object *o, uint32_t face_number, gi_vec3d from, gi_vec3d to, bool parts)
 {
 	/* Doubles at powers of two. */
 	if ((o->cut_count & (o->cut_count - 1)) == 0) {
@@ -247,9 +245,16 @@ static bool add_cut(gi_contact_object *o, uint32_t face_number, gi_vec3d from, g
 	}
 	gi_leaf_cut *cut = &o->cuts[o->cut_count++];
 	cut->face = face_number;
+	cut->parts = parts;
 	to_object(o->def, from, cut->from);
 	to_object(o->def, to, cut->to);
 	return true;
+}
+
+/* Does the contact of two faces last? */
+static bool stays(const finder *f, const face *a, const face *b)
+{
+	return a->object == b->object || !(f->objects[a->object].moves || f->objects[b->object].moves);
 }
 
 static double height_over(const finder *f, const face *on, gi_vec3d p)
@@ -303,24 +308,31 @@ static bool cross_face(finder *f, const face *on, const face *through)
 		}
 	}
 	return reached[1] - reached[0] < SHORTEST * on->size ||
-	       add_cut(&f->objects[on->object], on->number, ends[0], ends[1]);
+	       add_cut(&f->objects[on->object], on->number, ends[0], ends[1], stays(f, on, through));
 }
 
 /* Light that comes in below an edge at some height falls off within a few heights, on the face and on the one above it:
- * each gets strips along the edge, or the leaves at the border would hand their mean on to what lies deep below. */
+ * each gets strips along the edge, or the leaves at the border would hand their mean on to what lies deep below. What
+ * comes in comes from the foot outside, which sees less than the rest of its leaf: one strip there.
+ */
 static bool add_strips(finder *f, const face *on, const face *above, gi_vec3d from, gi_vec3d to)
 {
 	const double height = fabs(height_over(f, on, mix(from, to, 0.5)));
+	if (height <= TOUCH * on->size)
+		return true;
 	gi_vec3d inward = gi_vec3d_cross(above->normal, gi_vec3d_unit(gi_vec3d_sub(to, from)));
 	if (gi_vec3d_dot(inward, gi_vec3d_sub(face_centre(f, above), from)) < 0)
 		inward = gi_vec3d_scale(inward, -1);
-	bool enough = true;
-	double width = fmax(STRIP_HEIGHTS * height, THINNEST_STRIP * on->size);
-	for (; enough && height > TOUCH * on->size && width < WIDEST_STRIP * on->size; width *= STRIP_GROWTH) {
+	double width = fmax(height, THINNEST_STRIP * on->size);
+	const gi_vec3d out = gi_vec3d_scale(inward, -width);
+	bool enough =
+	    width >= WIDEST_STRIP * on->size ||
+	    add_cut(&f->objects[on->object], on->number, gi_vec3d_add(from, out), gi_vec3d_add(to, out), false);
+	for (; enough && width < WIDEST_STRIP * on->size; width *= STRIP_GROWTH) {
 		const gi_vec3d shift = gi_vec3d_scale(inward, width), a = gi_vec3d_add(from, shift),
 			       b = gi_vec3d_add(to, shift);
-		enough = add_cut(&f->objects[on->object], on->number, a, b) &&
-			 (!(above->size > 0) || add_cut(&f->objects[above->object], above->number, a, b));
+		enough = add_cut(&f->objects[on->object], on->number, a, b, false) &&
+			 (!(above->size > 0) || add_cut(&f->objects[above->object], above->number, a, b, false));
 	}
 	return enough;
 }
@@ -335,7 +347,11 @@ static const face *lies_along(const finder *f, const face *on, uint32_t number)
 static bool add_lines(finder *f, const face *on, const edge *e, gi_vec3d from, gi_vec3d to)
 {
 	const face *above[2] = {lies_along(f, on, e->face), lies_along(f, on, e->other)};
-	bool enough = add_cut(&f->objects[on->object], on->number, from, to);
+	/* Below an edge that hovers light gets to both sides. */
+	const double touch = TOUCH * on->size;
+	const bool stands = fabs(height_over(f, on, from)) <= touch && fabs(height_over(f, on, to)) <= touch;
+	bool enough =
+	    add_cut(&f->objects[on->object], on->number, from, to, stands && stays(f, on, &f->faces[e->face]));
 	for (int k = 0; k < 2 && enough && f->strips; k++)
 		enough = !above[k] || add_strips(f, on, above[k], from, to);
 	return enough;

@@ -17,6 +17,7 @@
 /* One object of the scene as it stands. */
 typedef struct gi_contact_object {
 	const gi_object_def *def;
+	bool moves;         /* its contacts with others do not part light */
 	const float *sizes; /* of each face's leaves, metres; NULL: its faces are not cut, but cut others */
 	gi_leaf_cut *cuts;  /* found, the caller frees them */
 	uint32_t cut_count;

@@ -152,13 +152,15 @@ static bool copy_others(const gi_object_def *def, const bool *repeats, gi_unique
 	out->face_counts = allocate(def->face_count, sizeof *out->face_counts);
 	out->indices = allocate(def->index_count, sizeof *out->indices);
 	out->face_materials = allocate(def->face_count, sizeof *out->face_materials);
-	if (!out->face_counts || !out->indices || !out->face_materials)
+	out->origin = allocate(def->face_count, sizeof *out->origin);
+	if (!out->face_counts || !out->indices || !out->face_materials || !out->origin)
 		return false;
 	uint32_t faces = 0, corners = 0;
 	const uint32_t *next = def->indices;
 	for (uint32_t k = 0; k < def->face_count; next += gi_corner_count(def->face_counts, k), k++) {
 		if (repeats[k])
 			continue;
+		out->origin[faces] = k;
 		out->face_counts[faces] = gi_corner_count(def->face_counts, k);
 		out->face_materials[faces] = def->face_materials ? def->face_materials[k] : 0;
 		memcpy(out->indices + corners, next, sizeof *next * gi_corner_count(def->face_counts, k));
@@ -191,6 +193,7 @@ void gi_unique_faces_free(gi_unique_faces *unique)
 	free(unique->face_counts);
 	free(unique->indices);
 	free(unique->face_materials);
+	free(unique->origin);
 	free(unique->leaf_sizes);
 	free(unique->leaf_cuts);
 	*unique = (gi_unique_faces){.dropped = 0};

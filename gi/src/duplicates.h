@@ -10,6 +10,7 @@
 typedef struct gi_unique_faces {
 	gi_object_def def;
 	uint32_t dropped;
+	uint32_t *origin; /* def.face_count numbers of the caller's faces; NULL where nothing was dropped */
 	uint32_t *face_counts, *indices, *face_materials; /* its own; NULL where nothing was dropped */
 	float *leaf_sizes;
 	gi_leaf_cut *leaf_cuts;

@@ -5,6 +5,7 @@
  */
 #include "contact.h"
 #include "context.h"
+#include "duplicates.h"
 #include "faces.h"
 #include "vec3d.h"
 
@@ -26,7 +27,7 @@ static const struct {
 	bool strips;
 } EFFORTS[] = {{1, true}, {1, false}, {0.25, false}, {0, false}};
 enum { LEAST_EFFORT = 3 };
-static const double MOST_ADDED = 500;
+static const double MOST_ADDED = 500, MOST_TIMES = 2;
 
 typedef struct choice_memory {
 	uint32_t count;
@@ -36,7 +37,8 @@ typedef struct choice_memory {
 
 typedef struct chooser {
 	const gi_leaf_choice_def *def;
-	gi_object_def *objects; /* copies, with what was chosen so far */
+	gi_unique_faces *unique; /* of each object: faces that will be there */
+	gi_object_def *objects;  /* copies of those, with what was chosen so far */
 	uint32_t count;
 	double **shares; /* of each face: its size over the scene's */
 	double **lamps;  /* of each face: smaller is not wanted for a lamp, metres; 0: no lamp */
@@ -244,7 +246,9 @@ static bool find_cuts(chooser *c)
 	uint32_t flat = 0;
 	for (uint32_t k = 0; contacts && places && k < c->count; k++)
 		if (c->objects[k].scheme == GI_SCHEME_BILINEAR) {
-			contacts[flat] = (gi_contact_object){&c->objects[k], c->memory->sizes[k], NULL, 0};
+			contacts[flat] = (gi_contact_object){.def = &c->objects[k],
+							     .moves = c->def->moves && c->def->moves[k],
+							     .sizes = c->memory->sizes[k]};
 			places[flat++] = k;
 		}
 	const bool done = contacts && places &&
@@ -281,7 +285,7 @@ static bool cut_and_count(chooser *c, uint64_t *count)
 	for (;; c->effort++) {
 		if (!find_cuts(c) || !count_leaves(c, count))
 			return false;
-		if (c->effort == LEAST_EFFORT || (double)*count <= 2 * uncut + MOST_ADDED)
+		if (c->effort == LEAST_EFFORT || (double)*count <= MOST_TIMES * uncut + MOST_ADDED)
 			return true;
 	}
 }
@@ -319,12 +323,32 @@ static gi_result check(const gi_context *gi, const gi_leaf_choice_def *def, cons
 	return result;
 }
 
-static gi_result refuse(const gi_context *gi, const chooser *c, double leaves)
+/* Of which the leaves fit with what cuts may add to them; 0: none does. */
+static double fitting_size(chooser *c)
 {
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-		       "would be %.0f leaves of %g, more than %u: a leaf size of %g fits", leaves, c->size,
-		       c->def->most_leaves,
-		       scene_rounded_size(c->size * sqrt(1.1 * leaves / (double)c->def->most_leaves)));
+	const double most = (c->def->most_leaves - MOST_ADDED) / MOST_TIMES;
+	double size = c->size;
+	while (estimate(c, size) > most) {
+		if (size > 4 * c->largest)
+			return 0;
+		size *= 1.1;
+	}
+	return scene_rounded_size(size);
+}
+
+static gi_result refuse(const gi_context *gi, chooser *c, double leaves)
+{
+	const gi_log *log = &gi->gpu.log;
+	const double size = c->size, fits = fitting_size(c);
+	if (!(fits > 0))
+		return gi_fail(
+		    log, GI_ERROR_INVALID_ARGUMENT,
+		    "would be %.0f leaves of %g, more than %u, and no leaf size makes them few enough: there "
+		    "are too many faces",
+		    leaves, size, c->def->most_leaves);
+	return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+		       "would be %.0f leaves of %g, more than %u: a leaf size of %g fits", leaves, size,
+		       c->def->most_leaves, fits);
 }
 
 /* Every definition has a fineness of its own. */
@@ -372,17 +396,24 @@ static gi_result choose(const gi_context *gi, chooser *c, gi_leaf_choice *out)
 static bool allocate(chooser *c, const gi_object_def *objects)
 {
 	const size_t count = (size_t)c->count + 1;
+	c->unique = calloc(count, sizeof *c->unique);
 	c->objects = malloc(sizeof *c->objects * count);
 	c->shares = calloc(count, sizeof *c->shares);
 	c->lamps = calloc(count, sizeof *c->lamps);
 	c->memory = calloc(1, sizeof *c->memory);
-	if (!c->objects || !c->shares || !c->lamps || !c->memory)
+	if (!c->unique || !c->objects || !c->shares || !c->lamps || !c->memory)
 		return false;
 	c->memory->count = c->count;
 	c->memory->sizes = calloc(count, sizeof *c->memory->sizes);
 	c->memory->cuts = calloc(count, sizeof *c->memory->cuts);
-	memcpy(c->objects, objects, sizeof *objects * c->count);
-	return c->memory->sizes && c->memory->cuts;
+	if (!c->memory->sizes || !c->memory->cuts)
+		return false;
+	for (uint32_t k = 0; k < c->count; k++) {
+		if (!gi_unique_faces_make(&objects[k], &c->unique[k]))
+			return false;
+		c->objects[k] = c->unique[k].def;
+	}
+	return true;
 }
 
 static void free_chooser(chooser *c)
@@ -392,11 +423,49 @@ static void free_chooser(chooser *c)
 			free(c->shares[k]);
 		if (c->lamps)
 			free(c->lamps[k]);
+		if (c->unique)
+			gi_unique_faces_free(&c->unique[k]);
 	}
+	free(c->unique);
 	free(c->objects);
 	free(c->shares);
 	free(c->lamps);
 	free_memory(c->memory);
+}
+
+/* By the numbers that the caller's faces have; those that will be left out get the size of all. */
+static bool renumber(const gi_unique_faces *from, uint32_t face_count, float **sizes, gi_leaf_cut *cuts,
+		     uint32_t cut_count)
+{
+	float *all = calloc(face_count, sizeof *all);
+	if (!all)
+		return false;
+	for (uint32_t k = 0; k < from->def.face_count; k++)
+		all[from->origin[k]] = (*sizes)[k];
+	free(*sizes);
+	*sizes = all;
+	for (uint32_t k = 0; k < cut_count; k++)
+		cuts[k].face = from->origin[cuts[k].face];
+	return true;
+}
+
+static bool hand_over(chooser *c, gi_object_def *objects)
+{
+	for (uint32_t k = 0; k < c->count; k++) {
+		const uint32_t cuts = c->objects[k].leaf_cut_count;
+		if (c->memory->sizes[k] && c->unique[k].dropped &&
+		    !renumber(&c->unique[k], objects[k].face_count, &c->memory->sizes[k], c->memory->cuts[k], cuts))
+			return false;
+	}
+	for (uint32_t k = 0; k < c->count; k++) {
+		if (!c->memory->sizes[k])
+			continue;
+		objects[k].leaf_size = c->objects[k].leaf_size;
+		objects[k].leaf_sizes = c->memory->sizes[k];
+		objects[k].leaf_cuts = c->memory->cuts[k];
+		objects[k].leaf_cut_count = c->objects[k].leaf_cut_count;
+	}
+	return true;
 }
 
 gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
@@ -410,13 +479,15 @@ gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_obj
 	if (result)
 		return result;
 	chooser c = {.def = def, .count = count};
-	result = allocate(&c, objects)
-		     ? choose(gi, &c, out)
-		     : gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory for choosing leaves");
+	bool enough = allocate(&c, objects);
+	if (enough)
+		result = choose(gi, &c, out);
+	enough = enough && (result || hand_over(&c, objects));
+	if (!enough)
+		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory for choosing leaves");
 	if (result) {
 		*out = (gi_leaf_choice){0};
 	} else {
-		memcpy(objects, c.objects, sizeof *objects * count);
 		out->memory = c.memory;
 		c.memory = NULL;
 	}

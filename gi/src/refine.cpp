@@ -575,5 +575,6 @@ void gi_refined_free(gi_refined *refined)
 	std::free(refined->levels);
 	std::free(refined->positions);
 	std::free(refined->normals);
+	std::free(refined->parted);
 	*refined = gi_refined{};
 }

@@ -53,6 +53,7 @@ typedef struct gi_refined {
 	uint32_t vertex_count; /* of the finest level */
 	float (*positions)[3]; /* on the limit surface (bilinear: the refined positions) */
 	float (*normals)[3];   /* unit limit normals; zero where the surface has none (bilinear, on a sharp crease) */
+	uint8_t *parted;       /* a face of the finest level: bit k, edge k parts the light on its sides; NULL: none */
 	bool closed;           /* no boundary: faces walk every edge of the cage as often one way as the other */
 	bool out_of_memory;    /* why gi_refine failed; all else is zero then */
 } gi_refined;

@@ -487,9 +487,9 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, s->first_source, s->statics_slot},
+	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, lit ? GI_NONE : s->sky_slot, 0},
 	    .ceiling = ceiling_of(gi),
-	    .trails = {p->first_trail, p->trails, 0, 0},
+	    .trails = {p->first_trail, p->trails, s->first_source, s->statics_slot},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;

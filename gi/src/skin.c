@@ -34,6 +34,7 @@
 
 typedef struct skinner {
 	const gi_hierarchy *h;
+	const uint8_t *parted; /* as gi_refined has it; NULL: none */
 	gi_skin *out;
 	uint32_t *group;       /* per corner: another corner of its group, or itself */
 	uint32_t *light;       /* per corner: its light vertex */
@@ -144,15 +145,24 @@ static uint32_t end_corner(const gi_hierarchy *h, const edge *e, bool low)
 	return here ? e->corner : e->corner - k + (k + 1) % q.count;
 }
 
-static void join_across(const gi_hierarchy *h, uint32_t *group, const edge *a, const edge *b, double least_cosine)
+static bool is_parted(const skinner *s, const edge *e)
 {
+	return s->parted && s->parted[s->h->leaf_face[e->corner / 4]] >> (e->corner % 4) & 1;
+}
+
+static void join_across(skinner *s, const edge *a, const edge *b, double least_cosine)
+{
+	const gi_hierarchy *h = s->h;
+	uint32_t *group = s->group;
+	if (is_parted(s, a) || is_parted(s, b))
+		return;
 	if (gi_vec3d_dot(leaf_normal(h, a->corner / 4), leaf_normal(h, b->corner / 4)) < least_cosine)
 		return;
 	join(group, end_corner(h, a, true), end_corner(h, b, true));
 	join(group, end_corner(h, a, false), end_corner(h, b, false));
 }
 
-/* Joins the corners on both sides of every edge that is not sharp. */
+/* Joins the corners on both sides of every edge that is not sharp and does not part light. */
 static bool join_corners(skinner *s, double least_cosine)
 {
 	const gi_hierarchy *h = s->h;
@@ -169,7 +179,7 @@ static bool join_corners(skinner *s, double least_cosine)
 		for (uint32_t i = 0; i < count; i++)
 			for (uint32_t j = i + 1;
 			     j < count && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++)
-				join_across(h, s->group, &edges[i], &edges[j], least_cosine);
+				join_across(s, &edges[i], &edges[j], least_cosine);
 	}
 	free(edges);
 	free(sorted);
@@ -632,7 +642,7 @@ bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coars
 	if (fine->level_count < coarse->level_count ||
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
-	skinner s = {.h = hierarchy, .out = out};
+	skinner s = {.h = hierarchy, .parted = coarse->parted, .out = out};
 	const bool done = skin_surface(&s, fine, leaf_level);
 	free_skinner(&s);
 	if (!done)

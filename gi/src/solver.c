@@ -16,9 +16,13 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-/* A warm start that is worse than a cold one takes a sweep to tell and a step to end. Coming back from steps that went
- * astray takes the place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
-enum { SPARE_SWEEPS = 4 };
+/* A cold start takes a step; one in the place of a warm start that was refused, the refused sweep too. Where to begin takes
+ * a step to set, and where one sweep is all there is, that sweep. Coming back from steps that went astray takes the
+ * place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
+enum { SPARE_SWEEPS = 6 };
+
+/* What begins a solve is weighed: the first sweep, the one behind the step of a cold start, and the one behind both. */
+enum { WEIGHED_SWEEPS = 3 };
 
 void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 {
@@ -82,7 +86,7 @@ gi_result solver_allocate(gi_context *gi)
 	return GI_OK;
 }
 
-/* weigh: is it to be found out whether a cold start is nearer? */
+/* weigh: may the sweep be one that begins the solve? */
 static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
@@ -113,7 +117,7 @@ static bool is_lit(const gi_scene *s)
 static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
-			 sizeof(uint32_t) * (GI_STATE_WEIGHED - GI_STATE_DIRECT_BITS), 0);
+			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
 	gpu_set_uint(gi->solver.emitted_program, 0, (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
 }
@@ -133,7 +137,7 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
-		sweep(gi, k == 0 && stage == STAGE_BEGIN && !cold);
+		sweep(gi, k < WEIGHED_SWEEPS && stage == STAGE_BEGIN);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 

@@ -163,6 +163,29 @@ class SceneFiles(unittest.TestCase):
         self.assertEqual(self.play(self.path("right.obj", room(WALLS))), "")
         self.assertGreater(self.picture(), 20)
 
+    def test_open_ground_is_seen_from_above(self):
+        """Below a lamp as large as itself, level and on a slope; and beside a lit closed box, where a sky lights it."""
+        def ground(height, lamp, slope):
+            corners = [(x, 0, z) for x, z in ((-5, -5), (-5, 5), (5, 5), (5, -5))]
+            corners += [(lamp * x, height, lamp * z) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            return "\n".join(["mtllib room.mtl"] + ["v %g %g %g" % (x, y + slope * x, z) for x, y, z in corners] +
+                             ["o ground", "usemtl wall", "f 1 2 3 4", "o lamp", "usemtl lamp", "f 5 6 7 8"]) + "\n"
+        for height, lamp, slope in ((5, 5, 0), (2, 0.5, 0), (2, 0.5, 1), (0.3, 3, 0.2)):
+            told = self.play(self.path("ground.obj", ground(height, lamp, slope)), "--row-tolerance", "0.5")
+            print("lamp of %g m, %g m above, slope %g: picture %.1f" % (2 * lamp, height, slope, self.picture()))
+            self.assertEqual(told, "")
+            self.assertGreater(self.picture(), 5)
+        # The lamp shut in below a lid that is turned down, so that it is seen from nowhere.
+        shut = ground(0.3, 0.1, 0) + "\n".join(
+            ["v %g %g %g" % (0.2 * (2 * (k % 2) - 1), 0.4 * (k // 2 % 2), 0.2 * (2 * (k // 4) - 1)) for k in range(8)] +
+            ["o box", "usemtl wall"] + ["f " + " ".join(str(8 + int(c)) for c in reversed(wall.split()))
+                                        for wall in WALLS]) + "\n"
+        self.assertIn("nothing lit is seen", self.play(self.path("shut.obj", shut), "--row-tolerance", "0.5",
+                                                       "--two-sided=off"))
+        self.assertNotIn("nothing lit is seen", self.play(self.path("shut.obj", shut), "--row-tolerance", "0.5",
+                                                          "--two-sided=off", "--sky", "2"))
+        self.assertEqual(self.play(self.path("ground.obj", ground(2, 0.5, 0)), "--row-tolerance", "0.5", "--sky", "0"), "")
+
     def test_a_camera_that_sees_backs_is_told(self):
         # A unit square that is a lamp towards +z and a camera behind it.
         import base64

@@ -505,7 +505,7 @@ static void sizes_and_cuts_stay_with_their_faces(void **state)
 	const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
 	const uint32_t indices[] = {0, 1, 2, 3, 1, 2, 3, 0, 4, 5, 6, 7};
 	const float sizes[] = {.5f, .1f, 1};
-	const gi_leaf_cut cuts[] = {{1, {.3f, 0, 0}, {.3f, 1, 0}}, {2, {.3f, 0, 1}, {.3f, 1, 1}}};
+	const gi_leaf_cut cuts[] = {{1, {.3f, 0, 0}, {.3f, 1, 0}, false}, {2, {.3f, 0, 1}, {.3f, 1, 1}, true}};
 	for (int sides = 1; sides <= 2; sides++) {
 		gi_context *gi = open_context(.1f);
 		gi_object_def def = gi_object_def_default();

@@ -6,6 +6,8 @@
 #include "pieces.h"
 #include "scenes/shapes.h"
 
+#include "tests/reference/leaves.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,8 +107,32 @@ static void compare(measured *m)
 	m->noise = sqrt(between / all);
 }
 
+/* By the library's own paths, which know what lies in one place. */
+static void trace_paths(gi_context *gi, measured *m)
+{
+	for (uint32_t half = 0; half < 2; half++) {
+		uint32_t count;
+		const gi_path_options options = {.paths = 256, .seed = 7 + half};
+		assert_gi(gi_trace_paths(gi, &options, m->truth[half], m->count, &count));
+	}
+}
+
+/* By Embree, where nothing touches: four times the paths in less time. */
+static void trace_reference(measured *m)
+{
+	leaf_scene scene;
+	reference_result traced;
+	assert_true(leaf_scene_make(m->leaves, m->count, &scene));
+	assert_true(reference_trace(&scene.scene, 4096, 7, &traced));
+	for (uint32_t half = 0; half < 2; half++)
+		for (uint32_t k = 0; k < 3 * m->count; k++)
+			m->truth[half][k] = (float)traced.irradiance[half][k];
+	reference_result_free(&traced);
+	leaf_scene_free(&scene);
+}
+
 /* Chooses, creates, solves, traces. */
-static gi_context *measure(stage *s, float leaf_size, measured *m)
+static gi_context *measure(stage *s, float leaf_size, bool touches, measured *m)
 {
 	gi_context *gi = open_context(.01f);
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
@@ -121,12 +147,12 @@ static gi_context *measure(stage *s, float leaf_size, measured *m)
 	assert_int_equal(m->count, m->choice.leaves);
 	m->leaves = malloc(sizeof *m->leaves * m->count);
 	assert_gi(gi_read_leaves(gi, m->leaves, m->count, &m->count));
-	for (uint32_t half = 0; half < 2; half++) {
-		uint32_t count;
-		const gi_path_options options = {.paths = 256, .seed = 7 + half};
+	for (uint32_t half = 0; half < 2; half++)
 		m->truth[half] = malloc(sizeof(float) * 3 * m->count);
-		assert_gi(gi_trace_paths(gi, &options, m->truth[half], m->count, &count));
-	}
+	if (touches)
+		trace_paths(gi, m);
+	else
+		trace_reference(m);
 	compare(m);
 	return gi;
 }
@@ -196,7 +222,7 @@ static void expect_block(float height, float leaf_size, const float turn[4])
 	memcpy(s.turn, turn, sizeof s.turn);
 	put_room(&s, 30);
 	put_box(&s, b, false, GREY);
-	gi_context *gi = measure(&s, leaf_size, &m);
+	gi_context *gi = measure(&s, leaf_size, height == 0, &m);
 	const box below = {{b.lower[0], -.1f, b.lower[2]}, {b.upper[0], .1f, b.upper[2]}};
 	double mean, truth;
 	const double worst = worst_below(&s, &m, below, &mean, &truth);
@@ -206,6 +232,8 @@ static void expect_block(float height, float leaf_size, const float turn[4])
 	       (double)m.choice.least_size, m.choice.cuts, mean, truth, worst, 100 * m.rms, 100 * m.noise);
 	assert_true(fabs(mean - truth) <= fmax(.02, .25 * truth));
 	assert_true(height > 0 || worst == 0); /* nothing comes in */
+	/* 1 is wanted; by the draw of the rays it is 1.0 to 1.9: what comes through the slit has some 30 entries. */
+	assert_true(worst <= 2.2);
 	assert_true(m.rms <= .02);
 	end(gi, &s, &m);
 }
@@ -236,7 +264,7 @@ static void a_wall_parts_a_room(void **state)
 	measured m = {0};
 	put_room(&s, 30);
 	put_box(&s, (box){{-2.1f, -.1f, 1.03f}, {2.1f, 2.6f, 1.17f}}, false, GREY);
-	gi_context *gi = measure(&s, .25f, &m);
+	gi_context *gi = measure(&s, .25f, true, &m);
 	double dark = 0;
 	for (uint32_t k = 0; k < m.count; k++) {
 		double c[3];
@@ -261,7 +289,7 @@ static void a_ball_is_sunk(void **state)
 	assert_true(shape_sphere(.5f, 3, &ball));
 	put(&s, &ball, GREY, 0);
 	s.defs[2].pose.position[1] = .07f;
-	gi_context *gi = measure(&s, .25f, &m);
+	gi_context *gi = measure(&s, .25f, true, &m);
 	double error = 0, all = 0;
 	for (uint32_t k = 0; k < m.count; k++) {
 		const float *h = m.leaves[k].irradiance, *r1 = m.truth[0] + 3 * k, *r2 = m.truth[1] + 3 * k;
@@ -278,13 +306,176 @@ static void a_ball_is_sunk(void **state)
 	end(gi, &s, &m);
 }
 
+/* A room whose faces are there five times is cut as the room is, and all leaves counted are there. */
+static void copies_are_not_counted(void **state)
+{
+	(void)state;
+	enum { COPIES = 5 };
+	uint32_t leaves[2];
+	for (uint32_t copies = 0; copies < 2; copies++) {
+		gi_context *gi = open_context(.1f);
+		engine_mesh room;
+		stage s = {0};
+		assert_true(shape_box((float[]){-2, 0, -2.5f}, (float[]){2, 2.5f, 2.5f}, 1, true, &room));
+		put(&s, &room, GREY, 1);
+		put_box(&s, (box){{-1, 0, -1}, {0, .8f, .2f}}, false, GREY);
+		gi_object_def *def = &s.defs[0];
+		uint32_t counts[6 * COPIES], indices[24 * COPIES];
+		for (uint32_t k = 0; k < 24 * COPIES; k++) {
+			counts[k / 4] = 4;
+			indices[k] = def->indices[k % 24];
+		}
+		if (copies) {
+			def->face_counts = counts;
+			def->indices = indices;
+			def->face_count *= COPIES;
+			def->index_count *= COPIES;
+		}
+		const gi_leaf_choice_def wanted = gi_leaf_choice_def_default();
+		gi_leaf_choice choice;
+		assert_gi(gi_choose_leaves(gi, &wanted, s.defs, s.count, &choice));
+		for (uint32_t k = 0; k < s.count; k++)
+			assert_gi(gi_create_object(gi, &s.defs[k], &s.handles[k]));
+		assert_gi(gi_commit(gi));
+		assert_gi(gi_read_leaves(gi, NULL, 0, &leaves[copies]));
+		assert_int_equal(leaves[copies], choice.leaves);
+		gi_free_leaf_choice(&choice);
+		gi_context_destroy(gi);
+		for (uint32_t k = 0; k < s.count; k++)
+			engine_mesh_free(&s.pieces[k].mesh);
+	}
+	printf("a room: %u leaves, each face five times: %u\n", leaves[0], leaves[1]);
+	assert_int_equal(leaves[0], leaves[1]);
+}
+
+/* What a refusal says fits does. */
+static void the_size_named_fits(void **state)
+{
+	(void)state;
+	static const float heights[] = {0, .01f, .3f};
+	for (size_t k = 0; k < 3; k++)
+		for (float size = 1e-4f; size < .02f; size *= 4) {
+			gi_context *gi = open_context(.1f);
+			stage s = {0};
+			gi_leaf_choice choice;
+			gi_leaf_choice_def def = gi_leaf_choice_def_default();
+			put_room(&s, 30);
+			put_box(&s, (box){{-.3f, heights[k], -.45f}, {.9f, heights[k] + .8f, .35f}}, false, GREY);
+			def.leaf_size = size;
+			def.most_leaves = 3000;
+			assert_int_equal(gi_choose_leaves(gi, &def, s.defs, s.count, &choice),
+					 GI_ERROR_INVALID_ARGUMENT);
+			const char *named = strstr(harness_last_message(), "size of ");
+			assert_non_null(named);
+			def.leaf_size = (float)atof(named + strlen("size of "));
+			assert_gi(gi_choose_leaves(gi, &def, s.defs, s.count, &choice));
+			printf("%s: %u\n", harness_last_message(), choice.leaves);
+			assert_true(choice.leaves > def.most_leaves / 8);
+			gi_free_leaf_choice(&choice);
+			gi_context_destroy(gi);
+			for (uint32_t n = 0; n < s.count; n++)
+				engine_mesh_free(&s.pieces[n].mesh);
+		}
+}
+
+/* A room of 2 m and a plate of two sides, `gap` below its ceiling or beside a wall: what is between the two stays
+ * there. */
+typedef struct plate {
+	float gap, size; /* m, before scaling */
+	float scale, leaf_size;
+	const float *turn;
+	bool upright, shines; /* else a lamp of one side below it does */
+} plate;
+
+static void put_two_sided(stage *s, const plate *p)
+{
+	const float half = .5f * p->size, at = 1 - p->gap, across = .07f, e = p->shines ? 31.4f : 0;
+	const float low[3] = {across - half, at, -half}, side[3] = {at, across - half, -half};
+	const float x[3] = {p->size, 0, 0}, y[3] = {0, p->size, 0}, z[3] = {0, 0, p->size};
+	put_quad(s, p->upright ? side : low, p->upright ? y : x, z, GREY, e);
+	s->defs[s->count - 1].double_sided = true;
+	if (!p->shines)
+		put_quad(s, (float[]){-.3f, .2f, -.3f}, (float[]){.4f, 0, 0}, (float[]){0, 0, .6f}, BLACK, 31.4f);
+}
+
+static void scale_stage(stage *s, float scale)
+{
+	for (uint32_t k = 0; k < s->count; k++)
+		for (uint32_t v = 0; v < 3 * s->pieces[k].mesh.vertex_count; v++)
+			s->pieces[k].mesh.positions[v] *= scale;
+}
+
+typedef struct parts {
+	double area, light, truth;
+} parts;
+
+static void add_leaf(parts *p, const measured *m, uint32_t k)
+{
+	const double area = (double)m->leaves[k].area;
+	p->area += area;
+	p->light += area * (double)m->leaves[k].irradiance[1];
+	p->truth += .5 * area * ((double)m->truth[0][3 * k + 1] + (double)m->truth[1][3 * k + 1]);
+}
+
+/* Of the room: what the plate is before, what lies round that as far as a leaf is wide, and all the rest. */
+static void expect_plate(const plate *p)
+{
+	stage s = {0};
+	measured m = {0};
+	memcpy(s.turn, p->turn, sizeof s.turn);
+	put_box(&s, (box){{-1, -1, -1}, {1, 1, 1}}, true, GREY);
+	put_two_sided(&s, p);
+	scale_stage(&s, p->scale);
+	gi_context *gi = measure(&s, p->scale * p->leaf_size, true, &m);
+	parts before = {0}, halo = {0}, rest = {0};
+	for (uint32_t k = 0; k < m.count; k++) {
+		double c[3];
+		if (m.leaves[k].object.index1 != s.handles[0].index1)
+			continue;
+		centre_of(&s, &m.leaves[k], c);
+		const double scale = (double)p->scale, up = c[p->upright ? 0 : 1] / scale,
+			     across = fabs(c[p->upright ? 1 : 0] / scale - .07), along = fabs(c[2] / scale),
+			     out = fmax(across, along) - .5 * (double)p->size;
+		add_leaf(up < .999 || out > (double)p->leaf_size ? &rest : out > 0 ? &halo : &before, &m, k);
+	}
+	printf("%s of %.2f m, %.0f mm %s, scale %g%s, %u leaves of %.3g, %.3g: H %.3f of %.3f before it, %.4f of %.4f "
+	       "round it, "
+	       "elsewhere %.4f of %.4f (%+.2f %%); scene %.2f %% RMS (noise %.2f)\n",
+	       p->shines ? "lamp" : "plate", (double)p->size, 1e3 * (double)p->gap,
+	       p->upright ? "off a wall" : "below a ceiling", (double)p->scale, p->turn[3] != 0 ? ", turned" : "",
+	       m.count, (double)(m.choice.leaf_size / p->scale), (double)(m.choice.least_size / p->scale),
+	       before.light / before.area, before.truth / before.area, halo.light / halo.area, halo.truth / halo.area,
+	       rest.light / rest.area, rest.truth / rest.area, 100 * (rest.light / rest.truth - 1), 100 * m.rms,
+	       100 * m.noise);
+	assert_true(fabs(rest.light / rest.truth - 1) <= .02);
+	assert_true(fabs(before.light - before.truth) <= fmax(.05 * before.truth, .02 * before.area));
+	/* No ring of light that came through the leaves before the plate: some 25 times as bright as what is round
+	 * them. */
+	assert_true(fabs(halo.light / halo.truth - 1) <= .2);
+	end(gi, &s, &m);
+}
+
+static void a_plate_hangs_close(void **state)
+{
+	(void)state;
+	static const plate plates[] = {
+	    {.01f, .6f, 1, .25f, STRAIGHT, false, true},  {.002f, .6f, 1, .25f, STRAIGHT, false, true},
+	    {.05f, .6f, 1, .25f, STRAIGHT, false, true},  {.01f, .2f, 1, .25f, TURNED, false, true},
+	    {.01f, 1.3f, 1, .5f, STRAIGHT, true, true},   {.01f, .6f, 1e-3f, .25f, STRAIGHT, false, true},
+	    {.02f, .45f, 1e3f, .25f, TURNED, true, true}, {.005f, .7f, 1, .25f, STRAIGHT, false, false},
+	    {.01f, .6f, 1, .125f, STRAIGHT, false, true},
+	};
+	for (size_t k = 0; k < sizeof plates / sizeof *plates; k++)
+		expect_plate(&plates[k]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(a_block_stands),
-	    cmocka_unit_test(a_block_hovers),
-	    cmocka_unit_test(a_wall_parts_a_room),
-	    cmocka_unit_test(a_ball_is_sunk),
+	    cmocka_unit_test(a_block_stands),         cmocka_unit_test(a_block_hovers),
+	    cmocka_unit_test(a_wall_parts_a_room),    cmocka_unit_test(a_ball_is_sunk),
+	    cmocka_unit_test(copies_are_not_counted), cmocka_unit_test(the_size_named_fits),
+	    cmocka_unit_test(a_plate_hangs_close),
 	};
 	return cmocka_run_group_tests_name("leaves", tests, harness_open, harness_close);
 }

@@ -17,7 +17,7 @@ static const double NEAR = 1;
 
 /* Of the RMS of H over all leaves, and of a leaf's own H: half more than measured. What is left is the weight of single
  * segments that begin or cease to be hidden: for 0.1 % near by a leaf would need ten times as many to the lamp. */
-static const double FAR_TOLERANCE = .0004, NEAR_TOLERANCE = .008, JUMP_TOLERANCE = .2;
+static const double FAR_TOLERANCE = .0004, NEAR_TOLERANCE = .0065, JUMP_TOLERANCE = .16;
 
 typedef struct furnished {
 	gi_context *gi;

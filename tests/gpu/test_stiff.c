@@ -119,8 +119,10 @@ static void furnaces(void **state)
 	/* sqrt(100) and sqrt(10), and half as much again for the logarithm of what the amplification adds to do. */
 	assert_true(growth < 15);
 	assert_true(step < 5);
+	/* Light that is the same everywhere: a start in flux balance has it but for the rows' sampling. */
+	assert_true(four.sweeps <= 10);
 	/* 1 - q comes out of rows that sum to 1 - 2.5e-7. */
-	assert_true(four.jacobi_sweeps > 80 * two.jacobi_sweeps);
+	assert_true(1 - two.contraction > 80 * (1 - four.contraction));
 }
 
 /* ---- one bright wall ---- */
@@ -237,7 +239,8 @@ static void warm_starts(void **state)
 		cold_sum += b.sweeps;
 	}
 	putchar('\n');
-	assert_true(warm_sum < cold_sum);
+	/* Light that is the same everywhere is what a cold start in flux balance begins with: warm can be as good. */
+	assert_true(warm_sum <= cold_sum);
 	gi_context_destroy(warm);
 	gi_context_destroy(cold);
 }
@@ -248,8 +251,10 @@ static void few_sweeps_a_frame(void **state)
 {
 	(void)state;
 	gi_context *whole = open_context(1e-3f, 1000), *parts = open_context(1e-3f, 7);
-	add_furnace(whole, .998f);
-	add_furnace(parts, .998f);
+	/* A ball much brighter than the rest: a multiple of v is not the light. */
+	const gi_material bright = {.rho = {.998f, .998f, .998f}, .exitance = {300, 100, 1}};
+	assert_gi(gi_set_material(whole, add_furnace(whole, .998f), 0, bright));
+	assert_gi(gi_set_material(parts, add_furnace(parts, .998f), 0, bright));
 	const gi_report at_once = solve(whole);
 	uint32_t sweeps = 0, frames = 0;
 	gi_report r;

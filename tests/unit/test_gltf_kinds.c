@@ -345,6 +345,66 @@ static void morph_targets_stand_at_their_weights(void **state)
 	engine_scene_free(&scene);
 }
 
+/* Sixteen count, a seventeenth is told; one that is too short for its mesh is told too. */
+static void left_out_morph_targets_are_told(void **state)
+{
+	(void)state;
+	static const float lift[4][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+	char targets[800] = "", ones[80] = "", members[1200];
+	for (int k = 1; k <= 17; k++) {
+		strcat(targets, k > 1 ? ",{\"POSITION\":4}" : "{\"POSITION\":4}");
+		strcat(ones, k > 1 ? ",1" : "1");
+		begin();
+		ADD_FLOATS(lift, k == 1 ? 3 : 4, "VEC3");
+		snprintf(members, sizeof members,
+			 "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"weights\":[%s],\"primitives\":[{\"attributes\":{"
+			 "\"POSITION\":0},\"indices\":1,\"targets\":[%s]}]}]",
+			 ones, targets);
+		check_kind(members, 1,
+			   k == 1   ? "attributes POSITION are left out: it has fewer elements than there are positions"
+			   : k > 16 ? "morph targets beyond 16 active ones are left out"
+				    : "");
+	}
+}
+
+/* A mesh is read without what of it cannot be, and that is told. */
+static void broken_attributes_are_told(void **state)
+{
+	(void)state;
+	static const float three[3][3] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+	begin();
+	ADD_FLOATS(three, 3, "VEC3");
+	check_kind(
+	    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":4},"
+	    "\"indices\":1}]}]",
+	    1, "attributes COLOR_0 are left out: it has fewer elements than there are positions");
+	check_kind("\"nodes\":[{\"mesh\":0,\"skin\":0}],\"skins\":[{\"joints\":[0]}],\"meshes\":[{\"primitives\":[{"
+		   "\"attributes\":{\"POSITION\":0,\"JOINTS_0\":4,\"WEIGHTS_0\":99},\"indices\":1}]}]",
+		   1, "attributes WEIGHTS_0 are left out: an accessor is missing");
+	check_kind("\"nodes\":[{\"mesh\":0}],\"extensionsRequired\":[\"FOO_bar\"]," MESHES, 1,
+		   "extensions that the file requires are not read (\"FOO_bar\")");
+}
+
+/* Sparse numbers out of order would be looked for in vain: another shape, without a word. */
+static void sparse_numbers_must_rise(void **state)
+{
+	(void)state;
+	static const uint16_t falling[2] = {2, 1}, same[2] = {1, 1};
+	static const float corners[2][3] = {{0, 1, 0}, {1, 0, 0}};
+	for (int k = 0; k < 2; k++) {
+		begin();
+		add(k ? same : falling, sizeof same, UNSIGNED_SHORT, 2, "SCALAR", "");
+		ADD_FLOATS(corners, 2, "VEC3");
+		size_t used = strlen(accessors);
+		snprintf(accessors + used, sizeof accessors - used,
+			 ",{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":2,\"indices\":{"
+			 "\"bufferView\":4,\"componentType\":5123},\"values\":{\"bufferView\":5}}}");
+		check_kind("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[" SQUARE
+			   ",{\"attributes\":{\"POSITION\":6}}]}]",
+			   1, "parts of meshes are left out: a sparse accessor's indices do not rise");
+	}
+}
+
 /* The square with its third corner moved to (3, 3, 0), and one that has no bytes but for two corners. */
 static void sparse_accessors(void **state)
 {
@@ -744,6 +804,9 @@ int main(void)
 	    cmocka_unit_test(instances_are_objects),
 	    cmocka_unit_test(skins_stand_as_at_rest),
 	    cmocka_unit_test(morph_targets_stand_at_their_weights),
+	    cmocka_unit_test(left_out_morph_targets_are_told),
+	    cmocka_unit_test(broken_attributes_are_told),
+	    cmocka_unit_test(sparse_numbers_must_rise),
 	    cmocka_unit_test(sparse_accessors),
 	    cmocka_unit_test(quantized_positions),
 	    cmocka_unit_test(map_coordinates_keep_their_digits),

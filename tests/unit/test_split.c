@@ -2,6 +2,7 @@
  * above the pieces keep the validator's rules. */
 #include "cages.h"
 
+#include "skin.h"
 #include "split.h"
 
 #include <stdlib.h>
@@ -132,12 +133,13 @@ static bool is_crossed(const gi_hierarchy *h, uint32_t leaf, const float a[3], c
 	return least < -1e-5 && most > 1e-5;
 }
 
-/* A wall right across a floor parts the tree at its top; a short one the leaves under it alone. */
+/* A wall right across a floor, from 3.3 to 3.5 m, parts the tree at its top; a short one the leaves under it alone. */
 static void lines_are_not_crossed(void **state)
 {
 	(void)state;
-	static const gi_leaf_cut across[] = {{0, {3.3f, -1, 0}, {3.3f, 3, 0}}, {0, {3.5f, 0, .4f}, {3.5f, 1, -2}}};
-	static const gi_leaf_cut slanted[] = {{0, {2, .2f, 0}, {7, .9f, 0}}};
+	static const gi_leaf_cut across[] = {{0, {3.3f, -1, 0}, {3.3f, 3, 0}, false},
+					     {0, {3.5f, 0, .4f}, {3.5f, 1, -2}, false}};
+	static const gi_leaf_cut slanted[] = {{0, {2, .2f, 0}, {7, .9f, 0}, false}};
 	test_cage t;
 	split_cage s;
 	two_rectangles(&t);
@@ -148,9 +150,9 @@ static void lines_are_not_crossed(void **state)
 		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 			assert_false(is_crossed(&s.h, leaf, across[0].from, across[0].to));
 			before = before || leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0] < 6.6f;
-			behind = behind || leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0] > 6.6f;
+			behind = behind || leaf_corner(&s.h, leaf, 0)[0] + leaf_corner(&s.h, leaf, 2)[0] > 7;
 		}
-		/* Nodes on both sides: the face, and the root above it. */
+		/* Nodes on both sides of the wall: the face, and the root above it. */
 		assert_true(!(before && behind) || range.z > 40);
 	}
 	CHECK_NEAR(s.h.area, 10.06, 1e-5);
@@ -178,7 +180,8 @@ static void many_lines_end(void **state)
 	for (int k = 0; k < LINES; k++)
 		cuts[k] = (gi_leaf_cut){0,
 					{(float)(rand() % 1000) / 100, (float)(rand() % 100) / 100, 0},
-					{(float)(rand() % 1000) / 100, (float)(rand() % 100) / 100, 0}};
+					{(float)(rand() % 1000) / 100, (float)(rand() % 100) / 100, 0},
+					rand() % 2 == 0};
 	test_cage t;
 	split_cage s;
 	two_rectangles(&t);
@@ -191,7 +194,7 @@ static void many_lines_end(void **state)
 static void the_same_cage_gives_the_same_leaves(void **state)
 {
 	(void)state;
-	static const gi_leaf_cut cuts[] = {{0, {2, .2f, 0}, {7, .9f, 0}}, {1, {.1f, 2, 0}, {.1f, 3, 0}}};
+	static const gi_leaf_cut cuts[] = {{0, {2, .2f, 0}, {7, .9f, 0}, false}, {1, {.1f, 2, 0}, {.1f, 3, 0}, true}};
 	const gi_split_def def = {.leaf_size = .1f, .cuts = cuts, .cut_count = 2};
 	test_cage t;
 	split_cage a, b;
@@ -205,6 +208,82 @@ static void the_same_cage_gives_the_same_leaves(void **state)
 	split_close(&b);
 }
 
+/* Inside the polygon of `count` corners, which turn left? */
+static bool is_within(const float (*corners)[2], uint32_t count, double x, double y)
+{
+	for (uint32_t k = 0; k < count; k++) {
+		const float *a = corners[k], *b = corners[(k + 1) % count];
+		if (((double)b[0] - a[0]) * (y - a[1]) - ((double)b[1] - a[1]) * (x - a[0]) < 0)
+			return false;
+	}
+	return true;
+}
+
+static bool leaf_is_within(const gi_hierarchy *h, uint32_t leaf, const float (*corners)[2], uint32_t count)
+{
+	double x = 0, y = 0;
+	for (uint32_t k = 0; k < 4; k++) {
+		x += .25 * leaf_corner(h, leaf, k)[0];
+		y += .25 * leaf_corner(h, leaf, k)[1];
+	}
+	return is_within(corners, count, x, y);
+}
+
+/* How many light vertices take light from leaves under a thing and beside it. */
+static uint32_t count_mixed(const split_cage *s, const gi_skin *skin, const float (*corners)[2], uint32_t count)
+{
+	uint32_t mixed = 0;
+	for (uint32_t light = 0; light < skin->light_count; light++) {
+		uint32_t within = 0;
+		for (uint32_t k = skin->light_first[light]; k < skin->light_first[light + 1]; k++)
+			within += leaf_is_within(&s->h, skin->light_leaf[k], corners, count);
+		mixed += within > 0 && within < skin->light_first[light + 1] - skin->light_first[light];
+	}
+	return mixed;
+}
+
+static uint32_t mixed_lights(const test_cage *t, float leaf_size, const float (*corners)[2], uint32_t count, bool parts)
+{
+	gi_leaf_cut cuts[8];
+	split_cage s;
+	gi_skin skin;
+	for (uint32_t k = 0; k < count; k++) {
+		const float *a = corners[k], *b = corners[(k + 1) % count];
+		cuts[k] = (gi_leaf_cut){0, {a[0], a[1], 0}, {b[0], b[1], 0}, parts};
+	}
+	split_open(t, &(gi_split_def){.leaf_size = leaf_size, .cuts = cuts, .cut_count = count}, &s);
+	assert_true(gi_skin_from_surface(&s.h, &s.refined, NULL, 0, &skin));
+	const uint32_t mixed = count_mixed(&s, &skin, corners, count);
+	gi_skin_free(&skin);
+	split_close(&s);
+	return mixed;
+}
+
+/* What stands on a floor: no light vertex takes leaves under it and beside it, wherever the grid lies. */
+static void light_stays_on_its_side(void **state)
+{
+	(void)state;
+	static const float block[4][2] = {{1, .2f}, {1.9f, .2f}, {1.9f, .8f}, {1, .8f}},
+			   on_grid[4][2] = {{2, .25f}, {4, .25f}, {4, .75f}, {2, .75f}},
+			   turned[4][2] = {{5, .1f}, {6, .3f}, {5.8f, .9f}, {4.8f, .7f}},
+			   wedge[3][2] = {{3.1f, .15f}, {7.3f, .4f}, {3.3f, .85f}};
+	static const struct {
+		const float (*corners)[2];
+		uint32_t count;
+	} things[] = {{block, 4}, {on_grid, 4}, {turned, 4}, {wedge, 3}};
+	test_cage t;
+	two_rectangles(&t);
+	for (size_t k = 0; k < sizeof things / sizeof *things; k++)
+		for (float size = .5f; size > .05f; size *= .6f) {
+			const uint32_t shared = mixed_lights(&t, size, things[k].corners, things[k].count, false),
+				       parted = mixed_lights(&t, size, things[k].corners, things[k].count, true);
+			printf("thing %zu, leaves of %.2f: %u light vertices on both sides, %u where light is parted\n",
+			       k, (double)size, shared, parted);
+			assert_true(shared > 0);
+			assert_int_equal(parted, 0);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -212,6 +291,7 @@ int main(void)
 	    cmocka_unit_test(neighbours_share_their_corners),
 	    cmocka_unit_test(triangles_and_polygons_are_split),
 	    cmocka_unit_test(lines_are_not_crossed),
+	    cmocka_unit_test(light_stays_on_its_side),
 	    cmocka_unit_test(many_lines_end),
 	    cmocka_unit_test(the_same_cage_gives_the_same_leaves),
 	};

@@ -198,6 +198,7 @@ typedef enum gi_boundary {
 typedef struct gi_leaf_cut {
 	uint32_t face;
 	float from[3], to[3]; /* object space as gi_object_def.positions; what is off the face's plane is projected to it */
+	bool parts; /* another surface stands on it: what is drawn does not blend the light of its sides; default false */
 } gi_leaf_cut;
 
 /* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
@@ -273,6 +274,7 @@ typedef struct gi_leaf_choice_def {
 	float leaf_size;      /* > 0: this size on large objects instead, metres; default 0 */
 	uint32_t most_leaves; /* more are refused; default 100,000 */
 	float finest;         /* small objects and lamps get leaves smaller by up to this factor; (0, 1], default 0.25 */
+	const bool *moves;    /* of each object: it will move, and where it stood no edge of light may stay; NULL: none does */
 	float contact;        /* faces are cut below edges that end closer above them than this share of a leaf; [0, 1],
 			       * default 0.5 */
 	uint32_t internal;
