@@ -84,7 +84,7 @@ const float BLOWN_UP = 10.0;
 
 // A warm start leaves so much less than a multiple of 1, of the flux astray and of all, or is refused: what nearly equal residuals come
 // to depends on where they are, which nobody knows.
-const float NEARER = 0.5;
+const float NEARER = 0.33;
 
 // v of rows that amplified so many times more or less tells nothing of these.
 const float OTHER_ROWS = 16.0;
