@@ -18,9 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps among
- * them; their blocks are 1.4 times that, 1.7 times while objects move. Where this was too few the pool doubles, which
- * builds all rows anew. */
+/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps
+ * among them; their blocks are 1.4 times that, 1.7 times while objects move. Where this was too few the pool doubles,
+ * which builds all rows anew. */
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 128;
 
@@ -30,10 +30,10 @@ static const float BLACK_SKY_COARSENESS = 14.0f;
 void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 {
 	const gpu_program_file programs[ROWS_PROGRAMS] = {
-	    {"pose.comp", &r->pose_program},       {"cut.comp", &r->cut_program},
-	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
-	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
-	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program},
+	    {"pose.comp", &r->pose_program},         {"cut.comp", &r->cut_program},
+	    {"factor.comp", &r->factor_program},     {"flag.comp", &r->flag_program},
+	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
+	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
 	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program}};
 	memcpy(list, programs, sizeof programs);
 }
@@ -147,7 +147,8 @@ gi_result rows_allocate_tables(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = gi->scene.leaf_count;
-	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
+	gi_result result =
+	    gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)

@@ -2,8 +2,8 @@
  *
  * Entries and links stay where they lie in their pools; leaves, nodes and slots get the numbers of the new scene
  * (renumber.comp), and what belonged to objects that went is given back. Samples are drawn by ids, which no commit
- * changes, so that the rows are those of a scene that was built at once. Objects that came are movers of the next update, lit
- * anew: they and what sees them are cut then, under a budget if there is one.
+ * changes, so that the rows are those of a scene that was built at once. Objects that came are movers of the next
+ * update, lit anew: they and what sees them are cut then, under a budget if there is one.
  */
 #include "context.h"
 

@@ -120,9 +120,8 @@ static gi_vec3d turned(const gi_object_data *d, gi_vec3d v)
 static sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
 		      const gi_node_topology *t)
 {
-	const double m[3][3] = {{d->row0.x, d->row0.y, d->row0.z},
-				{d->row1.x, d->row1.y, d->row1.z},
-				{d->row2.x, d->row2.y, d->row2.z}};
+	const double m[3][3] = {
+	    {d->row0.x, d->row0.y, d->row0.z}, {d->row1.x, d->row1.y, d->row1.z}, {d->row2.x, d->row2.y, d->row2.z}};
 	const gi_vec3d centre = turned(d, gi_vec3d_from(g->sphere));
 	sum s = {.centre = {centre.x + d->row0.w, centre.y + d->row1.w, centre.z + d->row2.w},
 		 .moment = turned(d, gi_vec3d_from(g->moment)),
@@ -180,8 +179,7 @@ static sum join(const sum *a, const sum *b)
 }
 
 /* Balls and cones a hair wider than rounding needs; from a right angle on any direction goes. */
-static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_spread *spread,
-		  gi_node_topology *t)
+static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_spread *spread, gi_node_topology *t)
 {
 	const double cosine = cos(s->cone) - 1e-6;
 	g->sphere = (gi_vec4){(float)s->centre.x, (float)s->centre.y, (float)s->centre.z,
@@ -190,8 +188,8 @@ static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_sprea
 			    s->cone < ANY / 2 && cosine > 0 ? (float)cosine : -1};
 	g->moment = (gi_vec4){(float)s->moment.x, (float)s->moment.y, (float)s->moment.z, (float)s->area};
 	spread->diagonal = (gi_vec4){(float)s->spread[0], (float)s->spread[1], (float)s->spread[2], 0};
-	spread->mixed = (gi_vec4){(float)s->spread[3], (float)s->spread[4], (float)s->spread[5],
-				  (float)(s->shape / s->area)};
+	spread->mixed =
+	    (gi_vec4){(float)s->spread[3], (float)s->spread[4], (float)s->spread[5], (float)(s->shape / s->area)};
 	t->range = (gi_uvec4){end, s->first_leaf, s->leaf_count,
 			      GI_NODE_TOP | s->back | GI_NODE_THICKNESS_STEPS << GI_NODE_THICKNESS_SHIFT};
 	t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};

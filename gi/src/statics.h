@@ -1,5 +1,6 @@
-/* What does not move, under common nodes: a binary tree over the static objects whose inner nodes, tops, stand for several objects
- * at once. Their nodes and leaves lie in the order of the tree, tops in between, so that all of it is one hierarchy:
+/* What does not move, under common nodes: a binary tree over the static objects whose inner nodes, tops, stand for
+ * several objects at once. Their nodes and leaves lie in the order of the tree, tops in between, so that all of it is
+ * one hierarchy:
  *
  *   nodes   | top | top | object | object | top | object | ... | movers ... | sky
  *   slots   | objects in the order of the tree | the whole, as a source | movers | sky
@@ -22,7 +23,7 @@ typedef struct static_node {
 typedef struct static_tree {
 	uint32_t object_count, count; /* 2 object_count - 1 nodes; none for fewer than two objects */
 	static_node *nodes;
-	uint32_t *objects;  /* handle index of each slot */
+	uint32_t *objects;   /* handle index of each slot */
 	uint32_t node_count; /* of the scene's nodes, tops among them */
 } static_tree;
 

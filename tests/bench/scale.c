@@ -56,7 +56,8 @@ static bool moves(const world *w, uint32_t number)
 	return found;
 }
 
-static gi_object add_mesh(const world *w, bool stays, const char *name, engine_mesh *mesh, gi_material material, gi_pose pose)
+static gi_object add_mesh(const world *w, bool stays, const char *name, engine_mesh *mesh, gi_material material,
+			  gi_pose pose)
 {
 	gi_object_def def = gi_object_def_default();
 	def.name = name;

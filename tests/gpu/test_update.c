@@ -327,9 +327,9 @@ static void unseen(void **state)
 		bool hidden;
 		int moves;
 	} steps[] = {
-	    {"the ball is hidden", BALL, true, -1},    {"the hidden ball moves", BALL, true, BALL},
-	    {"the block moves", BALL, true, BLOCK},    {"the ball is there again", BALL, false, -1},
-	    {"the lamp is hidden", -1, true, SHEET},   {"the block is hidden too", BLOCK, true, BALL},
+	    {"the ball is hidden", BALL, true, -1},     {"the hidden ball moves", BALL, true, BALL},
+	    {"the block moves", BALL, true, BLOCK},     {"the ball is there again", BALL, false, -1},
+	    {"the lamp is hidden", -1, true, SHEET},    {"the block is hidden too", BLOCK, true, BALL},
 	    {"the lamp is there again", -1, false, -1}, {"the block is there again", BLOCK, false, SHEET},
 	};
 	for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
@@ -342,8 +342,8 @@ static void unseen(void **state)
 		assert_gi(gi_update(pair[0].gi, &(gi_budget){.rays = 2000}));
 		compare(&pair[0], &pair[1], steps[k].what, &t);
 		if (steps[k].hidden)
-			expect_unseen_is_nothing(pair[0].gi, steps[k].which < 0 ? pair[0].light
-									       : pair[0].mover[steps[k].which]);
+			expect_unseen_is_nothing(pair[0].gi,
+						 steps[k].which < 0 ? pair[0].light : pair[0].mover[steps[k].which]);
 	}
 	for (int k = 0; k < MOVERS; k++)
 		pose_both(pair, k, gi_pose_identity());
@@ -378,12 +378,8 @@ static void unseen(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(open_front),
-	    cmocka_unit_test(bright_sky),
-	    cmocka_unit_test(closed_room),
-	    cmocka_unit_test(materials),
-	    cmocka_unit_test(values_alone),
-	    cmocka_unit_test(unseen),
+	    cmocka_unit_test(open_front), cmocka_unit_test(bright_sky),   cmocka_unit_test(closed_room),
+	    cmocka_unit_test(materials),  cmocka_unit_test(values_alone), cmocka_unit_test(unseen),
 	};
 	return cmocka_run_group_tests_name("update", tests, harness_open, harness_close);
 }

@@ -1,9 +1,9 @@
-/* Worlds whose objects come and go: rows that were kept from commit to commit are those of a context in which the scene of
- * now was built at once, to the bit.
+/* Worlds whose objects come and go: rows that were kept from commit to commit are those of a context in which the scene
+ * of now was built at once, to the bit.
  *
  * Random frames of a Cornell box or a closed room: objects are created, destroyed, hidden, shown, moved, lit and put
- * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit. Objects
- * have the same places and ids there, for samples are drawn by them.
+ * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit.
+ * Objects have the same places and ids there, for samples are drawn by them.
  */
 #include "moving_scene.h"
 #include "snapshot.h"
@@ -119,11 +119,10 @@ static void build_walls(world *w, const gi_context_def *def)
 	w->gi = harness_context(def);
 	engine_mesh mesh;
 	if (w->room) {
-		assert_true(
-		    shape_box((float[]){-2.75f, 0, -2.75f}, (float[]){2.75f, 5.5f, 2.75f}, 4, true, &mesh));
+		assert_true(shape_box((float[]){-2.75f, 0, -2.75f}, (float[]){2.75f, 5.5f, 2.75f}, 4, true, &mesh));
 		harness_add(w->gi, &(harness_object){.name = "room", .rho = {.6f, .6f, .6f}}, &mesh);
-		assert_true(shape_quad((float[]){-.6f, 5.4f, -.6f}, (float[]){1.2f, 0, 0}, (float[]){0, 0, 1.2f}, 2, 2,
-				       &mesh));
+		assert_true(
+		    shape_quad((float[]){-.6f, 5.4f, -.6f}, (float[]){1.2f, 0, 0}, (float[]){0, 0, 1.2f}, 2, 2, &mesh));
 		harness_add(w->gi, &(harness_object){.name = "light", .exitance = {40, 40, 40}}, &mesh);
 		return;
 	}
@@ -241,7 +240,8 @@ static void build_at_once(const world *w, const gi_context_def *def, world *out)
 {
 	*out = *w;
 	build_walls(out, def);
-	/* Places get their ids from what is first made there, and others from what is larger; then each object gets its own. */
+	/* Places get their ids from what is first made there, and others from what is larger; then each object gets its
+	 * own. */
 	static gi_object fillers[MOST];
 	memset(fillers, 0, sizeof fillers);
 	for (uint32_t k = 0; k < w->claim_count; k++) {
@@ -282,7 +282,7 @@ static uint64_t common_entries(const snapshot *s)
 	for (uint64_t k = 0; k < s->entry_count; k++) {
 		const gi_entry *e = &s->entries[k];
 		count += e->leaf_count && s->leaves[e->first_leaf].object.index1 !=
-						  s->leaves[e->first_leaf + e->leaf_count - 1].object.index1;
+					      s->leaves[e->first_leaf + e->leaf_count - 1].object.index1;
 	}
 	return count;
 }
@@ -516,9 +516,9 @@ static gi_context *open_hall(gi_mobility mobility, float row_tolerance)
 		const float high = .2f + .2f * (float)chance_of(7), turn = .1f * (float)chance_of(16),
 			    rho = .2f + .1f * (float)chance_of(7);
 		assert_true(shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, high, .25f}, 1, false, &mesh));
-		const gi_pose pose = {{1.2f * ((float)(k % ROWS_OF_BOXES) + .5f), .005f,
-				       1.2f * ((float)(k / ROWS_OF_BOXES) + .5f)},
-				      {0, sinf(turn), 0, cosf(turn)}};
+		const gi_pose pose = {
+		    {1.2f * ((float)(k % ROWS_OF_BOXES) + .5f), .005f, 1.2f * ((float)(k / ROWS_OF_BOXES) + .5f)},
+		    {0, sinf(turn), 0, cosf(turn)}};
 		add_static(gi, "box", &mesh, mobility, pose, (gi_material){.rho = {rho, rho, .5f}});
 	}
 	assert_gi(gi_commit(gi));
@@ -546,7 +546,9 @@ static void the_light_of_static_things(void **state)
 	static const struct {
 		gi_mobility mobility;
 		float tolerance;
-	} runs[] = {{GI_MOBILITY_MOVABLE, .1f}, {GI_MOBILITY_STATIC, .1f}, {GI_MOBILITY_STATIC, .02f},
+	} runs[] = {{GI_MOBILITY_MOVABLE, .1f},
+		    {GI_MOBILITY_STATIC, .1f},
+		    {GI_MOBILITY_STATIC, .02f},
 		    {GI_MOBILITY_STATIC, .005f}};
 	double errors[4], entries[4];
 	float *halves[2] = {NULL, NULL};
