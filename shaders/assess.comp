@@ -95,6 +95,7 @@ struct sums {
 	vec3 exchanged;                   // F V of the touched that may change leaves, times how far their B is apart
 	range others, emitters;           // B of the entries, before and afterwards; of the firm, that of their objects
 	uint rays, entries;
+	uint had; // entries, touched or not
 };
 
 // What a row has of one source object.
@@ -158,8 +159,9 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 // What a new cut of a source may bring. A leaf that moved is off by anything that is not an emitter's light.
 void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 {
-	bool sky = (object_bvh(from.object).z & GI_OBJECT_SKY) != 0u;
-	float f = sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
+	uint flags = object_bvh(from.object).z;
+	bool sky = (flags & GI_OBJECT_SKY) != 0u;
+	float f = (flags & GI_OBJECT_UNSEEN) != 0u ? 0.0 : sky || (moved && !from.emits) ? 1.0 : reach(p, from.object);
 	if (f == 0.0)
 		return;
 	range b = range(from.others.least, from.brightest);
@@ -168,18 +170,21 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	include(s.others, from.others);
 	if (from.emits)
 		include(s.emitters, b);
-	s.rays += count == 0u ? 1u : 0u;
+	// Of all static objects a row has about as much as it has of all.
+	uint unknown = from.object == frame.trails.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
+	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
 
 sums sum_row(uint leaf, watch w)
 {
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
-	sums s = sums(0.0, 0.0, none, none, 0.0, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u);
+	sums s = sums(0.0, 0.0, none, none, 0.0, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	for (uint source = 0u; source < frame.counts.z; source++) {
-		uvec4 block = load_segment(leaf * frame.counts.z + source);
+	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
+		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
+		s.had += count;
 		bool cut = pair_is_dirty(w.mine, source, w.since);
 		source_part from = load_source(source);
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
@@ -198,13 +203,13 @@ sums sum_row(uint leaf, watch w)
 }
 
 // xyz: bound on what refreshing the row changes of H; w: on the share of its weight that moves.
-vec4 bound_of(sums s, received r)
+vec4 bound_of(sums s, received r, bool open)
 {
 	float firm = s.firm_others + s.firm_emitters, lost = weight_of(s.lost);
 	float emitters = s.firm_emitters + s.lost.emitters + s.gained.emitters;
 	vec3 darkest = min(s.others.least, s.emitters.least), dim = s.others.most, bright = max(dim, s.emitters.most);
 	limits whole = whole_row(r, dim, s.emitters.most, emitters);
-	if (firm < CLOSES_ABOVE)
+	if (open || firm < CLOSES_ABOVE)
 		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
 	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor; together
@@ -227,14 +232,23 @@ vec4 bound_of(sums s, received r)
 void assess(uint leaf)
 {
 	sums s = sum_row(leaf, watch_of(leaf));
-	uint since = load_row(leaf).z;
+	uvec4 row = load_row(leaf);
+	uint since = row.z;
+	bool open = (row.w & GI_ROW_OPEN) != 0u;
+	if (open) {
+		s.entries = max(s.entries, 1u);
+		s.rays = max(s.rays, 1u);
+	}
+	// A row of nothing yet will take about as much as others did.
+	if (s.had == 0u && s.entries > 0u)
+		s.rays = max(s.rays, state[GI_STATE_ENTRIES] / frame.counts.x);
 	if (s.entries == 0u) {
 		rows[leaf].z = frame.update.x; // nothing of it can have changed
 		pending[leaf].key = uvec4(0u);
 		return;
 	}
 	gi_material_data m = load_material(load_leaf(leaf).z);
-	vec4 bound = bound_of(s, received_by(leaf, m));
+	vec4 bound = bound_of(s, received_by(leaf, m), open);
 	bound.xyz *= m.rho.xyz;
 	float off = expected_off(bound, max(m.rho.x, max(m.rho.y, m.rho.z)));
 	float worth = worth_of(off, load_world(load_leaf(leaf).x), s.rays);

@@ -47,6 +47,17 @@ gi_node_geometry geometry_texels(usamplerBuffer from, uint n)
 
 #ifdef READ_FRAME
 layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
+
+// Static objects are one source: the table of segments has a column for each slot from the first source on.
+uint source_count()
+{
+	return frame.counts.z - frame.trails.z;
+}
+
+uint segment_of(uint leaf, uint source)
+{
+	return leaf * source_count() + source - frame.trails.z;
+}
 #endif
 
 // ---- reads ----
@@ -55,67 +66,72 @@ layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 TEXELS(GI_BIND_OBJECTS) object_texels;
 vec4 object_row0(uint n)
 {
-	return float_texel(object_texels, 13u * n);
+	return float_texel(object_texels, 14u * n);
 }
 
 vec4 object_row1(uint n)
 {
-	return float_texel(object_texels, 13u * n + 1u);
+	return float_texel(object_texels, 14u * n + 1u);
 }
 
 vec4 object_row2(uint n)
 {
-	return float_texel(object_texels, 13u * n + 2u);
+	return float_texel(object_texels, 14u * n + 2u);
 }
 
 vec4 object_lower(uint n)
 {
-	return float_texel(object_texels, 13u * n + 3u);
+	return float_texel(object_texels, 14u * n + 3u);
 }
 
 vec4 object_upper(uint n)
 {
-	return float_texel(object_texels, 13u * n + 4u);
+	return float_texel(object_texels, 14u * n + 4u);
 }
 
 vec4 object_grid(uint n)
 {
-	return float_texel(object_texels, 13u * n + 5u);
+	return float_texel(object_texels, 14u * n + 5u);
 }
 
 vec4 object_cells(uint n)
 {
-	return float_texel(object_texels, 13u * n + 6u);
+	return float_texel(object_texels, 14u * n + 6u);
 }
 
 vec4 object_sphere(uint n)
 {
-	return float_texel(object_texels, 13u * n + 7u);
+	return float_texel(object_texels, 14u * n + 7u);
 }
 
 vec4 object_plane(uint n)
 {
-	return float_texel(object_texels, 13u * n + 8u);
+	return float_texel(object_texels, 14u * n + 8u);
 }
 
 uvec4 object_nodes(uint n)
 {
-	return texel(object_texels, 13u * n + 9u);
+	return texel(object_texels, 14u * n + 9u);
 }
 
 uvec4 object_bvh(uint n)
 {
-	return texel(object_texels, 13u * n + 10u);
+	return texel(object_texels, 14u * n + 10u);
 }
 
 uvec4 object_extra(uint n)
 {
-	return texel(object_texels, 13u * n + 11u);
+	return texel(object_texels, 14u * n + 11u);
 }
 
 uvec4 object_changed(uint n)
 {
-	return texel(object_texels, 13u * n + 12u);
+	return texel(object_texels, 14u * n + 12u);
+}
+
+uvec2 object_ids(uint n)
+{
+	return texel(object_texels, 14u * n + 13u).xy;
 }
 #endif
 
@@ -147,6 +163,11 @@ gi_node_geometry load_rest(uint n)
 vec4 load_rest_sphere(uint n)
 {
 	return float_texel(rest_texels, 3u * n);
+}
+
+float load_area(uint n)
+{
+	return float_texel(rest_texels, 3u * n + 2u).w;
 }
 #endif
 
@@ -341,6 +362,12 @@ uint load_suspect(uint n)
 {
 	return word(suspect_texels, n);
 }
+
+// Lower and upper corner of the k-th trail.
+vec4 load_trail(uint k, uint corner)
+{
+	return float_texel(suspect_texels, frame.trails.x + 2u * k + corner);
+}
 #endif
 
 #ifdef READ_WIDE_NODES
@@ -460,6 +487,30 @@ TEXELS(GI_BIND_PATH_SOBOL) sobol_texels;
 uint load_sobol(uint n)
 {
 	return word(sobol_texels, n);
+}
+#endif
+
+#ifdef READ_OLD_SEGMENTS
+TEXELS(GI_BIND_OLD_SEGMENTS) old_segment_texels;
+uvec4 load_old_segment(uint n)
+{
+	return texel(old_segment_texels, n);
+}
+#endif
+
+#ifdef READ_OLD_ROWS
+TEXELS(GI_BIND_OLD_ROWS) old_row_texels;
+uvec4 load_old_row(uint n)
+{
+	return texel(old_row_texels, n);
+}
+#endif
+
+#ifdef READ_MOVES
+TEXELS(GI_BIND_MOVES) move_texels;
+gi_move load_move(uint n)
+{
+	return gi_move(texel(move_texels, 2u * n), texel(move_texels, 2u * n + 1u));
 }
 #endif
 

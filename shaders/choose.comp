@@ -45,7 +45,7 @@ void count_groups()
 		set_groups(GI_STATE_ARGS_ASSESS, spread_groups(state[GI_STATE_ASSESSED]));
 	} else {
 		set_groups(GI_STATE_ARGS_CHOSEN, spread_groups(state[GI_STATE_CHOSEN]));
-		set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * frame.counts.z));
+		set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * source_count()));
 	}
 }
 

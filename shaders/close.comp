@@ -147,8 +147,8 @@ struct row_counts {
 row_counts count_row(uint leaf)
 {
 	row_counts count = row_counts(0u, 0u);
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uint slot = leaf * frame.counts.z + s;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		uint seen = 0u, taken = 0u;
 		float factors = 0.0;
@@ -172,8 +172,8 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
 	row_sums row = row_sums(0.0, correction(0.0, 0.0));
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uint slot = leaf * frame.counts.z + s;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
@@ -196,8 +196,8 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uint slot = leaf * frame.counts.z + s;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {

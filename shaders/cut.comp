@@ -68,8 +68,15 @@ uint classify_sky(shape p, gi_node_geometry g, uint flags)
 	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
 }
 
-uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, bool same)
+// The object whose frame a node's spread is in; that of tops is the world, as their source's.
+uint object_of(uint source, uvec4 range)
 {
+	return source != frame.trails.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
+}
+
+uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
+{
+	uint flags = range.w;
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags);
 	facing f = facing_of(p, g, flags);
@@ -86,7 +93,7 @@ uint classify(shape p, gi_node_geometry g, uint flags, uint node, uint object, b
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
-		vec2 sides = shown_area(load_spread(node), g.moment, view, same ? view : rest_direction_from_world(object, view));
+		vec2 sides = shown_area(load_spread(node), g.moment, view, same ? view : rest_direction_from_world(object_of(source, range), view));
 		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
 	}
 	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
@@ -111,7 +118,7 @@ uint write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room)
 	uint count = 0u;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = load_range(n);
-		uint verdict = classify(p, geometry_of(n, same), range.w, n, source, same);
+		uint verdict = classify(p, geometry_of(n, same), range, n, source, same);
 		if (verdict == CUT_TAKE) {
 			// The form factor and the visibility come from the passes that follow; one sample is what most take.
 			if (count < room) {
@@ -130,7 +137,7 @@ uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state[GI_STATE_CHOSEN];
-		return t < count * frame.counts.z ? uvec2(chosen_leaf(t % count), t / count) : uvec2(GI_NONE);
+		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.trails.z + t / count) : uvec2(GI_NONE);
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);
@@ -150,7 +157,8 @@ void main()
 		return;
 	bool same = mine == source;
 	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
-	uint slot = leaf * frame.counts.z + source;
+	bool unseen = ((object_bvh(mine).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
+	uint slot = segment_of(leaf, source);
 	uvec2 block = load_segment(slot).xy;
 	uint old_count = block.y & GI_BLOCK_COUNT_MASK, count;
 	// Walked again where the block turns out not to fit, above all the first time. One place that walks, takes and
@@ -158,7 +166,7 @@ void main()
 	for (bool again = true; again;) {
 		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
 		uint room = has ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
-		count = write_cut(p, leaf, source, same, block.x, room);
+		count = unseen ? 0u : write_cut(p, leaf, source, same, block.x, room);
 		uvec2 fitting = fit_block(block, count);
 		bool full = fitting.x == GI_NONE; // then what there is room for is kept
 		again = !full && fitting != block && count > 0u;

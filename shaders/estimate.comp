@@ -79,8 +79,8 @@ float importance(uvec4 e, float mean_light)
 float mean_light_of(uint leaf, vec3 h)
 {
 	float light = 0.0, weight = 0.0;
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			light += uintBitsToFloat(load_entry(k).y) * light_of(load_entry(k));
 			weight += uintBitsToFloat(load_entry(k).y);
@@ -131,8 +131,8 @@ struct row_totals {
 row_totals total_row(uint leaf, float mean_light)
 {
 	row_totals t = row_totals(0.0, 0.0);
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			t.importance += importance(load_entry(k), mean_light);
 			t.seen += uintBitsToFloat(load_entry(k).y) * seen_share(load_entry(k));
@@ -146,8 +146,8 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 {
 	float pitch = total / float(GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
 	uint drawn = 0u;
-	for (uint s = 0u; s < frame.counts.z; s++) {
-		uvec2 segment = load_segment(leaf * frame.counts.z + s).xy;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			float part = importance(load_entry(k), mean_light);
 			sum += part;

@@ -60,7 +60,7 @@ void main()
 	r.error.x = load_rest(load_leaf(leaf).x).moment.w / (area * load_chance(leaf).y);
 	r.error.y = (dot(sum, sum) - squares) / float(GI_ESTIMATE_GROUPS * (GI_ESTIMATE_GROUPS - 1u));
 	r.error.z = uintBitsToFloat(rays);
-	vec3 returned = load_material(load_leaf(leaf).z).rho.xyz * uintBitsToFloat(load_row(leaf).w) * r.light.xyz;
+	vec3 returned = load_material(load_leaf(leaf).z).rho.xyz * abs(uintBitsToFloat(load_row(leaf).w)) * r.light.xyz;
 	r.bias = vec4(sum / float(GI_ESTIMATE_GROUPS), returned.x + returned.y + returned.z);
 	results[first + t] = r;
 }

@@ -65,7 +65,8 @@ void main()
 	// What a folded leaf sees of itself is the other half; its whole contour, seen from within, is rounding. So are
 	// points on the edge between the halves: one point each.
 	bool self = entry.x == receiver;
-	bool same = !sky && load_leaf(leaf).y == load_leaf(source.range.y).y;
+	bool top = (flags.w & GI_NODE_TOP) != 0u;
+	bool same = !sky && !top && load_leaf(leaf).y == load_leaf(source.range.y).y;
 
 	gi_node_geometry p, g;
 	if (same) {
@@ -100,7 +101,7 @@ void main()
 	if (disc && !contour) {
 		vec3 view = (p.sphere.xyz - g.sphere.xyz) / far;
 		vec2 sides = shown_area(load_spread(entry.x), g.moment, view,
-					same ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
+					same || top ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
 		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
 		shown = (back_side ? -sides.y : sides.x) * unit * unit;
 	}

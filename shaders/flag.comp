@@ -31,10 +31,10 @@ void main()
 	watch w = watch_of(leaf);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u;
-	for (uint source = 0u; source < frame.counts.z; source++) {
+	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
 		if (pair_is_dirty(w.mine, source, w.since))
 			continue; // cut anew
-		uvec4 block = load_segment(leaf * frame.counts.z + source);
+		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		for (uint k = 0u; k < count; k++) {
 			if (!is_flagged(w, p, load_entry(block.x + k)))
@@ -47,6 +47,8 @@ void main()
 			flagged++;
 		}
 	}
+	if ((load_row(leaf).w & GI_ROW_OPEN) != 0u)
+		flagged = max(flagged, 1u);
 	if (flagged > 0u)
 		touched[leaf] += flagged;
 	rows[leaf].z = frame.update.x;

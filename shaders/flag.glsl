@@ -18,7 +18,7 @@ void keep_below(float slope, float limit, inout vec2 interval)
 
 // What crossings ask of an object, loaded once for all entries of a row: loads are what they cost.
 struct obstacle {
-	bool counts;              // it moved since the row was refreshed
+	bool counts;              // it moved since the row was refreshed, and is there
 	vec4 row0, row1, row2;    // world_from_object
 	vec3 lower, upper;
 	vec4 ball;
@@ -26,6 +26,7 @@ struct obstacle {
 
 obstacle load_obstacle(uint object, bool counts)
 {
+	counts = counts && (object_bvh(object).z & GI_OBJECT_UNSEEN) == 0u;
 	return obstacle(counts, object_row0(object), object_row1(object), object_row2(object), object_lower(object).xyz,
 			object_upper(object).xyz, object_sphere(object));
 }
@@ -99,13 +100,31 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 	return found;
 }
 
+// Can something have hidden samples of the entry that was there when its row was refreshed, and is not there now?
+bool was_crossed(watch w, gi_node_geometry p, uint node)
+{
+	vec4 ball = load_sphere(node);
+	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u, found = false;
+	for (uint k = 0u; k < frame.trails.y && !found; k++) {
+		vec4 lower = load_trail(k, 0u), upper = load_trail(k, 1u);
+		vec3 half_way = 0.5 * upper.xyz - 0.5 * lower.xyz;
+		obstacle box = obstacle(floatBitsToUint(lower.w) > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
+					vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, vec4(lower.xyz + half_way, length(half_way)));
+		found = crosses(box, p, ball, sky);
+	}
+	return found;
+}
+
 // Of an entry whose pair need not be cut again; p is the leaf in the world.
 bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 {
 	if (samples_of(entry) == 0u)
 		return false; // form factor zero
 	uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
-	bool blocker_moved = blocker == GI_BLOCKER_MIXED ||
-			     (blocker != GI_BLOCKER_NONE && (w.moved ? blocker != w.mine : moved_since(blocker, w.since)));
+	bool blocker_moved = blocker != GI_BLOCKER_NONE && blocker != GI_BLOCKER_MIXED &&
+			     (w.moved ? blocker != w.mine : moved_since(blocker, w.since));
+	// Which ones hid it is not known.
+	if (blocker == GI_BLOCKER_MIXED)
+		blocker_moved = w.moved || was_crossed(w, p, entry.x);
 	return blocker_moved || (visible != 0u && may_cross(w, p, entry.x));
 }

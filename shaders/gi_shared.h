@@ -38,6 +38,7 @@ typedef struct gi_uvec4 {
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
 #define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
+#define GI_NODE_TOP 128u    /* of several static objects (statics.h): in the world's frame, its two children behind it */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u
@@ -134,6 +135,9 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w 0
  *   changed.x update that last moved it    changed.y update that last lit or put it out
+ *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
+ *
+ * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
  *
  * Neighbours are the objects whose boxes overlap its own, listed for movers only: they alone may have changed what its
  * entries see of itself.
@@ -152,10 +156,13 @@ GI_STRUCT(gi_object_data) {
 	GI_UVEC4 bvh;
 	GI_UVEC4 extra;
 	GI_UVEC4 changed;
+	GI_UVEC4 ids;
 } GI_END(gi_object_data)
 
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
+#define GI_OBJECT_STATICS 16u /* no object: all static ones as one source */
+#define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
 
 /* A leaf: x node, y object slot, z material, w rank of its primitive.
  * A material: rho, then exitance. */
@@ -185,6 +192,12 @@ GI_STRUCT(gi_material_data) {
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
+ *   trails: in the list of suspects, in fours of words, where the trails begin; how many; the first slot that is a source, and
+ *           that of the static objects as one, GI_NONE: there is none
+ *
+ * A trail is where something was that is there no more, two vec4: a world box, in the first one's w the update that saw it
+ * go as uint bits.
+ *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
 GI_STRUCT(gi_frame) {
@@ -200,6 +213,7 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 limit;
 	GI_UVEC4 rations;
 	GI_VEC4 ceiling;
+	GI_UVEC4 trails;
 } GI_END(gi_frame)
 
 #define GI_UPDATE_REBUILD 1u   /* every row from nothing */
@@ -260,7 +274,19 @@ GI_STRUCT(gi_pending) {
 #define GI_BLOCK_SMALLEST 4u
 
 /* Row header of a leaf: x link offset, y count and class as a block, z update that last
- * refreshed it, w row sum bits. */
+ * refreshed it, w row sum bits, and GI_ROW_OPEN. */
+#define GI_ROW_OPEN 0x80000000u /* it lost what it had of an object that went: it is to be closed again */
+
+/* Where an object of the scene before a commit is now (renumber.comp).
+ *
+ *   //--------------- 16B ---------------
+ *   before.x first leaf    before.y end leaf    before.z first node    before.w end node
+ *   now.x slot, GI_NONE: it went    now.y added to leaves    now.z added to nodes    now.w 0
+ */
+GI_STRUCT(gi_move) {
+	GI_UVEC4 before;
+	GI_UVEC4 now;
+} GI_END(gi_move)
 
 /* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
  * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
@@ -440,6 +466,11 @@ GI_STRUCT(gi_pending) {
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
+
+/* A commit's own (renumber.comp): the rows of before, and what became of objects. */
+#define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
+#define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
+#define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

@@ -31,8 +31,8 @@ float dirty_share()
 	if (at_rest != 0u)
 		return 0.0;
 	uint entries = 0u;
-	for (uint s = 0u; s < frame.counts.z; s++)
-		entries += load_segment(leaf * frame.counts.z + s).y & GI_BLOCK_COUNT_MASK;
+	for (uint s = frame.trails.z; s < frame.counts.z; s++)
+		entries += load_segment(segment_of(leaf, s)).y & GI_BLOCK_COUNT_MASK;
 	return clamp(float(load_touched(leaf)) / float(max(entries, 1u)), 0.0, 1.0);
 }
 

@@ -4,6 +4,7 @@
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_REST
+#define READ_TOPOLOGY
 #define READ_VERTICES_REST
 #define READ_RUNS
 #define WRITE_WORLD
@@ -25,6 +26,9 @@ void main()
 		vertices_world[index] = vec4(world_from_rest(object, rest_vertex(index)), 0.0);
 		return;
 	}
+	// Between tops lie the nodes of objects, which have poses of their own.
+	if (object == frame.trails.w && (load_range(index).w & GI_NODE_TOP) == 0u)
+		return;
 	gi_node_geometry g = load_rest(index);
 	world[index].sphere = vec4(world_from_rest(object, g.sphere.xyz), g.sphere.w);
 	world[index].axis = vec4(world_direction_from_rest(object, g.axis.xyz), g.axis.w);

@@ -1,5 +1,5 @@
-// Where visibility rays begin and end: pure functions of (receiver leaf, source node, sample number), in the rest
-// frames of their objects, so that a segment is the same in every frame and after every rebuild.
+// Where visibility rays begin and end: pure functions of (id of the receiver leaf, id of the source node, sample number), in
+// the rest frames of their objects, so that a segment is the same in every frame, after every rebuild and every commit.
 
 uint hash(uint x)
 {

@@ -52,7 +52,7 @@ float emitter_weight(uint leaf, shape p, uint mine, uint since)
 	float sum = 0.0;
 	for (uint k = frame.rations.x; k < frame.rations.y; k++) {
 		uint source = load_suspect(k);
-		uvec4 segment = load_segment(leaf * frame.counts.z + source);
+		uvec4 segment = load_segment(segment_of(leaf, source));
 		sum += (segment.y & GI_BLOCK_COUNT_MASK) > 0u ? FACTOR_SLACK * uintBitsToFloat(segment.w) : 0.0;
 		if (pair_is_dirty(mine, source, since))
 			sum += (object_bvh(source).z & GI_OBJECT_SKY) != 0u ? 1.0 : reach(p, source);

@@ -21,6 +21,7 @@ quad load_quad(uvec4 corners)
 
 struct pair {
 	uint leaf, node;
+	uvec2 ids;          // of both
 	bool back;          // the source is seen from behind
 	bool same;          // both ends on one object: all is computed in its rest frame, whatever its pose
 	body receiver, source;
@@ -31,26 +32,41 @@ struct pair {
 	float area_before, area_all;
 };
 
+// Shaders for nodes of several objects, whose samples are each on one of them (trace.glsl), define TOPS as 1.
+#ifndef TOPS
+#define TOPS 0
+#endif
+
+// What its samples ask of the source, a node of one object or a patch of sky.
+void set_source(inout pair p, gi_node_topology t)
+{
+	p.t = t;
+	p.whole = p.sky || t.range.z == 1u;
+	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(t.range.y).y);
+	p.same = TOPS == 0 && p.source.object == p.receiver.object;
+	if (p.sky)
+		p.theirs = load_quad(t.corners);
+	else if (p.whole)
+		p.theirs = load_leaf_quad(t.range.y);
+	p.area_before = p.whole || t.range.y == object_nodes(p.source.object).z ? 0.0 : load_area_up_to(t.range.y - 1u);
+	p.area_all = p.whole ? 0.0 : load_area_up_to(t.range.y + t.range.z - 1u);
+}
+
 pair load_pair(uvec4 entry)
 {
 	pair p;
 	p.leaf = entry.w & GI_ENTRY_LEAF_MASK;
 	p.node = entry.x;
 	p.back = (entry.w & GI_ENTRY_BACK) != 0u;
-	p.t = load_topology(entry.x);
-	p.sky = (p.t.range.w & GI_NODE_SKY) != 0u;
-	p.whole = p.sky || p.t.range.z == 1u;
+	gi_node_topology t = load_topology(entry.x);
+	p.sky = (t.range.w & GI_NODE_SKY) != 0u;
 	uvec4 mine = load_leaf(p.leaf);
 	p.receiver = load_body(mine.y);
 	p.mine = load_leaf_quad(p.leaf);
-	p.source = load_source(p.sky ? 0xFFFFu : load_leaf(p.t.range.y).y);
-	p.same = p.source.object == p.receiver.object;
-	if (p.sky)
-		p.theirs = load_quad(p.t.corners);
-	else if (p.whole)
-		p.theirs = load_leaf_quad(p.t.range.y);
-	p.area_before = p.whole || p.t.range.y == object_nodes(p.source.object).z ? 0.0 : load_area_up_to(p.t.range.y - 1u);
-	p.area_all = p.whole ? 0.0 : load_area_up_to(p.t.range.y + p.t.range.z - 1u);
+	set_source(p, t);
+	// The sky is the last object.
+	uint from = TOPS == 1 ? frame.trails.w : p.sky ? frame.counts.z - 1u : p.source.object;
+	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(from).y);
 	return p;
 }
 

@@ -169,7 +169,7 @@ gi_result casters_create(gi_context *gi, gi_casters *casters)
 	uint32_t *indices = calloc(6 * (size_t)s->leaf_count + 1, sizeof *indices), index_count = 0;
 	bool ok = casters->list && vertices && indices;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
+		if (scene_slot_is_seen(s, slot))
 			ok = add_caster(&s->objects[s->slots[slot]], slot, &casters->list[slot], vertices, indices,
 					&index_count);
 	ok = ok && share_spheres(s, casters);
@@ -230,7 +230,7 @@ static bool hides_nothing(const gi_context *gi, const gi_casters *casters, uint3
 		return true;
 	const double slack = -WALL_SLACK * sqrt(length) * length, plane = gi_vec3d_dot(normal, c[0]);
 	for (uint32_t k = 0; k < casters->count; k++) {
-		if (k == slot || gi->scene.slots[k] == GI_NONE)
+		if (k == slot || !scene_slot_is_seen(&gi->scene, k))
 			continue;
 		for (int b = 0; b < 8; b++)
 			if (gi_vec3d_dot(normal, casters->list[k].box[b]) - plane < slack)

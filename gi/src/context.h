@@ -28,6 +28,7 @@
 typedef struct scene_emission {
 	double area;    /* of its leaves, m2 */
 	uint32_t steps; /* while it emits it is cut 2^steps times finer than others */
+	bool ranked;    /* it emitted at the last commit (rank.h) */
 } scene_emission;
 
 typedef struct scene_object {
@@ -36,6 +37,10 @@ typedef struct scene_object {
 	bool moved;          /* since the last update */
 	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
+	bool hidden;         /* by the host */
+	gi_mobility mobility;
+	bool grouped;        /* one of the static objects that are one source (statics.h) */
+	bool was_grouped;    /* before the last commit */
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
@@ -50,22 +55,38 @@ typedef struct scene_object {
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
+	bool trails; /* where it was since every row has seen it: */
+	gi_vec4 trail_lower, trail_upper;
 	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
+	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are enough. */
+	uint32_t leaf_id, node_id, leaf_ids, node_ids;
 } scene_object;
+
+/* A node of several static objects, those of slots [first_slot, end_slot). */
+typedef struct scene_top {
+	uint32_t node, first_slot, end_slot;
+} scene_top;
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
 	uint32_t object_count; /* places, dead ones too */
 	uint64_t created_count; /* objects ever created */
-	bool uncommitted;
+	uint32_t next_leaf_id, next_node_id;
 	bool ever_committed;
 
 	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
 	uint32_t slot_count; /* the sky's too */
 	uint32_t sky_slot;   /* GI_NONE: none */
+	uint32_t statics_slot; /* static objects as one source, GI_NONE: none; their own slots are the first ones */
+	uint32_t first_source; /* slot; from here on they are sources */
+	scene_top *tops;
+	uint32_t top_count;
+	bool statics_changed;    /* since the last update: rows' parts of them are cut anew */
+	uint32_t statics_update; /* that did that last */
+	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
 	gi_object_data *object_data; /* slot_count */
@@ -74,7 +95,8 @@ typedef struct gi_scene {
 	gi_bvh_node *tlas;
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
-	uint32_t tlas_count, tlas_inner; /* nodes: of all objects, of those that may lie between two others */
+	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
+	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of those that may lie between two others */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
 		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,
@@ -88,12 +110,16 @@ typedef struct gi_rows {
 	uint32_t current;  /* every row has seen all that changed up to this one */
 	bool rebuild;      /* everything is to be cut anew */
 	bool fitted;       /* the pools held the rows at least once since the commit */
+	bool kept;         /* the last commit kept them: no update ran since */
+	bool lost;         /* and an object went */
+	uint32_t lost_update; /* that saw the last one that went */
+	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
 	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program;
+		prepare_program, renumber_program, tops_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -152,7 +178,8 @@ struct gi_context {
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
-	uint64_t commit_frame;               /* last gi_update before the last commit: reports up to it are of other rows */
+	uint64_t commit_frame;               /* last gi_update before the last commit */
+	uint64_t rows_frame;                 /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number;             /* of gi_draw calls */
 	gi_report report;
 	struct {
@@ -193,11 +220,22 @@ bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *objec
 
 /* scene.c */
 bool scene_is_alive(const scene_object *object);
+/* Not hidden, not destroyed: what is not seen keeps its place until the next commit, and takes part in nothing. */
+bool scene_is_seen(const scene_object *object);
+/* The same as of the last update. Not the sky. */
+bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
+uint32_t scene_source_count(const gi_scene *scene);
+uint32_t scene_object_flags(const scene_object *object); /* GI_OBJECT_ */
 void scene_place_object(scene_object *object, gi_object_data *data);
+void scene_leave_trail(scene_object *object); /* before it is placed elsewhere */
+void scene_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 void scene_place_sky(gi_object_data *data);
-gi_material_data scene_material_data(const gi_material *material);
+gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
-gi_result scene_upload_changes(gi_context *gi);
+void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
+/* Materials that changed; what emits is weighed again, which may relight others. */
+gi_result scene_upload_materials(gi_context *gi);
+gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_free(gi_context *gi);
@@ -210,6 +248,9 @@ gi_result scene_weigh_emitters(gi_context *gi);
 /* tlas.c: where the objects are now. */
 gi_result tlas_upload(gi_context *gi);
 
+/* gi.c: what gi_commit does. */
+gi_result gi_take_in(gi_context *gi);
+
 /* scene_upload.c */
 gi_result scene_upload(gi_context *gi);
 
@@ -220,14 +261,32 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 8 };
+enum { ROWS_PROGRAMS = 10 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
 gi_result rows_allocate(gi_context *gi);
+/* What became of the objects of the scene before, slot by slot. */
+typedef struct rows_moves {
+	gi_move *list;
+	uint32_t count, leaf_count, first_source; /* slots and leaves before */
+} rows_moves;
+/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
+ * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
+gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *moves);
 gi_result rows_grow(gi_context *gi);
+/* For rows_keep.c: tables of leaves and slots, without a row; pools of gi->rows.entry_limit; how many entries a pool
+ * may have where so many are wanted. */
+gi_result rows_allocate_tables(gi_context *gi);
+gi_result rows_allocate_pools(gi_context *gi);
+uint64_t rows_most_entries(gi_context *gi, uint64_t wanted);
+/* An allocator's state, for a pool of more elements. */
+void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit);
+void rows_recycle(gi_context *gi); /* what was given back may be taken again */
 gi_result rows_update(gi_context *gi, const gi_budget *budget);
+/* Where values of materials are all that changed: rows stay what they are. */
+gi_result rows_relight(gi_context *gi);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */

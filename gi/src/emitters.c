@@ -46,9 +46,9 @@ static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_are
 {
 	size_t count = 0;
 	*scene_area = 0;
-	for (uint32_t k = 0; k < s->object_count; k++) {
-		scene_object *o = &s->objects[k];
-		if (!scene_is_alive(o))
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		if (!o || !scene_is_seen(o))
 			continue;
 		*scene_area += o->hierarchy.area;
 		for (uint32_t m = 0; m < o->material_count; m++)
@@ -77,8 +77,8 @@ gi_result scene_weigh_emitters(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
 	size_t most = 1;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		most += scene_is_alive(&s->objects[k]) ? s->objects[k].material_count : 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		most += s->slots[slot] == GI_NONE ? 0 : s->objects[s->slots[slot]].material_count;
 	emitting *list = malloc(sizeof *list * most);
 	if (!list)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");

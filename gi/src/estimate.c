@@ -53,7 +53,7 @@ static void fill_chances(gi_context *gi, float *chances)
 	gi->estimate.area = 0;
 	for (int pass = 0; pass < 2; pass++)
 		for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-			if (s->slots[slot] == GI_NONE)
+			if (!scene_slot_is_seen(s, slot))
 				continue;
 			const scene_object *o = &s->objects[s->slots[slot]];
 			for (uint32_t k = 0; k < o->hierarchy.leaf_count; k++) {

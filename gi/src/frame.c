@@ -105,7 +105,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
 		fill_report(gi, state, frame);
 		fresh = true;
-		if (frame <= gi->commit_frame)
+		if (frame <= gi->rows_frame)
 			continue;
 		take_waiting(gi, state, frame);
 		const gi_outcome outcome = gi->report.outcome;
@@ -129,15 +129,35 @@ static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
 	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.last.error);
 }
 
-/* rows: more than the start of the solve; a material's values go the way of the rows too, which cost little then. */
-static bool anything_changed(const gi_context *gi, const gi_budget *budget, bool *rows)
+/* What an update has to do again. */
+typedef struct changes {
+	bool rows;
+	bool light; /* values of materials alone: the solve begins anew, rows are what they were */
+} changes;
+
+static changes changed_objects(const gi_context *gi)
 {
-	*rows = gi->rows.rebuild || rows_are_due(gi, budget);
+	changes c = {false, false};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		const scene_object *o = &gi->scene.objects[k];
-		*rows = *rows || o->moved || o->relit || o->material_changed;
+		c.rows = c.rows || (o->committed && (o->moved || o->relit));
+		c.light = c.light || (o->committed && o->material_changed);
 	}
-	return *rows || gi->solver.cold;
+	return c;
+}
+
+static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
+{
+	*c = changed_objects(gi);
+	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
+	if (!c->light || c->rows)
+		return GI_OK;
+	/* Bounds of rows that wait were made with the materials of before. */
+	const bool waiting = gi->rows.current < gi->rows.update;
+	/* Another emitter may change how fine others are cut. */
+	const gi_result result = scene_weigh_emitters(gi);
+	c->rows = waiting || changed_objects(gi).rows;
+	return result;
 }
 
 static void changes_done(gi_context *gi)
@@ -149,17 +169,19 @@ static void changes_done(gi_context *gi)
 }
 
 /* A step of rows and solve; queues its report. */
-static gi_result issue(gi_context *gi, bool rows, const gi_budget *budget)
+static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
 	gi->gpu.tag = gi->frame_number;
-	if (rows)
+	if (c.rows)
 		result = rows_update(gi, budget);
+	else if (c.light)
+		result = rows_relight(gi);
 	else
 		rows_clear_counts(gi);
 	if (result)
 		return result;
-	solver_update(gi, rows, budget);
+	solver_update(gi, c.rows || c.light, budget);
 	if (gi->rations.in_force)
 		budget_bound(gi);
 	result = estimate_update(gi);
@@ -180,7 +202,7 @@ static gi_result grow_until_it_fits(gi_context *gi)
 		if (result)
 			return result; /* and again by the next update */
 		gi->truncated = false;
-		result = issue(gi, true, NULL);
+		result = issue(gi, (changes){.rows = true}, NULL);
 		if (result)
 			return result;
 		collect_reports(gi, true);
@@ -226,23 +248,29 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (gi_check_current(gi, "gi_update"))
 		return GI_ERROR_WRONG_CONTEXT;
-	if (gi->scene.uncommitted || !gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
-			       "call gi_commit() after creating or destroying objects");
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
 	gi->gpu.dispatches = 0;
 	gi->gpu.uploaded_bytes = 0;
 	gi_result result = GI_OK;
-	bool rows;
+	changes c = {false, false};
+	if (gi->scene.regroup) {
+		const gi_result regrouped = gi_take_in(gi);
+		if (regrouped)
+			return regrouped;
+	}
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
-	const bool changed = anything_changed(gi, budget, &rows);
+	if (!result)
+		result = find_changes(gi, budget, &c);
+	const bool changed = c.rows || c.light || gi->solver.cold;
 	const bool settled = gi->report.frame >= gi->issued_frame && !gi->solver.unconverged;
 	if (!result && (changed || (!settled && gi->report.frame >= gi->issued_frame)))
-		result = issue(gi, rows, budget);
+		result = issue(gi, c, budget);
 	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);
 	if (!result && first) {
@@ -290,7 +318,9 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 		return GI_ERROR_WRONG_CONTEXT;
 	collect_reports(gi, false);
 	*out = gi->report;
-	out->objects = gi->scene.slot_count - (gi->scene.sky_slot != GI_NONE && gi->scene.slot_count ? 1 : 0);
+	out->objects = gi->scene.slot_count;
+	out->objects -= gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
+	out->objects -= gi->scene.slot_count && gi->scene.statics_slot != GI_NONE;
 	out->leaves = gi->scene.leaf_count;
 	out->nodes = gi->scene.node_count;
 	out->gpu_bytes = gi->gpu.buffer_bytes;

@@ -253,9 +253,36 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 		return stale(gi, "gi_destroy_object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
 	o->generation++;
+	o->moved = o->relit = o->material_changed = true;
+	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
 		scene_free_object(o);
-	gi->scene.uncommitted = true;
+	return GI_OK;
+}
+
+gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_hidden");
+	if (o->hidden != hidden) {
+		o->moved = o->relit = o->material_changed = true;
+		gi->scene.regroup = gi->scene.regroup || (o->committed && o->mobility == GI_MOBILITY_STATIC);
+	}
+	o->hidden = hidden;
+	return GI_OK;
+}
+
+gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_hidden: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_hidden");
+	*out = o->hidden;
 	return GI_OK;
 }
 
@@ -277,6 +304,20 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 		return GI_OK;
 	o->pose = pose;
 	o->moved = true;
+	if (o->committed)
+		o->mobility = GI_MOBILITY_MOVABLE;
+	gi->scene.regroup = gi->scene.regroup || o->grouped;
+	return GI_OK;
+}
+
+gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_mobility: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_mobility");
+	*out = o->mobility;
 	return GI_OK;
 }
 
@@ -319,6 +360,33 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	return GI_OK;
 }
 
+/* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
+static bool ranks_otherwise(scene_object *o)
+{
+	bool changed = false;
+	for (uint32_t m = 0; m < o->material_count; m++) {
+		changed = changed || o->emission[m].ranked != scene_emits(&o->materials[m]);
+		o->emission[m].ranked = scene_emits(&o->materials[m]);
+	}
+	return changed;
+}
+
+/* What the rows that were kept have not seen. Where they are made anew nothing is left to be seen. */
+static void note_changes(gi_context *gi)
+{
+	const bool kept = gi->rows.kept;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		const bool alive = scene_is_alive(o), came = alive && !o->committed;
+		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
+		o->was_grouped = o->grouped;
+		o->committed = alive;
+		o->moved = kept && (o->moved || other || came);
+		o->relit = kept && (o->relit || other || came);
+		o->material_changed = kept && (o->material_changed || came);
+	}
+}
+
 static void forget_dead_objects(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
@@ -328,12 +396,8 @@ static void forget_dead_objects(gi_context *gi)
 	}
 }
 
-gi_result gi_commit(gi_context *gi)
+gi_result gi_take_in(gi_context *gi)
 {
-	if (!gi)
-		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_commit"))
-		return GI_ERROR_WRONG_CONTEXT;
 	gi_result result = end_programs(gi);
 	if (result)
 		return result;
@@ -343,17 +407,25 @@ gi_result gi_commit(gi_context *gi)
 		return result;
 	shade_invalidate(gi);
 	estimate_invalidate(gi);
-	gi->truncated = false;
 	gi->commit_frame = gi->frame_number;
-	forget_dead_objects(gi);
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		o->committed = o->generation & 1;
-		o->moved = o->relit = o->material_changed = false;
+	if (!gi->rows.kept) {
+		gi->truncated = false;
+		gi->rows_frame = gi->frame_number;
 	}
-	gi->scene.uncommitted = false;
+	forget_dead_objects(gi);
+	note_changes(gi);
+	gi->scene.regroup = false;
 	gi->scene.ever_committed = true;
 	return GI_OK;
+}
+
+gi_result gi_commit(gi_context *gi)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (gi_check_current(gi, "gi_commit"))
+		return GI_ERROR_WRONG_CONTEXT;
+	return gi_take_in(gi);
 }
 
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)

@@ -249,11 +249,11 @@ static const char *broken_geometry(const gi_object_def *def)
 static gi_result check_def(const gi_context *gi, const gi_object_def *def, const char *name)
 {
 	const gi_log *log = &gi->gpu.log;
-	if (def->scheme > GI_SCHEME_LOOP || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
+	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
 	    def->draw_levels > MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
 		return gi_fail(
 		    log, GI_ERROR_INVALID_ARGUMENT,
-		    "object '%s': scheme, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
+		    "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
 		    name, MAX_LEVELS, MAX_DRAW_LEVELS);
 	if (def->material_count && !def->materials)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
@@ -271,14 +271,17 @@ static gi_result check_def(const gi_context *gi, const gi_object_def *def, const
 
 void scene_free_object(scene_object *o)
 {
-	const uint32_t generation = o->generation;
 	free(o->name);
 	free(o->materials);
 	free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
 	gi_skin_free(&o->skin);
-	*o = (scene_object){.generation = generation};
+	*o = (scene_object){.generation = o->generation,
+			    .leaf_id = o->leaf_id,
+			    .node_id = o->node_id,
+			    .leaf_ids = o->leaf_ids,
+			    .node_ids = o->node_ids};
 }
 
 static char *duplicate_text(const char *text)
@@ -564,6 +567,22 @@ static void clip_name(const char *name, char out[NAME_BYTES])
 	out[length] = '\0';
 }
 
+/* Where everything is created in a row and stays, they are the numbers of leaves and nodes. */
+static void give_ids(gi_scene *s, const scene_object *place, scene_object *o)
+{
+	const uint32_t leaves = o->hierarchy.leaf_count, nodes = o->hierarchy.node_count;
+	o->leaf_id = place->leaf_id;
+	o->node_id = place->node_id;
+	o->leaf_ids = place->leaf_ids;
+	o->node_ids = place->node_ids;
+	if (leaves > o->leaf_ids || nodes > o->node_ids) {
+		o->leaf_id = s->next_leaf_id;
+		o->node_id = s->next_node_id;
+		s->next_leaf_id += o->leaf_ids = leaves;
+		s->next_node_id += o->node_ids = nodes;
+	}
+}
+
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
 	char name[NAME_BYTES];
@@ -586,10 +605,11 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 		return result;
 	}
 	made.pose = pose;
+	made.mobility = def->mobility;
 	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
 	made.created = gi->scene.created_count++;
+	give_ids(&gi->scene, &gi->scene.objects[place], &made);
 	gi->scene.objects[place] = made;
-	gi->scene.uncommitted = true;
 	*out = scene_handle(gi, place);
 	return GI_OK;
 }

@@ -51,7 +51,7 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 	if (!vertices || !faces || !edges)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
+		if (scene_slot_is_seen(s, slot))
 			add_leaves(&s->objects[s->slots[slot]], vertices, faces, edges);
 	static const gpu_attribute attributes[] = {{3, false, 0},
 						   {4, false, offsetof(overlay_vertex, normal)},

@@ -285,6 +285,18 @@ static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, doubl
 	}
 }
 
+/* Nothing arrives at what is hidden. */
+static void darken_unseen(const gi_scene *s, uint32_t leaves, float *irradiance)
+{
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const gi_uvec4 range = s->object_data[slot].nodes;
+		if (s->slots[slot] == GI_NONE || scene_slot_is_seen(s, slot))
+			continue;
+		for (uint32_t leaf = range.z; leaf < minimum(range.w, leaves); leaf++)
+			memset(irradiance + 3 * (size_t)leaf, 0, 3 * sizeof *irradiance);
+	}
+}
+
 static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
 {
 	const batch largest = largest_batch(gi, leaves, o->paths);
@@ -311,6 +323,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 			}
 		for (size_t k = 0; k < 3 * (size_t)leaves; k++)
 			irradiance[k] = (float)(totals[k] / o->paths);
+		darken_unseen(&gi->scene, leaves, irradiance);
 	} else {
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
@@ -329,7 +342,7 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	if (o.paths < 1 || o.paths > MOST_PATHS)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "paths %u is outside 1..%d", o.paths,
 			       MOST_PATHS);
-	if (gi->scene.uncommitted || !gi->rows.fitted)
+	if (!gi->rows.fitted || gi->issued_frame <= gi->commit_frame)
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 		    "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");

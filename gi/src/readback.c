@@ -2,6 +2,7 @@
 #include "bits.h"
 #include "context.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,7 +45,7 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const uint32_t *corners = &h->topology[node].corners.x;
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
-			 .row_sum = gi_float_from_bits(a->headers[leaf].w),
+			 .row_sum = fabsf(gi_float_from_bits(a->headers[leaf].w)),
 			 .object = scene_handle(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
@@ -144,7 +145,7 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	if (result)
 		return result;
 	const gi_scene *s = &gi->scene;
-	const uint64_t segments = (uint64_t)s->leaf_count * s->slot_count;
+	const uint64_t segments = (uint64_t)s->leaf_count * scene_source_count(s);
 	if (!segments)
 		return GI_OK;
 	gi_uvec4 *segment = read_buffer(&gi->rows.segments, sizeof *segment * segments);

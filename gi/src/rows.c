@@ -11,15 +11,16 @@
  * to each other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows
  * kept by updates are those of a rebuild, bit for bit.
  */
+#include "bits.h"
 #include "context.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps among
- * them; their blocks are 1.4 times that, 1.7 times while objects move. Where this was too few the pool doubles, which
- * builds all rows anew. */
+/* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps
+ * among them; their blocks are 1.4 times that, 1.7 times while objects move. Where this was too few the pool doubles,
+ * which builds all rows anew. */
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 128;
 
@@ -29,10 +30,11 @@ static const float BLACK_SKY_COARSENESS = 14.0f;
 void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 {
 	const gpu_program_file programs[ROWS_PROGRAMS] = {
-	    {"pose.comp", &r->pose_program},       {"cut.comp", &r->cut_program},
-	    {"factor.comp", &r->factor_program},   {"flag.comp", &r->flag_program},
-	    {"trace.comp", &r->trace_program},     {"close.comp", &r->close_program},
-	    {"recycle.comp", &r->recycle_program}, {"prepare.comp", &r->prepare_program}};
+	    {"pose.comp", &r->pose_program},         {"cut.comp", &r->cut_program},
+	    {"factor.comp", &r->factor_program},     {"flag.comp", &r->flag_program},
+	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
+	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
+	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -64,7 +66,7 @@ static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
 	gpu_buffer_upload(&gi->gpu, pool, 0, sizeof head, head);
 }
 
-static gi_result allocate_pools(gi_context *gi)
+gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
@@ -79,8 +81,23 @@ static gi_result allocate_pools(gi_context *gi)
 		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
 	if (!result)
 		result = allocate_pool(gi, &r->link_pool, r->link_limit);
-	r->rebuild = true;
 	return result;
+}
+
+void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit)
+{
+	const uint64_t word = sizeof(uint32_t), lists = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
+	const uint32_t limit = (uint32_t)to_limit;
+	uint64_t from_at = lists, to_at = lists;
+	gpu_buffer_copy(from, 0, to, 0, word * GI_POOL_PENDING_LIST);
+	gpu_buffer_upload(&gi->gpu, to, word * GI_POOL_LIMIT, sizeof limit, &limit);
+	for (uint32_t c = 0; c < GI_BLOCK_CLASSES; c++) {
+		const uint64_t size = (uint64_t)GI_BLOCK_SMALLEST << c;
+		if (from_limit / size)
+			gpu_buffer_copy(from, word * from_at, to, word * to_at, word * (from_limit / size));
+		from_at += from_limit / size;
+		to_at += to_limit / size;
+	}
 }
 
 /* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
@@ -92,7 +109,7 @@ static void clear_rows(gi_rows *r)
 }
 
 /* Of a table or pool, where so many are wanted. */
-static uint64_t most_elements(gi_context *gi, uint64_t wanted)
+uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
 {
 	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
 }
@@ -104,7 +121,7 @@ static const uint64_t LEAST_ENTRIES = 16;
 bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
 {
 	const uint64_t elements = leaves * (slots > LEAST_ENTRIES ? slots : LEAST_ENTRIES);
-	return leaves <= GI_ENTRY_LEAF_MASK && elements <= most_elements(gi, elements);
+	return leaves <= GI_ENTRY_LEAF_MASK && elements <= rows_most_entries(gi, elements);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -125,34 +142,45 @@ static double mean_refinement(const gi_context *gi)
 	return fmax(sum / area, 1);
 }
 
-gi_result rows_allocate(gi_context *gi)
+gi_result rows_allocate_tables(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const gi_scene *s = &gi->scene;
 	gpu *g = &gi->gpu;
-	const uint64_t leaves = s->leaf_count;
-	gi_result result = gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * s->slot_count, NULL);
+	const uint64_t leaves = gi->scene.leaf_count;
+	gi_result result =
+	    gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
+	if (!result)
+		clear_rows(r);
+	return result;
+}
+
+gi_result rows_allocate(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	const gi_scene *s = &gi->scene;
+	const uint64_t leaves = s->leaf_count;
+	const gi_result result = rows_allocate_tables(gi);
 	if (result)
 		return result;
-	clear_rows(r);
 	const double per_leaf = fmin(
 	    ENTRIES_TIMES_TOLERANCE * mean_refinement(gi) / gi->def.row_tolerance + ENTRIES_AT_LEAST, s->node_count);
 	uint64_t limit = (uint64_t)((double)leaves * per_leaf) + 4096;
-	const uint64_t most = most_elements(gi, limit);
+	const uint64_t most = rows_most_entries(gi, limit);
 	r->entry_limit = limit < most ? limit : most;
 	r->link_limit = r->entry_limit;
-	r->fitted = false;
-	return allocate_pools(gi);
+	r->fitted = r->kept = r->lost = false;
+	r->rebuild = true;
+	return rows_allocate_pools(gi);
 }
 
 gi_result rows_grow(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const uint64_t most = most_elements(gi, 2 * r->entry_limit);
+	const uint64_t most = rows_most_entries(gi, 2 * r->entry_limit);
 	if (r->entry_limit >= most)
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
@@ -161,7 +189,8 @@ gi_result rows_grow(gi_context *gi)
 	const uint64_t before = r->entry_limit;
 	r->entry_limit = 2 * before < most ? 2 * before : most;
 	r->link_limit = r->entry_limit;
-	const gi_result result = allocate_pools(gi);
+	const gi_result result = rows_allocate_pools(gi);
+	r->rebuild = true;
 	if (result)
 		r->entry_limit = r->link_limit = before; /* some buffers are no larger */
 	return result;
@@ -173,6 +202,7 @@ typedef struct plan {
 	bool part; /* under a budget: the chosen rows alone */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
+	uint32_t first_trail, trails;        /* likewise, in fours of words */
 	uint64_t cut_threads;
 } plan;
 
@@ -205,6 +235,8 @@ static void number_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
 	const uint32_t update = ++gi->rows.update;
+	if (gi->rows.lost)
+		gi->rows.lost_update = update;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
@@ -212,7 +244,12 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		s->statics_changed = s->statics_changed || (o->grouped && (o->moved || o->relit));
 	}
+	if (s->statics_slot == GI_NONE)
+		return;
+	s->statics_update = s->statics_changed ? update : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){s->statics_update, s->statics_update, 0, 0};
 }
 
 /* Does the cut of `source` for leaves of `receiver` have to be done again? */
@@ -227,7 +264,7 @@ static bool plan_poses(gi_context *gi, plan *p)
 {
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
 		const gi_object_data *data = &gi->scene.object_data[slot];
-		if (!gi->rows.rebuild && data->changed.x != gi->rows.update)
+		if (!gi->rows.rebuild && !gi->rows.kept && data->changed.x != gi->rows.update)
 			continue;
 		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 0, data->nodes.x}))
 			return false;
@@ -244,9 +281,9 @@ static bool plan_cuts(gi_context *gi, plan *p)
 	const gi_scene *s = &gi->scene;
 	for (uint32_t receiver = 0; receiver < s->slot_count; receiver++) {
 		const gi_uvec4 nodes = s->object_data[receiver].nodes;
-		if (nodes.w == nodes.z)
+		if (nodes.w == nodes.z || s->slots[receiver] == GI_NONE)
 			continue;
-		for (uint32_t source = 0; source < s->slot_count; source++) {
+		for (uint32_t source = s->first_source; source < s->slot_count; source++) {
 			if (!pair_is_dirty(gi, receiver, source))
 				continue;
 			const gi_uvec4 run = {(uint32_t)p->cut_threads, receiver, source, nodes.z};
@@ -315,7 +352,7 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
 	*first = list->count;
-	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
+	for (uint32_t slot = s->first_source; ok && slot < s->slot_count; slot++)
 		if (s->topology[s->object_data[slot].nodes.x].range.w & GI_NODE_EMITTER)
 			ok = append(list, slot);
 	*end = list->count;
@@ -324,7 +361,38 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data), movers first, and those that emit. */
+static bool append_trail(slot_list *list, gi_vec4 lower, gi_vec4 upper, uint32_t update)
+{
+	uint32_t words[8];
+	lower.w = gi_float_from_bits(update);
+	memcpy(words, &lower, sizeof lower);
+	memcpy(words + 4, &upper, sizeof upper);
+	bool ok = true;
+	for (int k = 0; ok && k < 8; k++)
+		ok = append(list, words[k]);
+	return ok;
+}
+
+/* Where movers were, and what went. */
+static bool list_trails(const gi_context *gi, slot_list *list, plan *p)
+{
+	const gi_scene *s = &gi->scene;
+	const gi_rows *r = &gi->rows;
+	bool ok = true;
+	while (ok && list->count % 4)
+		ok = append(list, 0);
+	p->first_trail = list->count / 4;
+	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		if (o && o->trails && ++p->trails)
+			ok = append_trail(list, o->trail_lower, o->trail_upper, o->moved_update);
+	}
+	if (ok && r->lost_lower.x <= r->lost_upper.x && ++p->trails)
+		ok = append_trail(list, r->lost_lower, r->lost_upper, r->lost_update);
+	return ok;
+}
+
+/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and trails. */
 static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
@@ -339,6 +407,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		data->extra.x = list.count;
 	}
 	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
+	ok = ok && list_trails(gi, &list, p);
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
 	if (!ok)
@@ -374,10 +443,10 @@ static bool materials_changed(const gi_context *gi)
 	return false;
 }
 
-/* The update that last moved, lit or put out something. */
+/* The update that last saw something that moved, was lit or put out, or went. */
 static uint32_t newest_change(const gi_context *gi)
 {
-	uint32_t newest = 0;
+	uint32_t newest = gi->rows.lost_update;
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
 		const gi_uvec4 changed = gi->scene.object_data[slot].changed;
 		newest = changed.x > newest ? changed.x : newest;
@@ -416,14 +485,15 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,
 			  def->solve_tolerance},
 	    .work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-	    .misc = {s->tlas_count, s->wide_count, s->light_count, lit},
+	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
 	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, lit ? GI_NONE : s->sky_slot, 0},
 	    .ceiling = ceiling_of(gi),
+	    .trails = {p->first_trail, p->trails, s->first_source, s->statics_slot},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
-	gi->frame.update.w |= materials_changed(gi) ? GI_UPDATE_MATERIAL : 0;
+	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
 		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
@@ -496,6 +566,18 @@ static bool flagging_would_end_early(const gi_context *gi)
 	return gi->gpu.software && LONGEST_ROW * entries * (movers + 1) > TURNS;
 }
 
+static void trace(gi_context *gi)
+{
+	const gi_rows *r = &gi->rows;
+	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
+	frame_progress(gi, GI_PASS_TRACE);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
+	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
+	if (gi->scene.statics_slot != GI_NONE)
+		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, arguments);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
+}
+
 static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 {
 	gi_rows *r = &gi->rows;
@@ -516,6 +598,12 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	return result ? result : upload_plan(gi, p);
 }
 
+void rows_recycle(gi_context *gi)
+{
+	prepare(gi, 2);
+	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
+}
+
 /* A pass with a thread a row: all rows, or those chosen. */
 static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t program)
 {
@@ -523,6 +611,20 @@ static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t progr
 		run_indirect(gi, pass, program, GI_STATE_ARGS_CHOSEN);
 	else
 		run(gi, pass, program, gi->scene.leaf_count);
+}
+
+/* Trails that every row has seen. */
+static void forget_trails(gi_context *gi)
+{
+	gi_rows *r = &gi->rows;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+		scene_object *o = &gi->scene.objects[k];
+		o->trails = o->trails && o->moved_update > r->current;
+	}
+	if (r->lost_update > r->current)
+		return;
+	r->lost_lower = (gi_vec4){INFINITY, INFINITY, INFINITY, 0};
+	r->lost_upper = (gi_vec4){-INFINITY, -INFINITY, -INFINITY, 0};
 }
 
 gi_result rows_update(gi_context *gi, const gi_budget *budget)
@@ -549,14 +651,24 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (!r->rebuild)
 		run_rows(gi, &p, GI_PASS_FLAG, r->flag_program);
 	prepare(gi, 1);
-	run_indirect(gi, GI_PASS_TRACE, r->trace_program, GI_STATE_ARGS_TRACE);
+	trace(gi);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
-	prepare(gi, 2);
-	gpu_dispatch_indirect(&gi->gpu, r->recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
-	r->rebuild = false;
+	rows_recycle(gi);
+	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
 	if (!p.part)
 		r->current = r->update;
+	forget_trails(gi);
 	gi->rations.in_force = p.part;
+	return GI_OK;
+}
+
+gi_result rows_relight(gi_context *gi)
+{
+	const gi_result result = scene_upload_materials(gi);
+	if (result)
+		return result;
+	upload_frame(gi, &(plan){0}, NULL);
+	rows_clear_counts(gi);
 	return GI_OK;
 }
 

@@ -11,6 +11,21 @@ bool scene_is_alive(const scene_object *o)
 	return o->generation & 1;
 }
 
+bool scene_is_seen(const scene_object *o)
+{
+	return scene_is_alive(o) && !o->hidden;
+}
+
+uint32_t scene_source_count(const gi_scene *s)
+{
+	return s->slot_count - s->first_source;
+}
+
+bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
+{
+	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);
+}
+
 /* ---- poses ---- */
 
 /* Rows of the rotation matrix of a unit quaternion, in double so that a turn by 1e-7 does not scale. */
@@ -72,6 +87,37 @@ void scene_place_object(scene_object *o, gi_object_data *data)
 	data->plane = o->plane ? world_plane(o, m) : (gi_vec4){0, 0, 0, 0};
 }
 
+static void include(gi_vec4 lower, gi_vec4 upper, gi_vec4 *to_lower, gi_vec4 *to_upper)
+{
+	for (int k = 0; k < 3; k++) {
+		(&to_lower->x)[k] = fminf((&to_lower->x)[k], (&lower.x)[k]);
+		(&to_upper->x)[k] = fmaxf((&to_upper->x)[k], (&upper.x)[k]);
+	}
+}
+
+void scene_leave_trail(scene_object *o)
+{
+	if (o->trails) {
+		include(o->world_lower, o->world_upper, &o->trail_lower, &o->trail_upper);
+		return;
+	}
+	o->trail_lower = o->world_lower;
+	o->trail_upper = o->world_upper;
+	o->trails = true;
+}
+
+void scene_include_box(const scene_object *o, gi_vec4 *lower, gi_vec4 *upper)
+{
+	include(o->world_lower, o->world_upper, lower, upper);
+	if (o->trails)
+		include(o->trail_lower, o->trail_upper, lower, upper);
+}
+
+uint32_t scene_object_flags(const scene_object *o)
+{
+	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (scene_is_seen(o) ? 0 : GI_OBJECT_UNSEEN);
+}
+
 void scene_place_sky(gi_object_data *data)
 {
 	data->row0 = (gi_vec4){1, 0, 0, 0};
@@ -99,13 +145,14 @@ static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
 }
 
 /* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
- * is cut as fine as the finest of its leaves that emit. */
+ * is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
 void scene_update_exitance(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
 	const gi_hierarchy *h = &o->hierarchy;
+	const bool seen = scene_is_seen(o);
 	o->ceiling = (gi_vec4){0};
-	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
+	for (uint32_t leaf = 0; seen && leaf < h->leaf_count; leaf++)
 		include_ceiling(&o->ceiling, &o->materials[h->leaf_material[leaf]]);
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
@@ -114,7 +161,7 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 			const gi_material *m = &o->materials[h->leaf_material[leaf]];
 			const double a = h->geometry[h->leaf_node[leaf]].moment.w;
-			for (int c = 0; c < 3; c++)
+			for (int c = 0; seen && c < 3; c++)
 				sum[c] += a * m->exitance[c];
 			sum[3] += a * fmaxf(m->rho[0], fmaxf(m->rho[1], m->rho[2]));
 			area += a;
@@ -127,15 +174,39 @@ void scene_update_exitance(gi_context *gi, scene_object *o)
 	}
 }
 
-gi_material_data scene_material_data(const gi_material *m)
+void scene_update_top(gi_context *gi, const scene_top *top)
 {
+	gi_scene *s = &gi->scene;
+	double sum[4] = {0}, area = 0;
+	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0;
+	for (uint32_t slot = top->first_slot; slot < top->end_slot; slot++) {
+		const scene_object *o = &s->objects[s->slots[slot]];
+		const gi_vec4 e = s->node_exitance[o->node_base];
+		const uint32_t own = s->topology[o->node_base].range.w;
+		for (int c = 0; c < 4; c++)
+			sum[c] += o->hierarchy.area * (&e.x)[c];
+		area += o->hierarchy.area;
+		emits |= own & GI_NODE_EMITTER;
+		const uint32_t finer = own >> GI_NODE_FINER_SHIFT & GI_NODE_FINER_MOST;
+		steps = finer > steps ? finer : steps;
+	}
+	s->node_exitance[top->node] =
+	    (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area), (float)(sum[2] / area), (float)(sum[3] / area)};
+	set_emitter(flags, emits, steps);
+}
+
+gi_material_data scene_material_data(const scene_object *o, uint32_t material)
+{
+	const gi_material *m = &o->materials[material];
+	const float e = scene_is_seen(o) ? 1 : 0;
 	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0},
-				  {m->exitance[0], m->exitance[1], m->exitance[2], 0}};
+				  {e * m->exitance[0], e * m->exitance[1], e * m->exitance[2], 0}};
 }
 
 static void free_arrays(gi_scene *s)
 {
 	free(s->slots);
+	free(s->tops);
 	free(s->object_data);
 	free(s->topology);
 	free(s->node_exitance);
@@ -149,7 +220,7 @@ static void upload_material(gi_context *gi, scene_object *o)
 {
 	gi_scene *s = &gi->scene;
 	for (uint32_t m = 0; m < o->material_count; m++) {
-		const gi_material_data data = scene_material_data(&o->materials[m]);
+		const gi_material_data data = scene_material_data(o, m);
 		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data,
 				  &data);
 	}
@@ -161,27 +232,62 @@ static void upload_material(gi_context *gi, scene_object *o)
 			  sizeof(gi_node_topology) * count, s->topology + o->node_base);
 }
 
+static void upload_top(gi_context *gi, const scene_top *top)
+{
+	gi_scene *s = &gi->scene;
+	bool changed = false;
+	for (uint32_t slot = top->first_slot; slot < top->end_slot && !changed; slot++)
+		changed = s->objects[s->slots[slot]].material_changed;
+	if (!changed)
+		return;
+	scene_update_top(gi, top);
+	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * top->node, sizeof(gi_vec4),
+			  &s->node_exitance[top->node]);
+	gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node, sizeof(gi_node_topology),
+			  &s->topology[top->node]);
+}
+
+gi_result scene_upload_materials(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	bool changed = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		changed = changed || (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed);
+	if (!changed)
+		return GI_OK;
+	if (scene_weigh_emitters(gi))
+		return GI_ERROR_OUT_OF_MEMORY;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		if (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed)
+			upload_material(gi, &s->objects[s->slots[slot]]);
+	for (uint32_t k = 0; k < s->top_count; k++)
+		upload_top(gi, &s->tops[k]);
+	lamps_select(gi, true);
+	return GI_OK;
+}
+
 gi_result scene_upload_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
-	bool relit = false;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		relit = relit || s->objects[k].material_changed;
-	if (relit && scene_weigh_emitters(gi))
+	if (scene_upload_materials(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
+	bool shown = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		if (s->slots[slot] == GI_NONE)
+			continue;
 		gi_object_data *data = &s->object_data[slot];
-		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-		data->bvh.z = o ? 0 : GI_OBJECT_SKY;
-		if (o && o->plane && !o->overlaps)
-			data->bvh.z |= GI_OBJECT_FLAT;
-		if (o && o->moved)
+		scene_object *o = &s->objects[s->slots[slot]];
+		shown = shown || scene_is_seen(o) != scene_slot_is_seen(s, slot);
+		data->bvh.z = scene_object_flags(o);
+		if (o->moved) {
+			scene_leave_trail(o);
 			scene_place_object(o, data);
-		if (o && o->material_changed)
-			upload_material(gi, o);
+		}
 	}
-	if (relit)
-		lamps_select(gi, true);
+	if (shown) {
+		shade_invalidate(gi);
+		estimate_invalidate(gi);
+	}
 	return tlas_upload(gi);
 }
 

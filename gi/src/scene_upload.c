@@ -9,11 +9,15 @@
 #include "overlap.h"
 #include "pack.h"
 #include "rank.h"
+#include "statics.h"
 #include "vec3d.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Objects' are far below. */
+static const uint32_t FIRST_SKY_ID = 0xFFFF0000u, FIRST_TOP_ID = 0xC0000000u;
 
 /* Does one closed room hold all other objects? */
 static bool one_encloses_all(const gi_context *gi)
@@ -44,6 +48,8 @@ static bool one_encloses_all(const gi_context *gi)
 typedef struct gathered {
 	gi_scene next; /* counts and CPU arrays only */
 	gi_hierarchy sky;
+	static_tree statics;
+	uint32_t *order, order_count; /* handle index of each object's slot: static ones first */
 	gi_node_geometry *rest;
 	gi_node_spread *spread;
 	gi_vec4 *vertices, *vertices_world;
@@ -61,6 +67,8 @@ typedef struct gathered {
 static void gathered_free(gathered *g)
 {
 	gi_hierarchy_free(&g->sky);
+	statics_free(&g->statics);
+	free(g->order);
 	free(g->rest);
 	free(g->spread);
 	free(g->vertices);
@@ -73,6 +81,23 @@ static void gathered_free(gathered *g)
 	free(g->wide);
 	free(g->light_links);
 	free(g->light_first);
+}
+
+static bool order_objects(gi_scene *s, gathered *g)
+{
+	g->order = calloc((size_t)s->object_count + 1, sizeof *g->order);
+	if (!g->order || !statics_build(s, &g->statics))
+		return false;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		s->objects[k].grouped = false;
+	for (; g->order_count < g->statics.object_count; g->order_count++) {
+		g->order[g->order_count] = g->statics.objects[g->order_count];
+		s->objects[g->order[g->order_count]].grouped = true;
+	}
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (scene_is_alive(&s->objects[k]) && !s->objects[k].grouped)
+			g->order[g->order_count++] = k;
+	return true;
 }
 
 static void count_all(const gi_context *gi, gathered *g)
@@ -93,7 +118,13 @@ static void count_all(const gi_context *gi, gathered *g)
 		g->light_link_count += o->skin.light_first[o->skin.light_count];
 	}
 	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
-	n->sky_slot = GI_NONE;
+	n->sky_slot = n->statics_slot = GI_NONE;
+	if (g->statics.count) {
+		n->first_source = n->statics_slot = g->statics.object_count;
+		n->slot_count++;
+		n->top_count = g->statics.object_count - 1;
+		n->node_count += n->top_count;
+	}
 	if (g->sky.node_count) {
 		n->sky_slot = n->slot_count++;
 		n->node_count += g->sky.node_count;
@@ -116,6 +147,7 @@ static bool allocate_all(gathered *g)
 	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
 	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
 	n->tlas_packed = allocate(2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
+	n->tops = allocate(n->top_count, sizeof *n->tops);
 	g->rest = allocate(n->node_count, sizeof *g->rest);
 	g->spread = allocate(n->node_count, sizeof *g->spread);
 	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
@@ -128,9 +160,9 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed && g->rest &&
-	       g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh && g->primitives &&
-	       g->leaf_quads && g->wide && g->light_links && g->light_first;
+	return n->tops && n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
+	       g->rest && g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh &&
+	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -223,16 +255,37 @@ typedef struct carried {
 	uint32_t index, node_base, leaf_base;
 } carried;
 
+/* Tops, and what all of it is as one source, in the world's frame. */
+static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
+{
+	gi_scene *n = &g->next;
+	const static_tree *t = &g->statics;
+	for (uint32_t k = 0, top = 0; k < t->count; k++)
+		if (t->nodes[k].top)
+			n->tops[top++] = (scene_top){t->nodes[k].node, t->nodes[k].first_slot, t->nodes[k].end_slot};
+	gi_object_data *data = &n->object_data[slot];
+	n->slots[slot] = GI_NONE;
+	data->nodes = (gi_uvec4){0, t->node_count, 0, leaf_count};
+	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_STATICS, 0};
+	data->ids = (gi_uvec4){0, FIRST_TOP_ID, 0, 0};
+	scene_place_sky(data);
+}
+
 static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *n = &g->next;
 	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
+	const uint32_t statics = g->statics.object_count;
+	uint32_t along = 0; /* the tree of the static ones */
+	for (uint32_t number = 0; number < g->order_count; number++) {
+		const uint32_t k = g->order[number];
 		scene_object *o = &gi->scene.objects[k];
-		if (!scene_is_alive(o))
-			continue;
 		if (o->committed)
 			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
+		for (; number < statics && g->statics.nodes[along].top; along++)
+			;
+		if (number < statics)
+			node = g->statics.nodes[along++].node;
 		o->slot = slot;
 		o->node_base = node;
 		o->vertex_base = vertex;
@@ -245,7 +298,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
-			g->materials[material + m] = scene_material_data(&o->materials[m]);
+			g->materials[material + m] = scene_material_data(o, m);
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
@@ -254,8 +307,9 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
-		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, 0, 0};
+		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
+		data->ids = (gi_uvec4){o->leaf_id - leaf, o->node_id - node, 0, 0};
 		scene_place_object(o, data);
 		slot++;
 		node += o->hierarchy.node_count;
@@ -266,6 +320,10 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		primitive += o->bvh.primitive_count;
 		light += o->skin.light_count;
 		link += o->skin.light_first[o->skin.light_count];
+		if (number + 1 == statics) {
+			gather_statics(g, slot++, leaf);
+			node = g->statics.node_count;
+		}
 	}
 	g->light_first[light] = link;
 	if (n->sky_slot == GI_NONE)
@@ -276,6 +334,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 	data->nodes = (gi_uvec4){node, node + g->sky.node_count, leaf, leaf};
 	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_SKY, 0};
 	data->extra = (gi_uvec4){0, vertex, vertex + g->sky.vertex_count, 0};
+	data->ids = (gi_uvec4){0, FIRST_SKY_ID - node, 0, 0};
 	scene_place_sky(data);
 	for (uint32_t k = 0; k < g->sky.node_count; k++) {
 		const float *e = gi->def.sky_exitance;
@@ -369,12 +428,16 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k])) {
 			gi_object_data scratch;
+			if (s->objects[k].committed && s->objects[k].moved)
+				scene_leave_trail(&s->objects[k]);
 			scene_place_object(&s->objects[k], &scratch);
 		}
 	if (wants_sky(gi) && !sky_build(&g->sky))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	if (!order_objects(s, g))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
-	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count))
+	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count - g->next.first_source))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use "
 			       "fewer levels or "
@@ -384,23 +447,94 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
-	g->next.uncommitted = s->uncommitted;
+	g->next.statics_update = s->statics_update;
+	g->next.statics_changed = s->statics_changed;
+	g->next.next_leaf_id = s->next_leaf_id;
+	g->next.next_node_id = s->next_node_id;
 	g->next.ever_committed = s->ever_committed;
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, g, old, old_count);
+	s->wide_count = g->next.wide_count;
+	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
 	if (!rank_primitives(s, g->primitive_count, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	s->wide_count = g->next.wide_count;
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (scene_is_alive(&s->objects[k]))
 			scene_update_exitance(gi, &s->objects[k]);
+	for (uint32_t k = 0; k < s->top_count; k++)
+		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
 	return upload_gathered(gi, g);
+}
+
+/* Are the static ones those of before, in the same order? */
+static bool same_statics(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	return true;
+}
+
+/* What became of the old scene's objects. False: out of memory. */
+static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves *m)
+{
+	*m = (rows_moves){.list = allocate(old->slot_count, sizeof *m->list),
+			  .count = old->slot_count,
+			  .leaf_count = old->leaf_count,
+			  .first_source = old->first_source};
+	const bool same = same_statics(old, now);
+	for (uint32_t slot = 0; m->list && slot < m->count; slot++) {
+		const gi_uvec4 nodes = old->object_data[slot].nodes;
+		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
+		uint32_t to = o ? (scene_is_alive(o) ? o->slot : GI_NONE) : now->sky_slot;
+		gi_move *move = &m->list[slot];
+		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
+		if (slot == old->statics_slot) {
+			to = same ? now->statics_slot : GI_NONE;
+			/* Leaves and the nodes that links name are their objects'. */
+			move->before.x = nodes.w;
+			move->before.z = nodes.y;
+		}
+		if (to == GI_NONE)
+			continue;
+		const gi_uvec4 next = now->object_data[to].nodes;
+		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
+	}
+	return m->list;
+}
+
+/* Where little stays, building all rows at once, in pools made for them, is less work. */
+static bool much_stays(const rows_moves *m, const gi_scene *now)
+{
+	uint64_t stay = 0;
+	for (uint32_t slot = 0; slot < m->count; slot++)
+		if (m->list[slot].now.x != GI_NONE)
+			stay += m->list[slot].before.y - m->list[slot].before.x;
+	return stay && 2 * stay >= now->leaf_count;
+}
+
+static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
+{
+	const gi_scene *now = &gi->scene;
+	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
+			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
+	rows_moves m = {0};
+	if (usable && !follow_objects(old, now, &m))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
+	if (!result && !same_statics(old, now))
+		gi->scene.statics_changed = true;
+	free(m.list);
+	return result;
 }
 
 /* Everything of a context that a commit makes anew. */
@@ -448,7 +582,10 @@ gi_result scene_upload(gi_context *gi)
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
 			       .created_count = before.scene.created_count,
-			       .uncommitted = before.scene.uncommitted,
+			       .statics_update = before.scene.statics_update,
+			       .statics_changed = before.scene.statics_changed,
+			       .next_leaf_id = before.scene.next_leaf_id,
+			       .next_node_id = before.scene.next_node_id,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
@@ -456,7 +593,7 @@ gi_result scene_upload(gi_context *gi)
 	if (!result)
 		result = solver_allocate(gi);
 	if (!result)
-		result = rows_allocate(gi);
+		result = renew_rows(gi, &before.scene, &before.rows);
 	if (result) {
 		put_back(gi, &before);
 	} else {

@@ -104,7 +104,7 @@ static uint32_t order_slots(const gi_scene *s, sized *order)
 {
 	uint32_t count = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
+		if (scene_slot_is_seen(s, slot))
 			order[count++] = (sized){s->object_data[slot].sphere.w, slot};
 	qsort(order, count, sizeof *order, by_size);
 	return count;

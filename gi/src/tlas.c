@@ -1,7 +1,9 @@
 /* Trees over the scene's objects ("top-level"), made anew for every update: one over all, which rays to the sky and
  * path tracing walk, and one without the walls that enclose the scene, which lie between no two points of it.
  *
- *   tlas_gpu   | all objects: 2 n - 1 nodes | inner objects | unused
+ *   tlas_gpu   | all objects: at most 2 n - 1 nodes | inner objects | unused
+ *
+ * Objects that are not seen are in neither.
  */
 #include "bits.h"
 #include "context.h"
@@ -129,7 +131,7 @@ static bool encloses(const gi_scene *s, uint32_t slot)
 	const gi_vec4 plane = s->object_data[slot].plane;
 	bool front = false, behind = false;
 	for (uint32_t k = 0; k < s->slot_count && !(front && behind); k++) {
-		if (k == slot || s->slots[k] == GI_NONE)
+		if (k == slot || !scene_slot_is_seen(s, k))
 			continue;
 		const gi_object_data *data = &s->object_data[k];
 		const gi_vec4 c = data->sphere;
@@ -177,8 +179,9 @@ static bool build_both(gi_scene *s, uint32_t *slots, gi_bvh_node *scratch)
 {
 	uint32_t count = 0, inner = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
+		if (scene_slot_is_seen(s, slot))
 			slots[count++] = slot;
+	s->tlas_all = count ? 2 * count - 1 : 0;
 	if (!build(s, slots, count, 0, s->tlas))
 		return false;
 	for (uint32_t k = 0; k < count; k++)

@@ -251,13 +251,135 @@ static void materials(void **state)
 		gi_context_destroy(pair[k].gi);
 }
 
+/* Of rows only what emits or is black matters: other values change the light alone, and no pass over rows runs. */
+static void values_alone(void **state)
+{
+	(void)state;
+	gi_context_def def = coarse_def();
+	def.profile = true;
+	scene pair[2];
+	for (int k = 0; k < 2; k++)
+		open_box(&pair[k], &def);
+	tally t = {0};
+	compare(&pair[0], &pair[1], "values, first frame", &t);
+	for (int step = 0; step < 4; step++) {
+		const float value = .2f + .2f * (float)step;
+		const gi_material m = {.rho = {value, .5f, .5f}}, lamp = {.exitance = {10 * value, 30, 40}};
+		light_both(pair, step % 2 ? BALL : -1, step % 2 ? m : lamp);
+		compare(&pair[0], &pair[1], "a value", &t);
+		gi_report r;
+		assert_gi(gi_set_material(pair[0].gi, pair[0].mover[BLOCK], 0, m));
+		assert_gi(gi_set_material(pair[1].gi, pair[1].mover[BLOCK], 0, m));
+		r = harness_update(pair[0].gi);
+		assert_int_equal(r.dirty_rows + r.dirty_entries + r.rays, 0);
+		for (int pass = GI_PASS_POSE; pass <= GI_PASS_CLOSE; pass++)
+			assert_true(r.pass_ms[pass] == 0);
+		assert_true(r.pass_ms[GI_PASS_SOLVE] > 0 && r.sweeps > 0);
+	}
+	for (int k = 0; k < 2; k++)
+		gi_context_destroy(pair[k].gi);
+}
+
+/* ---- what is not seen ---- */
+
+static void expect_unseen_is_nothing(gi_context *gi, gi_object object)
+{
+	double f;
+	if (gi_object_is_valid(gi, object)) {
+		assert_gi(gi_form_factor(gi, object, (gi_object){0}, &f));
+		assert_true(f == 0);
+	}
+	snapshot s = snapshot_take(gi);
+	uint32_t first = s.leaf_count, end = 0;
+	for (uint32_t k = 0; k < s.leaf_count; k++) {
+		if (s.leaves[k].object.index1 != object.index1)
+			continue;
+		first = k < first ? k : first;
+		end = k + 1;
+		for (int c = 0; c < 3; c++)
+			assert_true(s.leaves[k].radiosity[c] == 0 && s.leaves[k].irradiance[c] == 0);
+	}
+	assert_true(first < end);
+	for (uint64_t k = 0; k < s.entry_count; k++) {
+		const gi_entry *e = &s.entries[k];
+		assert_true(e->leaf < first || e->leaf >= end);
+		assert_true(!e->leaf_count || e->first_leaf < first || e->first_leaf >= end);
+	}
+	snapshot_free(&s);
+}
+
+/* Hidden and shown, moved meanwhile, lamps too, under a budget between; at last destroyed. */
+static void unseen(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	scene pair[2];
+	seed_motion(99);
+	for (int k = 0; k < 2; k++)
+		open_box(&pair[k], &def);
+	tally t = {0};
+	compare(&pair[0], &pair[1], "unseen, first frame", &t);
+	const double all = t.entries;
+	snapshot at_first = snapshot_take(pair[0].gi);
+	const struct {
+		const char *what;
+		int which; /* -1: the lamp */
+		bool hidden;
+		int moves;
+	} steps[] = {
+	    {"the ball is hidden", BALL, true, -1},     {"the hidden ball moves", BALL, true, BALL},
+	    {"the block moves", BALL, true, BLOCK},     {"the ball is there again", BALL, false, -1},
+	    {"the lamp is hidden", -1, true, SHEET},    {"the block is hidden too", BLOCK, true, BALL},
+	    {"the lamp is there again", -1, false, -1}, {"the block is there again", BLOCK, false, SHEET},
+	};
+	for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+		for (int c = 0; c < 2; c++)
+			assert_gi(gi_set_hidden(pair[c].gi,
+						steps[k].which < 0 ? pair[c].light : pair[c].mover[steps[k].which],
+						steps[k].hidden));
+		if (steps[k].moves >= 0)
+			pose_both(pair, steps[k].moves, random_pose(steps[k].moves, false));
+		assert_gi(gi_update(pair[0].gi, &(gi_budget){.rays = 2000}));
+		compare(&pair[0], &pair[1], steps[k].what, &t);
+		if (steps[k].hidden)
+			expect_unseen_is_nothing(pair[0].gi,
+						 steps[k].which < 0 ? pair[0].light : pair[0].mover[steps[k].which]);
+	}
+	for (int k = 0; k < MOVERS; k++)
+		pose_both(pair, k, gi_pose_identity());
+	for (int k = 0; k < MOVERS; k++)
+		for (int c = 0; c < 2; c++)
+			assert_gi(gi_set_hidden(pair[c].gi, pair[c].mover[k], true));
+	compare(&pair[0], &pair[1], "all movers hidden", &t);
+	for (int c = 0; c < 2; c++)
+		for (int k = 0; k < MOVERS; k++)
+			assert_gi(gi_set_hidden(pair[c].gi, pair[c].mover[k], false));
+	compare(&pair[0], &pair[1], "all as it was", &t);
+	snapshot at_last = snapshot_take(pair[0].gi);
+	snapshot_expect_same_rows(&at_first, &at_last, "all as it was");
+	snapshot_free(&at_first);
+	snapshot_free(&at_last);
+
+	for (int c = 0; c < 2; c++)
+		assert_gi(gi_destroy_object(pair[c].gi, pair[c].mover[BALL]));
+	compare(&pair[0], &pair[1], "the ball is gone", &t);
+	expect_unseen_is_nothing(pair[0].gi, pair[0].mover[BALL]);
+	const gi_report before = harness_update(pair[0].gi);
+	assert_gi(gi_commit(pair[0].gi));
+	const gi_report after = harness_update(pair[0].gi);
+	printf("  %.0f entries; without the ball %llu, and %llu after the commit\n", all,
+	       (unsigned long long)before.entries, (unsigned long long)after.entries);
+	assert_int_equal(before.entries, after.entries);
+	assert_true((double)after.entries < all);
+	for (int k = 0; k < 2; k++)
+		gi_context_destroy(pair[k].gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(open_front),
-	    cmocka_unit_test(bright_sky),
-	    cmocka_unit_test(closed_room),
-	    cmocka_unit_test(materials),
+	    cmocka_unit_test(open_front), cmocka_unit_test(bright_sky),   cmocka_unit_test(closed_room),
+	    cmocka_unit_test(materials),  cmocka_unit_test(values_alone), cmocka_unit_test(unseen),
 	};
 	return cmocka_run_group_tests_name("update", tests, harness_open, harness_close);
 }

@@ -59,7 +59,7 @@ extern "C" {
 	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
 	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
 	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
-	X(GI_ERROR_NOT_COMMITTED, "objects changed since the last gi_commit")                                          \
+	X(GI_ERROR_NOT_COMMITTED, "there was no gi_commit yet, or no gi_update since")                                 \
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
 	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
 	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")                                                                     \
@@ -76,8 +76,8 @@ typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
 /* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
  * it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
- * gi_context_create, gi_create_object, gi_commit, by the first gi_update after a commit, which builds every row, and where
- * compute shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
+ * gi_context_create, gi_create_object, gi_commit, by a gi_update that builds every row after a commit, and where compute
+ * shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
  * that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver takes back
  * what it computes: a program that must end within a second ends without gi_context_destroy (demos/interrupt.c). */
 typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
@@ -201,6 +201,14 @@ typedef struct gi_leaf_cut {
 	bool parts; /* another surface stands on it: what is drawn does not blend the light of its sides; default false */
 } gi_leaf_cut;
 
+/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
+typedef enum gi_mobility {
+	GI_MOBILITY_MOVABLE, /* every row that it faces has entries for it alone (default) */
+	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Where one comes, goes, is hidden,
+			      * shown or relit, what rows have of all static objects is built anew; once it is moved after a
+			      * commit it is movable. The update after such a change commits by itself */
+} gi_mobility;
+
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
 typedef struct gi_object_def {
@@ -237,6 +245,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
+	gi_mobility mobility;
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
 	float scale[3]; /* default 1 1 1; not zero, not negative */
@@ -297,7 +306,7 @@ gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_obj
 /* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
 void gi_free_leaf_choice(gi_leaf_choice *choice);
 
-/* The object is gone after the next gi_commit. */
+/* From the next gi_update on the object is not there, as if it were hidden; the next gi_commit gives its place away. */
 gi_result gi_destroy_object(gi_context *gi, gi_object object);
 
 bool gi_object_is_valid(const gi_context *gi, gi_object object);
@@ -307,8 +316,20 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 
-/* Uploads the scene as it is and builds what depends on its topology; rows are built anew in the next gi_update. B of
- * objects that stay is kept as the start of the next solve. An empty scene is fine: it is black.
+/* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
+ * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
+ * automatically does not look at it: a room encloses the others while it is hidden too.) */
+gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
+gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
+
+/* What it is now: a static object that was given another pose after a commit is movable. */
+gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
+
+/* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
+ * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
+ * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
+ * those of a context in which the scene was built at once, bit for bit, if objects were created in the same order there, those
+ * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
 gi_result gi_commit(gi_context *gi);
 
@@ -318,8 +339,8 @@ gi_result gi_commit(gi_context *gi);
  *
  * A row (all that one leaf receives) is refreshed whole or waits. Rows that an update would change most go first, by a
  * certified bound; a row that waits keeps the light of poses it knew, and gi_report counts it and bounds what all
- * waiting rows are off by (stale_bound). The first update after a commit and those after gi_invalidate build every row
- * whatever the budget.
+ * waiting rows are off by (stale_bound). Updates after gi_invalidate, and after a gi_commit that keeps no rows, build every
+ * row whatever the budget.
  *
  * Under rays or error alone every row is looked at, and none waits for more than some 70 updates for lack of budget.
  * Given time, an update keeps to it: it looks at as many rows as fit, bounds the others by what any row may become
@@ -334,8 +355,8 @@ typedef struct gi_budget {
 } gi_budget;
 
 /* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
- * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. GI_ERROR_NOT_COMMITTED after creating
- * or destroying without gi_commit. */
+ * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. Objects created since the last gi_commit
+ * take no part yet. GI_ERROR_NOT_COMMITTED before the first one. */
 gi_result gi_update(gi_context *gi, const gi_budget *budget);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
@@ -501,8 +522,8 @@ typedef struct gi_leaf {
 } gi_leaf;
 
 /* Copies up to `capacity` leaves; *count is how many there are, 0 on error. leaves may be NULL to ask for the count.
- * Between a gi_commit and the first gi_update after it there are no rows: corners are those of the committed poses, B is
- * what the first solve starts from, irradiance and row_sum are 0. */
+ * Between a gi_commit and the first gi_update after it corners are those of the committed poses, B is what the next solve
+ * starts from, and objects that came have no rows: irradiance and row_sum are 0. */
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
 /* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +

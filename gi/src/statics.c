@@ -1,0 +1,217 @@
+#include "statics.h"
+
+#include "bits.h"
+#include "bvh.h"
+#include "vec3d.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static uint32_t list_statics(const gi_scene *s, uint32_t *list)
+{
+	uint32_t count = 0;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (scene_is_seen(&s->objects[k]) && s->objects[k].mobility == GI_MOBILITY_STATIC)
+			list[count++] = k;
+	return count;
+}
+
+static uint32_t skip_of(const gi_bvh_node *n, uint32_t number)
+{
+	return gi_bits_from_float(n->upper.w) == GI_NONE ? gi_bits_from_float(n->lower.w) : number + 1;
+}
+
+/* Slots and numbers along the tree. */
+static void number_nodes(const gi_scene *s, const gi_bvh_node *boxes, const uint32_t *list, const uint32_t *order,
+			 static_tree *t)
+{
+	uint32_t slot = 0;
+	for (uint32_t k = 0; k < t->count; k++) {
+		static_node *n = &t->nodes[k];
+		const uint32_t leaf = gi_bits_from_float(boxes[k].upper.w);
+		*n = (static_node){skip_of(&boxes[k], k), slot, slot, t->node_count, leaf == GI_NONE};
+		if (n->top) {
+			t->node_count++;
+			continue;
+		}
+		t->objects[slot++] = list[order[leaf]];
+		t->node_count += s->objects[t->objects[slot - 1]].hierarchy.node_count;
+	}
+	for (uint32_t k = 0; k < t->count; k++)
+		t->nodes[k].end_slot = t->nodes[k].skip < t->count ? t->nodes[t->nodes[k].skip].first_slot : slot;
+}
+
+bool statics_build(const gi_scene *s, static_tree *t)
+{
+	*t = (static_tree){0};
+	uint32_t *list = calloc((size_t)s->object_count + 1, sizeof *list);
+	if (!list)
+		return false;
+	const uint32_t count = list_statics(s, list);
+	if (count < 2) {
+		free(list);
+		return true;
+	}
+	gi_vec4 *lower = calloc(count, sizeof *lower), *upper = calloc(count, sizeof *upper);
+	gi_bvh_node *boxes = calloc(2 * (size_t)count, sizeof *boxes);
+	uint32_t *order = calloc(count, sizeof *order);
+	t->nodes = calloc(2 * (size_t)count, sizeof *t->nodes);
+	t->objects = calloc(count, sizeof *t->objects);
+	bool ok = lower && upper && boxes && order && t->nodes && t->objects;
+	for (uint32_t k = 0; ok && k < count; k++) {
+		lower[k] = s->objects[list[k]].world_lower;
+		upper[k] = s->objects[list[k]].world_upper;
+	}
+	ok = ok && gi_bvh_build_boxes(lower, upper, count, boxes, order);
+	if (ok) {
+		t->object_count = count;
+		t->count = 2 * count - 1;
+		number_nodes(s, boxes, list, order, t);
+	}
+	free(list);
+	free(lower);
+	free(upper);
+	free(boxes);
+	free(order);
+	return ok;
+}
+
+void statics_free(static_tree *t)
+{
+	free(t->nodes);
+	free(t->objects);
+	*t = (static_tree){0};
+}
+
+/* ---- tops ---- */
+
+/* All of it in the world. */
+typedef struct sum {
+	gi_vec3d centre, moment, axis;
+	double radius, area, shape; /* shape times area */
+	double cone;                /* half angle of the normals about the axis; pi: any direction */
+	double spread[6];           /* xx yy zz xy yz zx */
+	uint32_t first_leaf, leaf_count, back;
+} sum;
+
+static const double ANY = 3.14159265358979323846;
+
+/* R T R' of a symmetric matrix. */
+static void turn_spread(const double m[3][3], const gi_node_spread *s, double out[6])
+{
+	const double t[3][3] = {{s->diagonal.x, s->mixed.x, s->mixed.z},
+				{s->mixed.x, s->diagonal.y, s->mixed.y},
+				{s->mixed.z, s->mixed.y, s->diagonal.z}};
+	static const int places[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+	for (int k = 0; k < 6; k++) {
+		out[k] = 0;
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				out[k] += m[places[k][0]][i] * t[i][j] * m[places[k][1]][j];
+	}
+}
+
+static gi_vec3d turned(const gi_object_data *d, gi_vec3d v)
+{
+	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), v), gi_vec3d_dot(gi_vec3d_from(d->row1), v),
+			  gi_vec3d_dot(gi_vec3d_from(d->row2), v)};
+}
+
+static sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
+		      const gi_node_topology *t)
+{
+	const double m[3][3] = {
+	    {d->row0.x, d->row0.y, d->row0.z}, {d->row1.x, d->row1.y, d->row1.z}, {d->row2.x, d->row2.y, d->row2.z}};
+	const gi_vec3d centre = turned(d, gi_vec3d_from(g->sphere));
+	sum s = {.centre = {centre.x + d->row0.w, centre.y + d->row1.w, centre.z + d->row2.w},
+		 .moment = turned(d, gi_vec3d_from(g->moment)),
+		 .axis = turned(d, gi_vec3d_from(g->axis)),
+		 .radius = g->sphere.w,
+		 .area = g->moment.w,
+		 .shape = (double)spread->mixed.w * g->moment.w,
+		 .cone = g->axis.w < 0 ? ANY : acos(fmin(1, (double)g->axis.w)),
+		 .first_leaf = t->range.y,
+		 .leaf_count = t->range.z,
+		 .back = t->range.w & GI_NODE_BACK};
+	turn_spread(m, spread, s.spread);
+	return s;
+}
+
+/* The ball about two. */
+static void include_ball(sum *to, const sum *a, const sum *b)
+{
+	const gi_vec3d ab = gi_vec3d_sub(b->centre, a->centre);
+	const double d = gi_vec3d_length(ab);
+	if (d + b->radius <= a->radius || d + a->radius <= b->radius) {
+		const sum *larger = a->radius > b->radius ? a : b;
+		to->centre = larger->centre;
+		to->radius = larger->radius;
+		return;
+	}
+	to->radius = .5 * (d + a->radius + b->radius);
+	to->centre = gi_vec3d_add(a->centre, gi_vec3d_scale(ab, (to->radius - a->radius) / d));
+}
+
+static double angle_to(gi_vec3d axis, const sum *s)
+{
+	return s->cone >= ANY ? ANY : s->cone + acos(fmax(-1, fmin(1, gi_vec3d_dot(axis, s->axis))));
+}
+
+static sum join(const sum *a, const sum *b)
+{
+	sum s = {.moment = gi_vec3d_add(a->moment, b->moment),
+		 .area = a->area + b->area,
+		 .shape = a->shape + b->shape,
+		 .axis = {0, 0, 1},
+		 .cone = ANY,
+		 .first_leaf = a->first_leaf,
+		 .leaf_count = a->leaf_count + b->leaf_count,
+		 .back = a->back | b->back};
+	for (int k = 0; k < 6; k++)
+		s.spread[k] = a->spread[k] + b->spread[k];
+	include_ball(&s, a, b);
+	const double length = gi_vec3d_length(s.moment);
+	if (length > 1e-6 * s.area) {
+		s.axis = gi_vec3d_scale(s.moment, 1 / length);
+		s.cone = fmax(angle_to(s.axis, a), angle_to(s.axis, b));
+	}
+	return s;
+}
+
+/* Balls and cones a hair wider than rounding needs; from a right angle on any direction goes. */
+static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_spread *spread, gi_node_topology *t)
+{
+	const double cosine = cos(s->cone) - 1e-6;
+	g->sphere = (gi_vec4){(float)s->centre.x, (float)s->centre.y, (float)s->centre.z,
+			      (float)(s->radius * (1 + 1e-6) + 1e-6 * gi_vec3d_length(s->centre))};
+	g->axis = (gi_vec4){(float)s->axis.x, (float)s->axis.y, (float)s->axis.z,
+			    s->cone < ANY / 2 && cosine > 0 ? (float)cosine : -1};
+	g->moment = (gi_vec4){(float)s->moment.x, (float)s->moment.y, (float)s->moment.z, (float)s->area};
+	spread->diagonal = (gi_vec4){(float)s->spread[0], (float)s->spread[1], (float)s->spread[2], 0};
+	spread->mixed =
+	    (gi_vec4){(float)s->spread[3], (float)s->spread[4], (float)s->spread[5], (float)(s->shape / s->area)};
+	t->range = (gi_uvec4){end, s->first_leaf, s->leaf_count,
+			      GI_NODE_TOP | s->back | GI_NODE_THICKNESS_STEPS << GI_NODE_THICKNESS_SHIFT};
+	t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
+}
+
+bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
+		   gi_node_topology *topology)
+{
+	sum *sums = calloc((size_t)t->count + 1, sizeof *sums);
+	if (!sums)
+		return false;
+	for (uint32_t k = t->count; k-- > 0;) {
+		const static_node *n = &t->nodes[k];
+		if (!n->top) {
+			sums[k] = sum_object(&scene->object_data[n->first_slot], &rest[n->node], &spread[n->node],
+					     &topology[n->node]);
+			continue;
+		}
+		sums[k] = join(&sums[k + 1], &sums[t->nodes[k + 1].skip]);
+		const uint32_t end = n->skip < t->count ? t->nodes[n->skip].node : t->node_count;
+		store(&sums[k], end, &rest[n->node], &spread[n->node], &topology[n->node]);
+	}
+	free(sums);
+	return true;
+}

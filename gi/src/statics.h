@@ -1,0 +1,38 @@
+/* What does not move, under common nodes: a binary tree over the static objects whose inner nodes, tops, stand for
+ * several objects at once. Their nodes and leaves lie in the order of the tree, tops in between, so that all of it is
+ * one hierarchy:
+ *
+ *   nodes   | top | top | object | object | top | object | ... | movers ... | sky
+ *   slots   | objects in the order of the tree | the whole, as a source | movers | sky
+ *
+ * A top is in the world's frame. The tree is a function of the objects' boxes and their order alone.
+ */
+#ifndef GI_STATICS_H
+#define GI_STATICS_H
+
+#include "context.h"
+
+/* A node of the tree, depth-first. */
+typedef struct static_node {
+	uint32_t skip;                 /* the node after its subtree */
+	uint32_t first_slot, end_slot; /* of its objects */
+	uint32_t node;                 /* number in the scene: of the top, or of the object's root */
+	bool top;
+} static_node;
+
+typedef struct static_tree {
+	uint32_t object_count, count; /* 2 object_count - 1 nodes; none for fewer than two objects */
+	static_node *nodes;
+	uint32_t *objects;   /* handle index of each slot */
+	uint32_t node_count; /* of the scene's nodes, tops among them */
+} static_tree;
+
+/* Of the objects that are static, alive and not hidden. False: out of memory. */
+bool statics_build(const gi_scene *scene, static_tree *out);
+void statics_free(static_tree *tree);
+
+/* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. */
+bool statics_place(const static_tree *tree, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
+		   gi_node_topology *topology);
+
+#endif

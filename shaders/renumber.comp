@@ -1,0 +1,143 @@
+#version 450 core
+// A commit that keeps rows: objects came and went, so leaves, nodes and slots have other numbers. One thread a leaf of
+// the scene of before: its header and its segments go to their new places, and what lies in the pools is renumbered where it
+// is. What belonged to objects that went is given back; rows that lost something of it are marked, GI_ROW_OPEN.
+#define READ_ENTRIES
+#define READ_TARGETS
+#define READ_OLD_SEGMENTS
+#define READ_OLD_ROWS
+#define READ_MOVES
+#define WRITE_SEGMENTS
+#define WRITE_ENTRIES
+#define WRITE_TARGETS
+#define WRITE_ROWS
+#define WRITE_LINKS
+#define WRITE_STATE
+#define WRITE_ENTRY_POOL
+#define WRITE_LINK_POOL
+#include "buffers.glsl"
+#include "dispatch.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint first;     // leaf of this dispatch
+layout(location = 1) uniform uint count;     // leaves
+layout(location = 2) uniform uint old_slots; // objects before
+layout(location = 3) uniform uint slots;     // and now
+layout(location = 5) uniform uint old_first; // of them the first source
+layout(location = 6) uniform uint new_first;
+layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
+
+// The object before that a leaf was of, or with `node` a node of one.
+uint slot_of(uint number, bool node)
+{
+	uint low = 0u, high = old_slots;
+	while (high - low > 1u) {
+		uint middle = (low + high) >> 1u;
+		uvec4 before = load_move(middle).before;
+		if ((node ? before.z : before.x) <= number)
+			low = middle;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+// As pool.glsl does, for either pool.
+void give_entries(uvec2 block)
+{
+	uint k = atomicAdd(entry_pool[GI_POOL_PENDING], 1u);
+	entry_pool[GI_POOL_PENDING_LIST + 2u * k] = block.x;
+	entry_pool[GI_POOL_PENDING_LIST + 2u * k + 1u] = block.y >> 24u;
+}
+
+void give_links(uvec2 block)
+{
+	uint k = atomicAdd(link_pool[GI_POOL_PENDING], 1u);
+	link_pool[GI_POOL_PENDING_LIST + 2u * k] = block.x;
+	link_pool[GI_POOL_PENDING_LIST + 2u * k + 1u] = block.y >> 24u;
+}
+
+bool has_block(uvec2 block)
+{
+	return block.y >> 24u != GI_BLOCK_NO_CLASS;
+}
+
+// An object that went is no blocker that could be asked for: such entries are retested whatever moves.
+uint new_blocker(uint blocker)
+{
+	if (blocker >= GI_BLOCKER_MIXED)
+		return blocker;
+	uint now = load_move(blocker).now.x;
+	return now == GI_NONE ? GI_BLOCKER_MIXED : now;
+}
+
+void renumber_entries(uvec2 block, uint leaf, uint nodes)
+{
+	uint end = block.x + (block.y & GI_BLOCK_COUNT_MASK);
+	for (uint k = block.x; k < end; k++) {
+		uvec4 e = load_entry(k);
+		uint hidden_by = blockers != 0u ? new_blocker(e.z >> 16u) : e.z >> 16u;
+		entries[k] = uvec4(e.x + nodes, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | leaf);
+		targets[k] = load_target(k) + nodes;
+	}
+}
+
+// Returns how many entries went.
+uint move_segments(uint leaf, gi_move mine)
+{
+	uint went = 0u;
+	for (uint s = old_first; s < old_slots; s++) {
+		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
+		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
+			if (has_block(segment.xy))
+				give_entries(segment.xy);
+			went += segment.y & GI_BLOCK_COUNT_MASK;
+			continue;
+		}
+		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
+		if (to.z != 0u || mine.now.y != 0u || blockers != 0u)
+			renumber_entries(segment.xy, leaf + mine.now.y, to.z);
+	}
+	return went;
+}
+
+// Returns how many stay.
+uint move_links(uvec4 row)
+{
+	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
+	for (uint k = 0u; k < links_before; k++) {
+		uvec2 l = links[row.x + k];
+		uvec4 to = load_move(slot_of(l.x, true)).now;
+		if (to.x == GI_NONE)
+			continue;
+		links[row.x + stay] = uvec2(l.x + to.z, l.y);
+		stay++;
+	}
+	if (((row.x + stay) & 1u) == 1u && links_before > 0u)
+		links[row.x + stay] = uvec2(0u); // they are read in pairs
+	return stay;
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= count)
+		return;
+	uint leaf = first + t;
+	gi_move mine = load_move(slot_of(leaf, false));
+	uvec4 row = load_old_row(leaf);
+	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
+	uint went = move_segments(leaf, mine);
+	if (mine.now.x != GI_NONE) {
+		stay = move_links(row);
+		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
+		row.w |= went > 0u ? GI_ROW_OPEN : 0u;
+		rows[leaf + mine.now.y] = row;
+	} else if (has_block(row.xy)) {
+		give_links(row.xy);
+	}
+	if (went > 0u)
+		atomicAdd(state[GI_STATE_ENTRIES], 0u - went);
+	if (stay < links_before)
+		atomicAdd(state[GI_STATE_LINKS], 0u - (links_before - stay));
+}

@@ -1,0 +1,181 @@
+// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, eight
+// where those are hidden, and the rest where they disagree.
+// An entry's samples are always taken from the first, so the result does not depend on what was known before.
+//
+// TOPS: of entries of several objects at once, whose samples are each on an object of their own; else of all others. Apart,
+// for software renderers run both sides of a branch.
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_WORLD
+#define READ_VERTICES_REST
+#define READ_LEAVES
+#define READ_LEAF_QUADS
+#define READ_BVH
+#define READ_PRIMITIVES
+#define READ_TLAS
+#define READ_ENTRIES
+#define READ_QUEUE
+#define WRITE_ENTRIES
+#define WRITE_TARGETS
+#define WRITE_STATE
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "entry.glsl"
+#include "sampling.glsl"
+#include "rays.glsl"
+#include "segments.glsl"
+#include "blocker.glsl"
+#include "visibility.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+// So many that agree are enough. Of hidden ones more: in shadow the little that comes in is all the light there is, and would
+// come in at one go where the first of four is no longer hidden.
+const uint PROBES = 4u;
+const uint HIDDEN_PROBES = 8u;
+const uint SKY_PROBES = 2u;
+
+// The order that samples of a sequence of 16 are taken in, a hexadecimal digit each: the first four and eight of it fill both
+// squares evenly (small wrap-around discrepancy, Hickernell 1998), so that those that agree seldom overlook an edge
+// between them. In the sequence's own order the first four leave 0.43 of one coordinate without any.
+const uvec2 ORDER = uvec2(0xf653c9a0u, 0xe4d1b278u);
+
+// A patch of black sky has a ray for each so much of its form factor, up to four: a row that missed a large one by a single
+// ray would be raised by half.
+const float COARSE_SKY = 0.15;
+
+// A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
+// seldom hidden; so V is wanted of the light, not of the area. Of so many segments one is traced, drawn in proportion to
+// what they carry.
+const uint CANDIDATES = 4u;
+
+// From a flat source of less than this share of its distance, radius over distance, all points bring about the same.
+const float FAR = 0.2;
+
+// Where both ends are on one object its pose must not matter, not even by rounding.
+vec4 sphere_of(pair p, uint node)
+{
+	if (p.same)
+		return load_rest_sphere(node);
+	return load_sphere(node);
+}
+
+// Emitters are cut fine as it is.
+uint candidates_of(pair p, bool emitter)
+{
+	if (emitter || p.sky)
+		return 1u;
+	vec4 mine = sphere_of(p, load_leaf(p.leaf).x), theirs = sphere_of(p, p.node);
+	bool far = (p.t.range.w & GI_NODE_FLAT) != 0u && theirs.w < FAR * distance(theirs.xyz, mine.xyz);
+	return far ? 1u : CANDIDATES;
+}
+
+#if TOPS
+// One of the objects below a top, by area; u becomes the digits that are left.
+void choose_object(inout pair p, inout float u)
+{
+	uint n = p.node;
+	while ((load_range(n).w & GI_NODE_TOP) != 0u) {
+		uint first = n + 1u, second = load_range(first).x;
+		float share = load_area(first) / (load_area(first) + load_area(second));
+		bool one = u < share;
+		u = clamp(one ? u / share : (u - share) / (1.0 - share), 0.0, 0.99999994);
+		n = one ? first : second;
+	}
+	set_source(p, load_topology(n));
+}
+#endif
+
+// False where hardly any of the source is before the receiver.
+bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segment_end b, inout body on)
+{
+	float sum = 0.0;
+	for (uint attempt = 0u; attempt < candidates || (sum == 0.0 && attempt < TRIES); attempt++) {
+		vec4 u = segment_numbers(p.ids.x, p.ids.y, attempt, k);
+		vec3 m;
+#if TOPS
+		choose_object(p, u.z);
+#endif
+		segment_end from = end_on(p.receiver, p.leaf, point_on(p.mine, u.xy)), to = source_end(p, u.zw, m);
+		float carried = transfer(p, from, to, u.xy, m);
+		if (carried == 0.0)
+			continue;
+		sum += carried;
+		// The first always, the next ones by their parts of the sum.
+		if (unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(k + 16u * attempt)))) * sum <= carried) {
+			a = from;
+			b = to;
+#if TOPS
+			on = p.source;
+#endif
+		}
+	}
+	return sum > 0.0;
+}
+
+void main()
+{
+	uint t = thread_number();
+	if (t >= min(state[GI_STATE_QUEUED], frame.limits.y))
+		return;
+	uint slot = load_queued(t);
+	uvec4 entry = load_entry(slot);
+	if (((load_range(entry.x).w & GI_NODE_TOP) != 0u) != (TOPS == 1))
+		return;
+	float factor = uintBitsToFloat(entry.y);
+	bool is_new = t < state[GI_STATE_NEW];
+	if (factor <= 0.0) {
+		// However small, a bright lamp may be behind it.
+		entries[slot].z = GI_BLOCKER_NONE << 16u;
+		entries[slot].w = entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT);
+		targets[slot] = entry.x;
+		return;
+	}
+	pair p = load_pair(entry);
+	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
+	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
+	// tolerance.
+	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, float(frame.limits.z)));
+	bool dark_sky = p.sky && frame.misc.w == 0u;
+	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
+	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
+	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
+	// rays to save. Black sky is not seen at all.
+	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
+	bool reordered = emitter || (!p.sky && wanted <= PROBES);
+	uint candidates = candidates_of(p, emitter);
+	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
+	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
+	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
+	while (taken < wanted) {
+		segment_end a, b;
+		body on = p.source;
+		// What is not before the receiver must not shine through its back.
+		uint by = p.receiver.object;
+		uint k = reordered ? ((taken < 8u ? ORDER.x : ORDER.y) >> (4u * (taken & 7u))) & 15u : taken;
+		if (choose_segment(p, k, candidates, a, b, on)) {
+			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
+			// Each that is seen by the same chance; where none is, the first.
+			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
+			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
+			found = found == GI_NONE || takes_over ? b.leaf : found;
+		}
+		if (by == GI_BLOCKER_NONE)
+			visible |= 1u << taken;
+		else
+			blocker = blocker == GI_BLOCKER_NONE || blocker == by ? by : GI_BLOCKER_MIXED;
+		taken++;
+		bool agree = visible == 0u || visible == (1u << taken) - 1u;
+		if (agree && taken == (emitter && visible == 0u ? min(wanted, HIDDEN_PROBES) : probes))
+			break;
+	}
+	entries[slot].z = visible | (blocker << 16u);
+	if (taken != samples_of(entry))
+		entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
+	// light altogether. On average it is what the node shows.
+	targets[slot] = p.whole || found == GI_NONE ? entry.x : load_leaf(found).x;
+	atomicAdd(state[GI_STATE_RAYS], taken);
+}
