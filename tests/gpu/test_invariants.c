@@ -229,9 +229,9 @@ static void reciprocity_of_leaves(void **state)
 }
 
 /* Between objects F holds the sampled visibility too: one to four rays an entry, each entry below the row tolerance of
- * 0.5 % or a leaf, hundreds of leaves an object. Their noise is 1 % for the largest objects and 3 % for the lamp's four
- * leaves. */
-static const double OBJECT_TOLERANCE = 0.03;
+ * 0.5 % or a leaf, hundreds of leaves an object. Their noise is 1 % for the large objects and, by the numbers drawn, 0
+ * to 3 % where A F is below 0.1 m2. */
+static const double LARGE_TOLERANCE = 0.02, SMALL_TOLERANCE = 0.05;
 
 /* What the lamp emits is absorbed: power in = sum A E, out = sum A (1 - rho) H, black backs apart. The same noise,
  * averaged over all. */
@@ -245,7 +245,6 @@ static void reciprocity_and_energy(void **state)
 	solve(r.gi);
 	snapshot s = snapshot_take(r.gi);
 	const gi_object objects[] = {r.walls, r.lamp, r.ball, r.block};
-	double worst = 0;
 	for (int i = 0; i < 4; i++)
 		for (int j = 0; j < i; j++) {
 			double there, back;
@@ -254,9 +253,10 @@ static void reciprocity_and_energy(void **state)
 			there *= area_of(&s, objects[i]);
 			back *= area_of(&s, objects[j]);
 			printf("  A F between objects %d and %d: %.5f, and %.5f\n", i, j, there, back);
-			worst = fmax(worst, fabs(there - back) / fmax(there, back));
+			assert_true(there > 0 && back > 0);
+			assert_true(fabs(there - back) <=
+				    fmax(there, back) * (there > .5 ? LARGE_TOLERANCE : SMALL_TOLERANCE));
 		}
-	assert_true(worst > 0 && worst <= OBJECT_TOLERANCE);
 
 	double emitted = 0, absorbed = 0;
 	for (uint32_t k = 0; k < s.leaf_count; k++) {
