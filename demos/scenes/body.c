@@ -2,20 +2,26 @@
 
 #include <string.h>
 
-gi_result scene_add_body(gi_context *gi, const scene_body *b, engine_mesh *mesh, gi_object *out)
+gi_object_def scene_mesh_def(const engine_mesh *mesh)
 {
-	gi_material material = {0};
-	memcpy(material.rho, b->rho, sizeof material.rho);
-	if (b->exitance)
-		memcpy(material.exitance, b->exitance, sizeof material.exitance);
 	gi_object_def def = gi_object_def_default();
-	def.name = b->name;
 	def.positions = mesh->positions;
 	def.vertex_count = mesh->vertex_count;
 	def.face_counts = mesh->face_counts;
 	def.face_count = mesh->face_count;
 	def.indices = mesh->indices;
 	def.index_count = mesh->index_count;
+	return def;
+}
+
+gi_result scene_add_body(gi_context *gi, const scene_body *b, engine_mesh *mesh, gi_object *out)
+{
+	gi_material material = {0};
+	memcpy(material.rho, b->rho, sizeof material.rho);
+	if (b->exitance)
+		memcpy(material.exitance, b->exitance, sizeof material.exitance);
+	gi_object_def def = scene_mesh_def(mesh);
+	def.name = b->name;
 	def.crease_vertices = mesh->crease_vertices;
 	def.crease_sharpness = mesh->crease_sharpness;
 	def.crease_count = mesh->crease_count;

@@ -17,6 +17,9 @@ typedef struct scene_body {
 	const engine_mesh *draw; /* drawn in the cage's place; NULL: the cage's surface */
 } scene_body;
 
+/* The defaults, of the cage's points and faces: arrays are the mesh's, neither its materials nor its creases. */
+gi_object_def scene_mesh_def(const engine_mesh *cage);
+
 /* Creates the object and frees its cage. */
 gi_result scene_add_body(gi_context *gi, const scene_body *body, engine_mesh *cage, gi_object *out);
 

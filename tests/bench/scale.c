@@ -12,6 +12,7 @@
 #include "bench_options.h"
 #include "bench_scene.h"
 #include "output.h"
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -59,14 +60,8 @@ static bool moves(const world *w, uint32_t number)
 static gi_object add_mesh(const world *w, bool stays, const char *name, engine_mesh *mesh, gi_material material,
 			  gi_pose pose)
 {
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(mesh);
 	def.name = name;
-	def.positions = mesh->positions;
-	def.vertex_count = mesh->vertex_count;
-	def.face_counts = mesh->face_counts;
-	def.face_count = mesh->face_count;
-	def.indices = mesh->indices;
-	def.index_count = mesh->index_count;
 	def.materials = &material;
 	def.material_count = 1;
 	def.pose = pose;

@@ -9,6 +9,7 @@
 #include "bench_scene.h"
 #include "frame_rows.h"
 #include "output.h"
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <argp.h>
@@ -60,13 +61,7 @@ static gi_object add_box(gi_context *gi, const float lower[3], const float upper
 	engine_mesh mesh;
 	if (!shape_box(lower, upper, 1, inward, &mesh))
 		fail("out of memory");
-	gi_object_def def = gi_object_def_default();
-	def.positions = mesh.positions;
-	def.vertex_count = mesh.vertex_count;
-	def.face_count = mesh.face_count;
-	def.face_counts = mesh.face_counts;
-	def.indices = mesh.indices;
-	def.index_count = mesh.index_count;
+	gi_object_def def = scene_mesh_def(&mesh);
 	def.levels = levels;
 	def.materials = &material;
 	def.material_count = 1;

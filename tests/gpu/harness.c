@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L /* unsetenv */
 #include "harness.h"
+#include "scenes/body.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -81,14 +82,8 @@ gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh
 	gi_material material;
 	memcpy(material.rho, o->rho, sizeof material.rho);
 	memcpy(material.exitance, o->exitance, sizeof material.exitance);
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(mesh);
 	def.name = o->name;
-	def.positions = mesh->positions;
-	def.vertex_count = mesh->vertex_count;
-	def.face_counts = mesh->face_counts;
-	def.face_count = mesh->face_count;
-	def.indices = mesh->indices;
-	def.index_count = mesh->index_count;
 	def.scheme = o->scheme;
 	def.levels = o->levels;
 	def.materials = &material;

@@ -3,6 +3,7 @@
  * tracing.
  */
 #include "harness.h"
+#include "scenes/body.h"
 #include "snapshot.h"
 
 #include "tests/reference/error.h"
@@ -210,14 +211,8 @@ static gi_object finish(gi_context *gi, const char *name, body *b)
 	assert_non_null(of_faces);
 	for (uint32_t f = b->mesh.face_count - b->lamps; f < b->mesh.face_count; f++)
 		of_faces[f] = 1;
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(&b->mesh);
 	def.name = name;
-	def.positions = b->mesh.positions;
-	def.vertex_count = b->mesh.vertex_count;
-	def.face_counts = b->mesh.face_counts;
-	def.face_count = b->mesh.face_count;
-	def.indices = b->mesh.indices;
-	def.index_count = b->mesh.index_count;
 	def.face_materials = of_faces;
 	def.materials = materials;
 	def.material_count = MATERIALS;

@@ -5,6 +5,7 @@
  */
 #include "pieces.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -103,13 +104,7 @@ static const place PLACES[] = {
 static void create(gi_context *gi, engine_mesh *mesh, const gi_material *materials, uint32_t count, uint32_t levels,
 		   gi_pose pose)
 {
-	gi_object_def def = gi_object_def_default();
-	def.positions = mesh->positions;
-	def.vertex_count = mesh->vertex_count;
-	def.face_counts = mesh->face_counts;
-	def.face_count = mesh->face_count;
-	def.indices = mesh->indices;
-	def.index_count = mesh->index_count;
+	gi_object_def def = scene_mesh_def(mesh);
 	def.face_materials = mesh->face_materials;
 	def.materials = materials;
 	def.material_count = count;

@@ -4,6 +4,7 @@
  */
 #include "pieces.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -293,14 +294,8 @@ static gi_object add_many_lamps(gi_context *gi, float factor)
 		const float e = factor * powf(10, 3.0f * (float)k - 6);
 		materials[k] = (gi_material){{.1f, .2f, .3f}, {e, e, e}};
 	}
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = "six lamps";
-	def.positions = mesh.positions;
-	def.vertex_count = mesh.vertex_count;
-	def.face_counts = mesh.face_counts;
-	def.face_count = mesh.face_count;
-	def.indices = mesh.indices;
-	def.index_count = mesh.index_count;
 	def.face_materials = numbers;
 	def.materials = materials;
 	def.material_count = FACES;

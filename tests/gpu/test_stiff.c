@@ -3,6 +3,7 @@
  */
 #include "exact_rows.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -282,15 +283,9 @@ static void all_reflected_is_refused(void **state)
 	(void)state;
 	gi_context *gi = open_context(1e-4f, 100);
 	gi_material white = {.rho = {.5f, 1, .5f}};
-	gi_object_def def = gi_object_def_default();
 	engine_mesh mesh;
 	assert_true(shape_quad((float[]){0, 0, 0}, (float[]){0, 0, 1}, (float[]){1, 0, 0}, 1, 1, &mesh));
-	def.positions = mesh.positions;
-	def.vertex_count = mesh.vertex_count;
-	def.face_count = mesh.face_count;
-	def.face_counts = mesh.face_counts;
-	def.indices = mesh.indices;
-	def.index_count = mesh.index_count;
+	gi_object_def def = scene_mesh_def(&mesh);
 	def.materials = &white;
 	def.material_count = 1;
 	gi_object object;

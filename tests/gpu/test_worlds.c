@@ -6,6 +6,7 @@
  * Objects have the same places and ids there, for samples are drawn by them.
  */
 #include "moving_scene.h"
+#include "scenes/body.h"
 #include "snapshot.h"
 
 #include "scenes/cornell.h"
@@ -73,14 +74,8 @@ static void create(gi_context *gi, thing *t)
 {
 	engine_mesh mesh;
 	assert_true(shape_of(t->kind, &mesh));
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = "thing";
-	def.positions = mesh.positions;
-	def.vertex_count = mesh.vertex_count;
-	def.face_counts = mesh.face_counts;
-	def.face_count = mesh.face_count;
-	def.indices = mesh.indices;
-	def.index_count = mesh.index_count;
 	def.scheme = t->kind == 1 ? GI_SCHEME_CATMULL_CLARK : GI_SCHEME_BILINEAR;
 	def.double_sided = t->kind == 2;
 	def.mobility = t->mobility;
@@ -480,15 +475,9 @@ enum { ROWS_OF_BOXES = 9, BOXES = ROWS_OF_BOXES * ROWS_OF_BOXES };
 static gi_object add_static(gi_context *gi, const char *name, engine_mesh *mesh, gi_mobility mobility, gi_pose pose,
 			    gi_material material)
 {
-	gi_object_def def = gi_object_def_default();
+	gi_object_def def = scene_mesh_def(mesh);
 	gi_object object;
 	def.name = name;
-	def.positions = mesh->positions;
-	def.vertex_count = mesh->vertex_count;
-	def.face_counts = mesh->face_counts;
-	def.face_count = mesh->face_count;
-	def.indices = mesh->indices;
-	def.index_count = mesh->index_count;
 	def.materials = &material;
 	def.material_count = 1;
 	def.pose = pose;
