@@ -23,9 +23,9 @@ layout(location = 0) uniform uint first;     // leaf of this dispatch
 layout(location = 1) uniform uint count;     // leaves
 layout(location = 2) uniform uint old_slots; // objects before
 layout(location = 3) uniform uint slots;     // and now
-layout(location = 5) uniform uint old_first; // of them the first source
-layout(location = 6) uniform uint new_first;
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
+layout(location = 5) uniform uint old_first; // the first source before
+layout(location = 6) uniform uint new_first; // and now
 
 // The object before that a leaf was of, or with `node` a node of one.
 uint slot_of(uint number, bool node)

@@ -249,12 +249,13 @@ static const char *broken_geometry(const gi_object_def *def)
 static gi_result check_def(const gi_context *gi, const gi_object_def *def, const char *name)
 {
 	const gi_log *log = &gi->gpu.log;
-	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC || def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS ||
-	    def->draw_levels > MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
-		return gi_fail(
-		    log, GI_ERROR_INVALID_ARGUMENT,
-		    "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or leaf_size is out of range",
-		    name, MAX_LEVELS, MAX_DRAW_LEVELS);
+	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
+	    def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS || def->draw_levels > MAX_DRAW_LEVELS ||
+	    !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or "
+			       "leaf_size is out of range",
+			       name, MAX_LEVELS, MAX_DRAW_LEVELS);
 	if (def->material_count && !def->materials)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': material_count is %u and materials is NULL", name, def->material_count);

@@ -432,9 +432,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 				scene_leave_trail(&s->objects[k]);
 			scene_place_object(&s->objects[k], &scratch);
 		}
-	if (wants_sky(gi) && !sky_build(&g->sky))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (!order_objects(s, g))
+	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
 	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count - g->next.first_source))

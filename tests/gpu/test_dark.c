@@ -1,5 +1,5 @@
-/* Where no light comes to, in stiff scenes, B is 0 to the bit, channel by channel: from a cold start, while the scene moves, and
- * after warm light that was no help; and what was lit before it was sealed off gets no brighter.
+/* Where no light comes to, in stiff scenes, B is 0 to the bit, channel by channel: from a cold start, while the scene
+ * moves, and after warm light that was no help; and what was lit before it was sealed off gets no brighter.
  */
 #include "pieces.h"
 
@@ -58,11 +58,11 @@ static rooms open_rooms(float rho, const float exitance[3], uint32_t sweeps)
 	const harness_object wall = {.name = "room", .levels = 2, .rho = {rho, rho, rho}};
 	add_room(r.gi, &wall, (box){{0, 0, 0}, {2, 2, 2}});
 	add_room(r.gi, &wall, (box){{2.5f, -.3f, .1f}, {4.5f, 1.5f, 2}});
-	r.lamp = add_block(r.gi,
-			   &(harness_object){.name = "lamp",
-					     .rho = {rho, rho, rho},
-					     .exitance = {exitance[0], exitance[1], exitance[2]}},
-			   (box){{-.2f, -.1f, -.2f}, {.2f, .1f, .2f}});
+	r.lamp =
+	    add_block(r.gi,
+		      &(harness_object){
+			  .name = "lamp", .rho = {rho, rho, rho}, .exitance = {exitance[0], exitance[1], exitance[2]}},
+		      (box){{-.2f, -.1f, -.2f}, {.2f, .1f, .2f}});
 	r.ball = add_block(r.gi, &(harness_object){.name = "block", .levels = 1, .rho = {rho, rho, rho}},
 			   (box){{-.3f, -.3f, -.2f}, {.3f, .3f, .2f}});
 	assert_gi(gi_set_pose(r.gi, r.lamp, at(1, 1, 1)));
@@ -104,7 +104,8 @@ static void sealed_rooms_are_dark(void **state)
 		}
 		gi_context_destroy(r.gi);
 	}
-	printf("  sealed rooms and colours that no lamp has: 0; the largest R elsewhere is %.2f of the lamp's E at least\n",
+	printf("  sealed rooms and colours that no lamp has: 0; the largest R elsewhere is %.2f of the lamp's E at "
+	       "least\n",
 	       least);
 	assert_true(least > .01);
 }
@@ -140,12 +141,13 @@ static void refused_light_is_gone(void **state)
 		gi_context_destroy(warm.gi);
 		gi_context_destroy(cold.gi);
 	}
-	printf("  a lamp jumps to the other room: after %u of %u jumps B is a cold start's to the bit\n", refused, jumps);
+	printf("  a lamp jumps to the other room: after %u of %u jumps B is a cold start's to the bit\n", refused,
+	       jumps);
 	assert_true(refused > 0);
 }
 
-/* The lamp of the second room, weak beside the first one's, goes out. Warm starts are good enough for the first room; in the
- * second one light only decays, whatever the first one's does. */
+/* The lamp of the second room, weak beside the first one's, goes out. Warm starts are good enough for the first room;
+ * in the second one light only decays, whatever the first one's does. */
 static void a_weak_lamp_goes_out(void **state)
 {
 	(void)state;
@@ -180,7 +182,8 @@ static void a_weak_lamp_goes_out(void **state)
 		}
 		gi_context_destroy(r.gi);
 	}
-	printf("  where a weak lamp went out the largest R is at most %.7f of the frame before; light in %u of %u frames\n",
+	printf("  where a weak lamp went out the largest R is at most %.7f of the frame before; light in %u of %u "
+	       "frames\n",
 	       most, lit, frames);
 	assert_true(lit > 0);
 	assert_true(most <= 1);
@@ -216,9 +219,9 @@ static void a_door_shuts(void **state)
 		add_panel(gi, "wall", rho, p->wall, 0, .7f);
 		add_panel(gi, "wall", rho, p->wall, 1.3f, 2);
 		const gi_object door = add_panel(gi, "door", rho, p->wall, .7f, 1.3f);
-		const gi_object lamp = add_block(
-		    gi, &(harness_object){.name = "lamp", .rho = {rho, rho, rho}, .exitance = {10, 10, 10}},
-		    (box){{-.2f, -.1f, -.2f}, {.2f, .1f, .2f}});
+		const gi_object lamp =
+		    add_block(gi, &(harness_object){.name = "lamp", .rho = {rho, rho, rho}, .exitance = {10, 10, 10}},
+			      (box){{-.2f, -.1f, -.2f}, {.2f, .1f, .2f}});
 		assert_gi(gi_set_pose(gi, lamp, at(1, 1, 1)));
 		assert_gi(gi_set_pose(gi, door, at(-.05f, 0, .65f)));
 		assert_gi(gi_commit(gi));
@@ -243,15 +246,16 @@ static void a_door_shuts(void **state)
 		}
 		gi_context_destroy(gi);
 	}
-	printf("  beyond a door that shut the largest R is at most %.7f of the frame before; light in %u of %u frames\n",
-	       most, lit, frames);
+	printf(
+	    "  beyond a door that shut the largest R is at most %.7f of the frame before; light in %u of %u frames\n",
+	    most, lit, frames);
 	assert_true(most <= 1 + 1e-6);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(sealed_rooms_are_dark),
-					   cmocka_unit_test(refused_light_is_gone), cmocka_unit_test(a_weak_lamp_goes_out),
-					   cmocka_unit_test(a_door_shuts)};
+					   cmocka_unit_test(refused_light_is_gone),
+					   cmocka_unit_test(a_weak_lamp_goes_out), cmocka_unit_test(a_door_shuts)};
 	return cmocka_run_group_tests_name("dark", tests, harness_open, harness_close);
 }
