@@ -6,7 +6,7 @@
  *     ...
  *
  * "cpu ms" is processor time of the process, all threads, medians of several events; the passes are what gi_report
- * says. "first" is the update after the first commit.
+ * says. "first" is the update after the first commit; "one more" is movable, "one more stays" static where all are.
  */
 #define _GNU_SOURCE /* program_invocation_short_name */
 #include "bench_options.h"
@@ -30,9 +30,22 @@ static double processor_ms(void)
 	       1e-3 * ((double)u.ru_utime.tv_usec + (double)u.ru_stime.tv_usec);
 }
 
-typedef enum event { FIRST, MOVE, MOVE_TEN, DOOR, MATERIAL, ADD, REMOVE, EVENTS } event;
-static const char *const event_names[EVENTS] = {"first",    "one moves", "ten move", "a door turns",
-						"material", "one more",	 "one less"};
+typedef enum event {
+	FIRST,
+	MOVE,
+	MOVE_TEN,
+	DOOR,
+	MATERIAL,
+	ADD,
+	REMOVE,
+	ADD_STAYING,
+	LIGHT,
+	REMOVE_STAYING,
+	EVENTS
+} event;
+static const char *const event_names[EVENTS] = {
+    "first",	"one moves", "ten move",	 "a door turns",   "material",
+    "one more", "one less",  "one more stays", "that one is lit", "that one goes"};
 
 typedef struct tally {
 	samples cpu, call, wall, passes[GI_PASS_COUNT];
@@ -55,11 +68,13 @@ static double make_happen(scale_world *w, event e, uint32_t round)
 		scale_world_turn_door(w, round);
 	if (e == MATERIAL)
 		scale_world_paint(w, round);
-	if (e == ADD)
-		scale_world_add(w);
-	if (e == REMOVE)
+	if (e == ADD || e == ADD_STAYING)
+		scale_world_add(w, e == ADD_STAYING);
+	if (e == LIGHT)
+		scale_world_light_guest(w);
+	if (e == REMOVE || e == REMOVE_STAYING)
 		scale_world_remove(w);
-	if (e == ADD || e == REMOVE || e == FIRST)
+	if (e == FIRST || (e >= ADD && e != LIGHT))
 		check(gi_commit(w->gi));
 	return processor_ms() - began;
 }

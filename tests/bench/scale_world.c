@@ -165,14 +165,14 @@ static engine_mesh slabs(const scale_world *w, const slab *parts, size_t count)
 	return mesh;
 }
 
-static gi_object add_chair(scale_world *w, gi_pose pose)
+static gi_object add_chair(scale_world *w, stays s, gi_pose pose)
 {
 	static const slab parts[] = {{{-.22f, .42f, -.22f}, {.22f, .46f, .22f}},
 				     {{-.22f, .47f, .18f}, {.22f, .95f, .22f}},
 				     {{-.22f, .01f, -.2f}, {-.18f, .41f, .2f}},
 				     {{.18f, .01f, -.2f}, {.22f, .41f, .2f}}};
 	engine_mesh mesh = slabs(w, parts, sizeof parts / sizeof *parts);
-	return add_mesh(w, "chair", STAYS, &mesh, CLOTH, 0, pose);
+	return add_mesh(w, "chair", s, &mesh, CLOTH, 0, pose);
 }
 
 static void add_table(scale_world *w, gi_pose pose)
@@ -233,7 +233,7 @@ static void add_room(scale_world *w, uint32_t k)
 	add_table(w, in_room(k, 1.6f, 0, 4.4f, 0));
 	for (uint32_t n = 0; n < 4; n++) {
 		const float turn = n % 2 ? .2f : 3.2f, x = 1.3f + (n / 2 ? .6f : 0), z = n % 2 ? 5.1f : 3.7f;
-		const gi_object chair = add_chair(w, in_room(k, x, 0, z, turn + .4f * random_of(k, n)));
+		const gi_object chair = add_chair(w, STAYS, in_room(k, x, 0, z, turn + .4f * random_of(k, n)));
 		if (n == 0)
 			w->others[k] = chair;
 	}
@@ -321,10 +321,16 @@ void scale_world_paint(scale_world *w, uint32_t round)
 	check(gi_set_material(w->gi, object, 0, (gi_material){.rho = {rho, rho, rho}}));
 }
 
-void scale_world_add(scale_world *w)
+void scale_world_add(scale_world *w, bool staying)
 {
-	w->guest = w->settings.kind == SCALE_HALL ? add_box(w, w->settings.objects, STAYS)
-						  : add_chair(w, in_room(middle(w), 3.4f, 0, 5.6f, .8f));
+	const stays s = staying ? STAYS : MOVES;
+	w->guest = w->settings.kind == SCALE_HALL ? add_box(w, w->settings.objects, s)
+						  : add_chair(w, s, in_room(middle(w), 3.4f, 0, 5.6f, .8f));
+}
+
+void scale_world_light_guest(scale_world *w)
+{
+	check(gi_set_material(w->gi, w->guest, 0, (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}}));
 }
 
 void scale_world_remove(scale_world *w)

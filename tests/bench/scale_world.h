@@ -9,6 +9,8 @@
 
 #include "gi/gi.h"
 
+#include <stdbool.h>
+
 typedef enum scale_kind { SCALE_HALL, SCALE_STREET, SCALE_KINDS } scale_kind;
 
 typedef struct scale_settings {
@@ -43,8 +45,9 @@ void scale_world_turn_door(scale_world *w, uint32_t round);
 /* A material's value, of one thing in the middle. */
 void scale_world_paint(scale_world *w, uint32_t round);
 
-/* One object more, in the middle, and its end. */
-void scale_world_add(scale_world *w);
+/* One object more, in the middle, movable or like what stays; it begins to shine; it goes. */
+void scale_world_add(scale_world *w, bool stays);
+void scale_world_light_guest(scale_world *w);
 void scale_world_remove(scale_world *w);
 
 #endif
