@@ -171,6 +171,22 @@ static void make_texture(const gpu *g, gpu_buffer *buffer)
 	g->gl->TextureBuffer(buffer->texture, GL_RGBA32UI, buffer->name);
 }
 
+/* Where a deleted buffer was bound by index, Mesa (22.3) empties the general binding too, which is the host's. */
+static void delete_buffer(const gpu *g, GLuint name)
+{
+	static const GLenum targets[2] = {GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER},
+			    bindings[2] = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_UNIFORM_BUFFER_BINDING};
+	GLint before[2] = {0}, after = 0;
+	for (int k = 0; k < 2; k++)
+		g->gl->GetIntegerv(bindings[k], &before[k]);
+	g->gl->DeleteBuffers(1, &name);
+	for (int k = 0; k < 2; k++) {
+		g->gl->GetIntegerv(bindings[k], &after);
+		if (after != before[k] && before[k] != (GLint)name)
+			g->gl->BindBuffer(targets[k], (GLuint)before[k]);
+	}
+}
+
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 {
 	if (!buffer->name)
@@ -178,26 +194,27 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 	if (buffer->texture && !g->lost)
 		g->gl->DeleteTextures(1, &buffer->texture);
 	if (!g->lost)
-		g->gl->DeleteBuffers(1, &buffer->name);
+		delete_buffer(g, buffer->name);
 	g->buffer_bytes -= buffer->size;
 	*buffer = (gpu_buffer){0};
 }
 
-/* OpenGL has no other way to say that memory is short. */
-static void forget_errors(const gpu *g)
+void gpu_forget_errors(const gpu *g)
 {
 	/* A context that was lost reports errors for ever. */
 	for (int k = 0; k < 64 && g->gl->GetError() != GL_NO_ERROR; k++)
 		;
 }
 
-/* The memory behind a new name. False when there is none; the name is the caller's to delete. */
+/* The memory behind a new name. False when there is none; the name is the caller's to delete. The buffer is asked, not
+ * OpenGL's errors, which may be the host's. */
 static bool make_storage(const gpu *g, gpu_buffer *buffer, const void *data)
 {
-	forget_errors(g);
+	GLint64 size = 0;
 	g->gl->CreateBuffers(1, &buffer->name);
 	g->gl->NamedBufferStorage(buffer->name, (GLsizeiptr)buffer->size, data, GL_DYNAMIC_STORAGE_BIT);
-	return g->gl->GetError() == GL_NO_ERROR;
+	g->gl->GetNamedBufferParameteri64v(buffer->name, GL_BUFFER_SIZE, &size);
+	return size == (GLint64)buffer->size;
 }
 
 /* Does a storage block reach farther than the device promises? A shader writes the first word beyond. */
@@ -210,17 +227,19 @@ static bool reaches_beyond(gpu *g)
 		return false;
 	GLint bound = 0;
 	g->gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
-	if (make_storage(g, &tried, NULL)) {
+	const bool made = make_storage(g, &tried, NULL);
+	if (made) {
 		gpu_buffer_clear(g, &tried, g->block_bytes, TEXEL_BYTES, 0);
-		g->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tried.name);
+		g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 1, &tried.name);
 		gpu_set_uint(g, program, 0, (uint32_t)(g->block_bytes / sizeof found));
 		gpu_set_uint(g, program, 1, TRIAL);
 		gpu_dispatch_groups(g, program, 1);
 		gpu_buffer_read(g, &tried, g->block_bytes, sizeof found, &found);
-		g->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, (GLuint)bound);
+		g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 1, &(const GLuint){(GLuint)bound});
 	}
 	g->gl->DeleteBuffers(1, &tried.name);
-	forget_errors(g);
+	if (!made)
+		gpu_forget_errors(g);
 	gpu_program_free(g, &program);
 	return found == TRIAL;
 }
@@ -255,7 +274,7 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const v
 	gpu_buffer fresh = {.size = padded};
 	if (!make_storage(g, &fresh, padded == size ? data : NULL)) {
 		g->gl->DeleteBuffers(1, &fresh.name);
-		forget_errors(g);
+		gpu_forget_errors(g);
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", padded);
 	}
 	if (padded != size && size && data)
@@ -277,15 +296,36 @@ void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t siz
 	g->uploaded_bytes += size;
 }
 
+/* Mesa (22.3) turns the bytes of cleared words round where a host has that set for its uploads. Returns what was set.
+ */
+static GLint unswap(const gpu *g)
+{
+	GLint swapped = 0;
+	g->gl->GetIntegerv(GL_UNPACK_SWAP_BYTES, &swapped);
+	if (swapped)
+		g->gl->PixelStorei(GL_UNPACK_SWAP_BYTES, GL_FALSE);
+	return swapped;
+}
+
+static void swap_again(const gpu *g, GLint swapped)
+{
+	if (swapped)
+		g->gl->PixelStorei(GL_UNPACK_SWAP_BYTES, swapped);
+}
+
 void gpu_buffer_clear(const gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word)
 {
+	const GLint swapped = word ? unswap(g) : 0;
 	g->gl->ClearNamedBufferSubData(buffer->name, GL_R32UI, (GLintptr)offset, (GLsizeiptr)size, GL_RED_INTEGER,
 				       GL_UNSIGNED_INT, &word);
+	swap_again(g, swapped);
 }
 
 void gpu_buffer_fill(const gpu *g, gpu_buffer *buffer, const uint32_t words[4])
 {
+	const GLint swapped = unswap(g);
 	g->gl->ClearNamedBufferData(buffer->name, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words);
+	swap_again(g, swapped);
 }
 
 void gpu_buffer_copy(const gpu *g, gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset,
@@ -304,13 +344,14 @@ void gpu_buffer_read(const gpu *g, const gpu_buffer *buffer, uint64_t offset, ui
 
 void gpu_bind(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 {
-	g->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->name);
+	g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, binding, 1,
+			       &buffer->name); /* leaves the general binding alone */
 	g->gl->BindTextureUnit(GPU_FIRST_TEXEL_UNIT + binding, buffer->texture);
 }
 
 void gpu_bind_uniforms(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 {
-	g->gl->BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer->name);
+	g->gl->BindBuffersBase(GL_UNIFORM_BUFFER, binding, 1, &buffer->name);
 }
 
 /* ---- dispatches ---- */
@@ -364,12 +405,12 @@ void gpu_timer_begin(gpu *g, gpu_timer *timer)
 		timer->began_ms = gi_clock_ms();
 		return;
 	}
-	if (!timer->query[0])
-		g->gl->CreateQueries(GL_TIME_ELAPSED, GPU_TIMER_RING, timer->query);
+	if (!timer->query[0][0])
+		g->gl->CreateQueries(GL_TIMESTAMP, 2 * GPU_TIMER_RING, timer->query[0]);
 	if (timer->pending == GPU_TIMER_RING)
 		timer->pending--; /* nobody asked: the oldest is lost */
 	note_time(g, timer, -1);
-	g->gl->BeginQuery(GL_TIME_ELAPSED, timer->query[timer->next]);
+	g->gl->QueryCounter(timer->query[timer->next][0], GL_TIMESTAMP);
 }
 
 void gpu_timer_end(gpu *g, gpu_timer *timer)
@@ -382,7 +423,7 @@ void gpu_timer_end(gpu *g, gpu_timer *timer)
 		timer->next = (timer->next + 1) % GPU_TIMER_RING;
 		return;
 	}
-	g->gl->EndQuery(GL_TIME_ELAPSED);
+	g->gl->QueryCounter(timer->query[timer->next][1], GL_TIMESTAMP);
 	timer->next = (timer->next + 1) % GPU_TIMER_RING;
 	timer->pending++;
 }
@@ -391,14 +432,15 @@ void gpu_timer_poll(const gpu *g, gpu_timer *timer, bool wait)
 {
 	while (timer->pending) {
 		const uint32_t oldest = (timer->next + GPU_TIMER_RING - timer->pending) % GPU_TIMER_RING;
-		const GLuint query = timer->query[oldest];
+		const GLuint *query = timer->query[oldest];
 		GLuint ready = 0;
-		g->gl->GetQueryObjectuiv(query, GL_QUERY_RESULT_AVAILABLE, &ready);
+		g->gl->GetQueryObjectuiv(query[1], GL_QUERY_RESULT_AVAILABLE, &ready);
 		if (!ready && !wait)
 			return;
-		GLuint64 ns = 0;
-		g->gl->GetQueryObjectui64v(query, GL_QUERY_RESULT, &ns);
-		timer->ms[oldest] = (float)((double)ns * 1e-6);
+		GLuint64 from = 0, to = 0;
+		g->gl->GetQueryObjectui64v(query[0], GL_QUERY_RESULT, &from);
+		g->gl->GetQueryObjectui64v(query[1], GL_QUERY_RESULT, &to);
+		timer->ms[oldest] = (float)((double)(to - from) * 1e-6);
 		timer->pending--;
 	}
 }
@@ -431,8 +473,8 @@ uint64_t gpu_timer_newest(const gpu_timer *timer)
 
 void gpu_timer_free(const gpu *g, gpu_timer *timer)
 {
-	if (timer->query[0] && !g->lost)
-		g->gl->DeleteQueries(GPU_TIMER_RING, timer->query);
+	if (timer->query[0][0] && !g->lost)
+		g->gl->DeleteQueries(2 * GPU_TIMER_RING, timer->query[0]);
 	*timer = (gpu_timer){0};
 }
 
@@ -447,7 +489,7 @@ gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
 	r->mapped = g->gl->MapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
 	g->buffer_bytes += r->buffer.size;
 	if (!r->mapped)
-		forget_errors(g);
+		gpu_forget_errors(g);
 	return r->mapped ? GI_OK : gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "a read-back buffer could not be mapped");
 }
 

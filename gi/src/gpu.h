@@ -39,7 +39,7 @@ enum { GPU_BINDINGS = GI_BIND_COUNT, GPU_FIRST_TEXEL_UNIT = GI_TEXEL_UNIT };
 enum { GPU_TIMER_RING = 4 };
 
 typedef struct gpu_timer {
-	uint32_t query[GPU_TIMER_RING];
+	uint32_t query[GPU_TIMER_RING][2]; /* time stamps, so that a host may measure around them */
 	uint64_t tag[GPU_TIMER_RING]; /* gpu.tag of each measurement; 0: none */
 	float ms[GPU_TIMER_RING];     /* below 0: not finished */
 	uint32_t next, pending;       /* ring position, queries not yet read */
@@ -78,6 +78,9 @@ void gpu_close(gpu *g);
 
 /* Is the OpenGL context current that gpu_init was called in? One that shares objects with it is another. */
 bool gpu_is_current(const gpu *g);
+
+/* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
+void gpu_forget_errors(const gpu *g);
 
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */

@@ -5,23 +5,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* ---- capabilities ---- */
-
-static bool is_set(const gpu *g, GLenum what)
-{
-	GLboolean value = GL_FALSE;
-	g->gl->GetBooleanv(what, &value);
-	return value == GL_TRUE;
-}
-
-static void set(const gpu *g, GLenum capability, bool on)
-{
-	if (on)
-		g->gl->Enable(capability);
-	else
-		g->gl->Disable(capability);
-}
-
 /* ---- meshes ---- */
 
 static void describe_vertices(const gpu *g, const gpu_mesh *mesh, const gpu_attribute *attributes,
@@ -94,6 +77,14 @@ void gpu_mesh_draw_ranges(const gpu *g, const gpu_mesh *mesh, uint32_t program, 
 		draw(g, mesh, program, GL_TRIANGLES, ranges[k]);
 }
 
+/* Was there memory for it? Asked of the texture, for errors may be the host's. */
+static bool has_storage(const gpu *g, GLuint texture)
+{
+	GLint width = 0;
+	g->gl->GetTextureLevelParameteriv(texture, 0, GL_TEXTURE_WIDTH, &width);
+	return width > 0;
+}
+
 /* ---- depth maps ---- */
 
 gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uint32_t layers)
@@ -103,12 +94,11 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	gpu_depth_maps_free(g, maps);
 	if (!layers)
 		return GI_OK;
-	while (g->gl->GetError() != GL_NO_ERROR)
-		;
 	g->gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &maps->texture);
 	g->gl->TextureStorage3D(maps->texture, 1, GL_DEPTH_COMPONENT32F, (GLsizei)size, (GLsizei)size, (GLsizei)layers);
-	if (g->gl->GetError() != GL_NO_ERROR) {
+	if (!has_storage(g, maps->texture)) {
 		gpu_depth_maps_free(g, maps);
+		gpu_forget_errors(g);
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %u shadow maps", layers);
 	}
 	g->gl->TextureParameteri(maps->texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -150,11 +140,11 @@ void gpu_depth_maps_begin_layer(const gpu *g, const gpu_depth_maps *maps, uint32
 	const GLsizei inside = (GLsizei)maps->size - 2;
 	g->gl->NamedFramebufferTextureLayer(maps->framebuffer, GL_DEPTH_ATTACHMENT, maps->texture, 0, (GLint)layer);
 	g->gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, maps->framebuffer);
-	g->gl->Disable(GL_SCISSOR_TEST);
+	gpu_draw_unscissored(g);
 	g->gl->ClearBufferfv(GL_DEPTH, 0, &farthest);
-	g->gl->Viewport(0, 0, (GLsizei)maps->size, (GLsizei)maps->size);
-	g->gl->Scissor(1, 1, inside, inside);
-	set(g, GL_SCISSOR_TEST, border);
+	g->gl->ViewportIndexedf(0, 0, 0, (float)maps->size, (float)maps->size);
+	if (border)
+		gpu_draw_scissor(g, (const int[]){1, 1}, (const int[]){1 + inside, 1 + inside});
 }
 
 void gpu_depth_maps_bind(const gpu *g, const gpu_depth_maps *maps, uint32_t unit)
@@ -202,16 +192,15 @@ gi_result gpu_target_create(gpu *g, gpu_target *t, const gpu_format formats[2], 
 	if (t->framebuffer && t->width == width && t->height == height)
 		return GI_OK;
 	gpu_target_free(g, t);
-	while (g->gl->GetError() != GL_NO_ERROR)
-		;
 	t->width = width;
 	t->height = height;
 	attach_textures(g, t, formats, depth);
 	g->buffer_bytes += t->bytes;
-	if (g->gl->GetError() == GL_NO_ERROR &&
-	    g->gl->CheckNamedFramebufferStatus(t->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
+	/* A texture without memory makes it incomplete. */
+	if (g->gl->CheckNamedFramebufferStatus(t->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)
 		return GI_OK;
 	gpu_target_free(g, t);
+	gpu_forget_errors(g);
 	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for a picture of %u x %u", width, height);
 }
 
@@ -226,123 +215,17 @@ void gpu_target_free(gpu *g, gpu_target *t)
 	*t = (gpu_target){0};
 }
 
-void gpu_target_begin(const gpu *g, const gpu_target *t)
-{
-	static const GLfloat farthest = 1;
-	g->gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, t->framebuffer);
-	g->gl->Viewport(0, 0, (GLsizei)t->width, (GLsizei)t->height);
-	if (t->depth)
-		g->gl->ClearBufferfv(GL_DEPTH, 0, &farthest);
-}
-
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture)
 {
 	g->gl->BindTextureUnit(unit, texture);
 	g->gl->BindSampler(unit, 0);
 }
 
-/* ---- state ---- */
-
-void gpu_draw_begin(const gpu *g, gpu_draw_state *s)
-{
-	GLboolean mask[4];
-	g->gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw_framebuffer);
-	g->gl->GetIntegerv(GL_SCISSOR_BOX, s->scissor_box);
-	g->gl->GetIntegerv(GL_VIEWPORT, s->viewport);
-	g->gl->GetIntegerv(GL_DEPTH_FUNC, &s->depth_function);
-	static const GLenum blend[4] = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
-	for (int k = 0; k < 4; k++)
-		g->gl->GetIntegerv(blend[k], &s->blend_function[k]);
-	g->gl->GetBooleanv(GL_COLOR_WRITEMASK, mask);
-	for (int k = 0; k < 4; k++)
-		s->color_mask[k] = mask[k] == GL_TRUE;
-	s->scissor = is_set(g, GL_SCISSOR_TEST);
-	s->blend = is_set(g, GL_BLEND);
-	s->depth_mask = is_set(g, GL_DEPTH_WRITEMASK);
-	s->polygon_offset_fill = is_set(g, GL_POLYGON_OFFSET_FILL);
-	s->clamp = is_set(g, GL_DEPTH_CLAMP);
-	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
-		s->clip[k] = is_set(g, GL_CLIP_DISTANCE0 + k);
-	gpu_draw_clip(g, false);
-	g->gl->Disable(GL_BLEND);
-	g->gl->Disable(GL_SCISSOR_TEST);
-	g->gl->Disable(GL_POLYGON_OFFSET_FILL);
-	g->gl->Disable(GL_DEPTH_CLAMP);
-	g->gl->Enable(GL_DEPTH_TEST);
-	g->gl->DepthFunc(GL_LESS);
-	g->gl->DepthMask(GL_TRUE);
-	g->gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-	g->gl->CullFace(GL_BACK);
-	g->gl->FrontFace(GL_CCW);
-	g->gl->Enable(GL_CULL_FACE);
-}
-
-void gpu_draw_end(const gpu *g, const gpu_draw_state *s)
-{
-	g->gl->BindSampler(1, 0);
-	g->gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
-	g->gl->Scissor(s->scissor_box[0], s->scissor_box[1], s->scissor_box[2], s->scissor_box[3]);
-	set(g, GL_SCISSOR_TEST, s->scissor);
-	set(g, GL_BLEND, s->blend);
-	g->gl->BlendFuncSeparate((GLenum)s->blend_function[0], (GLenum)s->blend_function[1],
-				 (GLenum)s->blend_function[2], (GLenum)s->blend_function[3]);
-	set(g, GL_POLYGON_OFFSET_FILL, s->polygon_offset_fill);
-	set(g, GL_DEPTH_CLAMP, s->clamp);
-	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
-		set(g, GL_CLIP_DISTANCE0 + k, s->clip[k]);
-	g->gl->DepthFunc((GLenum)s->depth_function);
-	g->gl->DepthMask(s->depth_mask);
-	g->gl->ColorMask(s->color_mask[0], s->color_mask[1], s->color_mask[2], s->color_mask[3]);
-}
-
-void gpu_draw_to_host(const gpu *g, const gpu_draw_state *s, uint32_t width, uint32_t height)
-{
-	g->gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
-	g->gl->Disable(GL_SCISSOR_TEST);
-	g->gl->Viewport(s->viewport[0], s->viewport[1], (GLsizei)width, (GLsizei)height);
-}
-
-void gpu_draw_cull(const gpu *g, gpu_cull cull)
-{
-	set(g, GL_CULL_FACE, cull != GPU_CULL_NONE);
-	g->gl->FrontFace(cull == GPU_CULL_MIRRORED_BACKS ? GL_CW : GL_CCW);
-}
-
-void gpu_draw_scissor(const gpu *g, const int lower[2], const int upper[2])
-{
-	g->gl->Enable(GL_SCISSOR_TEST);
-	g->gl->Scissor(lower[0], lower[1], upper[0] - lower[0], upper[1] - lower[1]);
-}
-
-void gpu_draw_unscissored(const gpu *g)
-{
-	g->gl->Disable(GL_SCISSOR_TEST);
-}
-
-void gpu_draw_clip(const gpu *g, bool clip)
-{
-	for (GLenum k = 0; k < GPU_CLIP_DISTANCES; k++)
-		set(g, GL_CLIP_DISTANCE0 + k, clip);
-}
-
-void gpu_draw_multiplied(const gpu *g, bool on)
-{
-	set(g, GL_BLEND, on);
-	g->gl->BlendFunc(on ? GL_ZERO : GL_ONE, on ? GL_SRC_COLOR : GL_ZERO);
-	g->gl->DepthFunc(on ? GL_LEQUAL : GL_LESS);
-	g->gl->DepthMask(!on);
-}
-
-void gpu_draw_added(const gpu *g, bool on)
-{
-	set(g, GL_BLEND, on);
-	g->gl->BlendFunc(GL_ONE, on ? GL_ONE : GL_ZERO);
-	set(g, GL_DEPTH_TEST, !on);
-}
-
 void gpu_bind_uniform_range(const gpu *g, uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes)
 {
-	g->gl->BindBufferRange(GL_UNIFORM_BUFFER, binding, buffer->name, (GLintptr)offset, (GLsizeiptr)bytes);
+	const GLintptr first = (GLintptr)offset;
+	const GLsizeiptr size = (GLsizeiptr)bytes;
+	g->gl->BindBuffersRange(GL_UNIFORM_BUFFER, binding, 1, &buffer->name, &first, &size);
 }
 
 void gpu_set_corner(const gpu *g, uint32_t program, int location, const int corner[2])

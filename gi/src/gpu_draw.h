@@ -60,24 +60,54 @@ typedef struct gpu_target {
 gi_result gpu_target_create(gpu *g, gpu_target *target, const gpu_format formats[2], bool depth, uint32_t width,
 			    uint32_t height);
 void gpu_target_free(gpu *g, gpu_target *target);
-/* Makes it what is drawn into and clears its depth to the farthest; colours are left as they are. */
-void gpu_target_begin(const gpu *g, const gpu_target *target);
 /* Read by texelFetch. */
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);
 
-enum { GPU_CLIP_DISTANCES = 3 }; /* that a vertex shader may write */
+/* ---- the host's state (gpu_state.c) ---- */
+
+enum {
+	GPU_CLIP_DISTANCES = 3, /* that a vertex shader may write */
+	GPU_DRAW_BUFFERS = 8,   /* that OpenGL promises */
+	GPU_CAPABILITIES = 23,
+	GPU_BLEND_VALUES = 6
+};
+
+typedef enum gpu_state_value {
+	GPU_STATE_FRAMEBUFFER,
+	GPU_STATE_DEPTH_FUNCTION,
+	GPU_STATE_DEPTH_MASK,
+	GPU_STATE_CULL_FACE,
+	GPU_STATE_FRONT_FACE,
+	GPU_STATE_PROVOKING_VERTEX,
+	GPU_STATE_CLIP_ORIGIN,
+	GPU_STATE_CLIP_DEPTH,
+	GPU_STATE_VALUES
+} gpu_state_value;
 
 /* What drawing changes and a host may have set. */
 typedef struct gpu_draw_state {
-	int draw_framebuffer, scissor_box[4], viewport[4], depth_function, blend_function[4];
-	bool scissor, blend, depth_mask, color_mask[4], polygon_offset_fill, clamp, clip[GPU_CLIP_DISTANCES];
+	bool capabilities[GPU_CAPABILITIES], blend[GPU_DRAW_BUFFERS], color_mask[GPU_DRAW_BUFFERS][4], scissor;
+	int values[GPU_STATE_VALUES], blend_values[GPU_BLEND_VALUES], scissor_box[4], polygon_mode[2];
+	float viewport[4], line_width;
+	double depth_range[2];
 } gpu_draw_state;
 
-/* Remembers the host's state, then sets: depth test and writes on, no blending, no scissor, back faces culled. */
+/* What clip coordinates mean, as glClipControl has it, and which of two depths is the nearer one. */
+typedef struct gpu_convention {
+	bool upper_left, zero_to_one, reversed;
+} gpu_convention;
+
+/* Remembers the host's state, then sets: depth test and writes on, no blending, no scissor, back faces culled, OpenGL's
+ * own convention, whatever the host has set. */
 void gpu_draw_begin(const gpu *g, gpu_draw_state *state);
 void gpu_draw_end(const gpu *g, const gpu_draw_state *state);
-/* Into the host's framebuffer. */
+void gpu_draw_convention(const gpu *g, gpu_convention convention);
+/* May the host's framebuffer be drawn into? Before gpu_draw_begin. */
+bool gpu_host_is_complete(const gpu *g);
+/* Into the first draw buffer of the host's framebuffer. */
 void gpu_draw_to_host(const gpu *g, const gpu_draw_state *state, uint32_t width, uint32_t height);
+/* Into a target, whose depth is cleared to the farthest; colours are left as they are. */
+void gpu_draw_to_target(const gpu *g, const gpu_target *target, gpu_convention convention);
 /* Nothing is culled, or backs: of pictures, or of pictures that are mirrored. */
 typedef enum gpu_cull { GPU_CULL_NONE, GPU_CULL_BACKS, GPU_CULL_MIRRORED_BACKS } gpu_cull;
 void gpu_draw_cull(const gpu *g, gpu_cull cull);
@@ -87,7 +117,7 @@ void gpu_draw_unscissored(const gpu *g);
 /* By the vertex shader's gl_ClipDistance. */
 void gpu_draw_clip(const gpu *g, bool clip);
 /* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
-void gpu_draw_multiplied(const gpu *g, bool on);
+void gpu_draw_multiplied(const gpu *g, bool on, gpu_convention convention);
 
 /* What is drawn is added to what is there, whatever the depth. */
 void gpu_draw_added(const gpu *g, bool on);

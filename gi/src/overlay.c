@@ -84,14 +84,14 @@ static void eye_of(const gi_view *view, float eye[4])
 	eye[3] = parallel ? 0.0f : 1.0f;
 }
 
-gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view,
-		       const float clip_from_world[16])
+gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
 {
 	if (!overlays->edges.array || !overlays->program) {
 		gi_result result = build(gi, overlays);
 		if (result)
 			return result;
 	}
+	const gpu_convention convention = {view->clip_upper_left, view->clip_zero_to_one, view->depth_reversed};
 	float eye[4];
 	eye_of(view, eye);
 	rows_bind(gi);
@@ -103,9 +103,9 @@ gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *vie
 		gpu_mesh_draw(&gi->gpu, &overlays->faces, overlays->program);
 		return GI_OK;
 	}
-	gpu_draw_multiplied(&gi->gpu, true);
+	gpu_draw_multiplied(&gi->gpu, true, convention);
 	gpu_mesh_draw_lines(&gi->gpu, &overlays->edges, overlays->program);
-	gpu_draw_multiplied(&gi->gpu, false);
+	gpu_draw_multiplied(&gi->gpu, false, convention);
 	return GI_OK;
 }
 

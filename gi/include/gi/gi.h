@@ -18,10 +18,12 @@
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
  * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36, uniform buffer
- * bindings 0 and 1, texture units 0..43, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on),
- * culling and viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
- * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36 and uniform buffer
+ * bindings 0 and 1 (the indexed ones), texture units 0..43 with their samplers, the GL_DISPATCH_INDIRECT_BUFFER binding.
+ * It takes nothing for granted: drawing state is set and given back, whatever it was. Calls are not made between
+ * glBeginConditionalRender or glBeginTransformFeedback and their ends. Errors that the host left in glGetError stay
+ * there, but for calls that end with GI_ERROR_OUT_OF_MEMORY. Matrices are column-major float[16] as OpenGL and cglm have
+ * them, clip space as gi_view says. Lengths are metres, but any unit does if it is the same everywhere;
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
@@ -79,7 +81,8 @@ GI_API uint32_t gi_version(void);
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
 	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
 	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")                                                                     \
-	X(GI_ERROR_WRONG_CONTEXT, "the OpenGL context of the gi_context is not current")
+	X(GI_ERROR_WRONG_CONTEXT, "the OpenGL context of the gi_context is not current")                               \
+	X(GI_ERROR_FRAMEBUFFER, "the bound framebuffer cannot be drawn into")
 
 #define GI_RESULT_ENUM(name, text) name,
 typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
@@ -503,6 +506,13 @@ typedef struct gi_view {
 	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
 	gi_mode mode;
 	gi_overlay overlay;
+
+	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked at.
+	 * All false by default. */
+	bool clip_upper_left;  /* y points down in the framebuffer */
+	bool clip_zero_to_one; /* z is in [0,1], not [-1,1] */
+	bool depth_reversed;   /* the nearer of two depths is the larger one: cleared to 0, compared with GL_GREATER. Depths
+				* are written as with glDepthRange(0, 1): a host that reverses that negates z instead */
 } gi_view;
 
 GI_API gi_view gi_view_default(void);
