@@ -87,6 +87,8 @@ typedef struct gi_scene {
 	uint32_t first_source; /* slot; from here on they are sources */
 	scene_top *tops;
 	uint32_t top_count;
+	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
+	uint32_t statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;

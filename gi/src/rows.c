@@ -246,7 +246,7 @@ static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, ui
 	return low < count && sorted[low] < end;
 }
 
-/* Tops change with what is below them; the topmost one stands for all. */
+/* Tops change with what is below them. The topmost one need not see one that left: it may be another top of before. */
 static void number_tops(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
@@ -265,7 +265,8 @@ static void number_tops(gi_context *gi)
 		gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node,
 				  sizeof(gi_node_topology), &s->topology[top->node]);
 	}
-	s->object_data[s->statics_slot].changed = (gi_uvec4){s->tops[0].changed, s->tops[0].changed, 0, 0};
+	const uint32_t newest = s->tops[0].changed > s->statics_update ? s->tops[0].changed : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){newest, newest, 0, 0};
 }
 
 static void number_changes(gi_context *gi)

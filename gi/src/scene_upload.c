@@ -423,6 +423,17 @@ static bool wants_sky(const gi_context *gi)
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
 }
 
+/* Are the static ones those of before, in the same order? */
+static bool same_statics(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	return true;
+}
+
 /* Everything of a context that a commit makes anew. */
 typedef struct committed {
 	gi_scene scene;
@@ -457,6 +468,7 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
+	g->next.automatic_static = s->automatic_static;
 	g->next.next_leaf_id = s->next_leaf_id;
 	g->next.next_node_id = s->next_node_id;
 	g->next.ever_committed = s->ever_committed;
@@ -466,6 +478,7 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	gather_objects(gi, g, old, old_count);
 	s->wide_count = g->next.wide_count;
 	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
+	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
@@ -480,17 +493,6 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
 	return upload_gathered(gi, g);
-}
-
-/* Are the static ones those of before, in the same order? */
-static bool same_statics(const gi_scene *old, const gi_scene *now)
-{
-	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
-		return false;
-	for (uint32_t slot = 0; slot < old->first_source; slot++)
-		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
-			return false;
-	return true;
 }
 
 /* Nodes of objects that stay, and tops with the same objects below them. */
