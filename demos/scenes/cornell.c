@@ -151,7 +151,7 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const scene_body b = {.name = "figure", .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
+	const scene_body b = {.name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
 	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -163,6 +163,7 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const scene_body b = {.name = "buddha",
+			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
 			      .leaf_size = def->leaf_size,
 			      .rho = STONE,
