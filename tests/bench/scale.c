@@ -6,8 +6,8 @@
  *     ...
  *
  * "cpu ms" is processor time of the process, all threads, medians of several events; the passes are what gi_report
- * says. Events: first (the update after the first commit), move, rest of ten that move, material, one that is movable comes
- * and goes, one that stays where it is comes, is lit and goes. "call cpu ms": of the calls before gi_update.
+ * says. Events: first (the update after the first commit), move, rest of ten that move, material, one that is movable
+ * comes and goes, one that stays where it is comes, is lit and goes. "call cpu ms": of the calls before gi_update.
  */
 #define _GNU_SOURCE /* program_invocation_short_name */
 #include "bench_options.h"
@@ -123,7 +123,7 @@ static double processor_ms(void)
 }
 
 typedef enum event { FIRST, MOVE, MOVE_TEN, MATERIAL, ADD, REMOVE, ADD_STAYING, LIGHT, REMOVE_STAYING, EVENTS } event;
-static const char *const event_names[EVENTS] = {"first",  "move",	"move ten", "material",	     "add",
+static const char *const event_names[EVENTS] = {"first",  "move",        "move ten", "material",      "add",
 						"remove", "add staying", "light",    "remove staying"};
 
 typedef struct tally {

@@ -38,9 +38,8 @@ static binary make_binary(void)
 
 static void write_node(FILE *to, int mesh, const float place[3], const float size[3], float turn)
 {
-	fprintf(to,
-		",{\"mesh\":%d,\"translation\":[%g,%g,%g],\"rotation\":[0,%.9g,0,%.9g],\"scale\":[%g,%g,%g]}",
-		mesh, (double)place[0], (double)place[1], (double)place[2], sin((double)turn), cos((double)turn),
+	fprintf(to, ",{\"mesh\":%d,\"translation\":[%g,%g,%g],\"rotation\":[0,%.9g,0,%.9g],\"scale\":[%g,%g,%g]}", mesh,
+		(double)place[0], (double)place[1], (double)place[2], sin((double)turn), cos((double)turn),
 		(double)size[0], (double)size[1], (double)size[2]);
 }
 
@@ -83,24 +82,27 @@ static void write_scene(FILE *to)
 	write_mesh(to, 2, 1);
 	fprintf(to, ",");
 	write_mesh(to, 1, 2);
-	fprintf(to, "],\"materials\":["
-		    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.6,0.4,0.3,1],\"metallicFactor\":0}},"
-		    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.7,0.7,0.7,1],\"metallicFactor\":0}},"
-		    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],\"metallicFactor\":0},"
-		    "\"emissiveFactor\":[1,1,1]}],"
-		    "\"animations\":[{\"samplers\":[{\"input\":3,\"output\":4}],"
-		    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}],"
-		    "\"buffers\":[{\"byteLength\":%zu,\"uri\":\"hall.bin\"}],\"bufferViews\":["
-		    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":72},"
-		    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":72},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":8},"
-		    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":24}],\"accessors\":["
-		    "{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\",\"min\":[-0.5,0,-0.5],\"max\":[0.5,1,0.5]},"
-		    "{\"bufferView\":1,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"},"
-		    "{\"bufferView\":2,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"},"
-		    "{\"bufferView\":3,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\",\"min\":[0],\"max\":[2]},"
-		    "{\"bufferView\":4,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]}",
-		sizeof(binary), offsetof(binary, cube), offsetof(binary, outward), offsetof(binary, inward),
-		offsetof(binary, times), offsetof(binary, places));
+	fprintf(
+	    to,
+	    "],\"materials\":["
+	    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.6,0.4,0.3,1],\"metallicFactor\":0}},"
+	    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.7,0.7,0.7,1],\"metallicFactor\":0}},"
+	    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],\"metallicFactor\":0},"
+	    "\"emissiveFactor\":[1,1,1]}],"
+	    "\"animations\":[{\"samplers\":[{\"input\":3,\"output\":4}],"
+	    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}],"
+	    "\"buffers\":[{\"byteLength\":%zu,\"uri\":\"hall.bin\"}],\"bufferViews\":["
+	    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":72},"
+	    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":72},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":8},"
+	    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":24}],\"accessors\":["
+	    "{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\",\"min\":[-0.5,0,-0.5],\"max\":[0.5,"
+	    "1,0.5]},"
+	    "{\"bufferView\":1,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"},"
+	    "{\"bufferView\":2,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"},"
+	    "{\"bufferView\":3,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\",\"min\":[0],\"max\":[2]},"
+	    "{\"bufferView\":4,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]}",
+	    sizeof(binary), offsetof(binary, cube), offsetof(binary, outward), offsetof(binary, inward),
+	    offsetof(binary, times), offsetof(binary, places));
 }
 
 static FILE *open_in(const char *folder, const char *name, char *path, size_t path_size)

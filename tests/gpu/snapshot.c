@@ -183,8 +183,8 @@ double snapshot_light_error(gi_context *gi, const snapshot *s, uint32_t paths)
 	for (uint32_t k = 0; k < 2; k++) {
 		uint32_t count;
 		halves[k] = allocate(3 * (uint64_t)s->leaf_count, sizeof *halves[k]);
-		assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = paths, .seed = k + 1}, halves[k], s->leaf_count,
-					 &count));
+		assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = paths, .seed = k + 1}, halves[k],
+					 s->leaf_count, &count));
 	}
 	const double error = error_of(halves[0], halves[1], s);
 	free(halves[0]);

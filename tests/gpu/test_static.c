@@ -1,6 +1,6 @@
-/* Many objects that stay where they are, under common nodes: as near to path tracing as objects alone, with fewer entries;
- * one of them that comes, goes, is lit or moved after all costs rows an entry or two; what is not said to move is one of
- * them until it does; files are played so.
+/* Many objects that stay where they are, under common nodes: as near to path tracing as objects alone, with fewer
+ * entries; one of them that comes, goes, is lit or moved after all costs rows an entry or two; what is not said to move
+ * is one of them until it does; files are played so.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdtemp */
 #include "snapshot.h"
@@ -113,12 +113,13 @@ static void the_light_of_static_things(void **state)
 	assert_true(errors[1] < 1.1 * errors[0]);
 }
 
-/* One of many static things comes, is lit, put out, hidden, shown and goes: rows keep what they have of nodes without it,
- * and are those of a rebuild. */
+/* One of many static things comes, is lit, put out, hidden, shown and goes: rows keep what they have of nodes without
+ * it, and are those of a rebuild. */
 static void one_of_many_static_things(void **state)
 {
 	(void)state;
-	static const char *const names[] = {"comes", "is lit", "is put out", "is hidden", "is shown", "goes", "comes again"};
+	static const char *const names[] = {"comes",    "is lit", "is put out", "is hidden",
+					    "is shown", "goes",   "comes again"};
 	const gi_material dull = {.rho = {.5f, .5f, .5f}}, lit = {.rho = {.5f, .5f, .5f}, .exitance = {3, 2, 1}};
 	const gi_pose pose = {{6.1f, .005f, 4.9f}, {0, .6f, 0, .8f}};
 	gi_context *gi = open_hall(GI_MOBILITY_STATIC, .1f);
@@ -127,8 +128,7 @@ static void one_of_many_static_things(void **state)
 	engine_mesh mesh;
 	for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
 		if (k == 0 || k == 6) {
-			assert_true(
-			    shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, .9f, .25f}, 1, false, &mesh));
+			assert_true(shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, .9f, .25f}, 1, false, &mesh));
 			box = add_static(gi, "one more", &mesh, GI_MOBILITY_STATIC, pose, dull);
 		}
 		if (k == 1 || k == 2)
@@ -140,7 +140,8 @@ static void one_of_many_static_things(void **state)
 		assert_gi(gi_commit(gi));
 		const gi_report r = harness_update(gi);
 		const double fresh = (double)r.new_entries / r.leaves;
-		printf("  one %s: of %.1f entries a leaf %.2f are cut anew\n", names[k], (double)r.entries / r.leaves, fresh);
+		printf("  one %s: of %.1f entries a leaf %.2f are cut anew\n", names[k], (double)r.entries / r.leaves,
+		       fresh);
 		assert_true(r.new_entries > 0);
 		/* A lamp is cut finer, and so is what it is one with. */
 		assert_true(fresh < (k == 1 ? .2 : .1) * (double)full.entries / full.leaves);
@@ -149,7 +150,8 @@ static void one_of_many_static_things(void **state)
 	gi_context_destroy(gi);
 }
 
-/* What is not said to move is static where there are many, leaves them when it first moves, and is movable from then on. */
+/* What is not said to move is static where there are many, leaves them when it first moves, and is movable from then
+ * on. */
 static void automatic_until_it_moves(void **state)
 {
 	(void)state;
@@ -226,7 +228,8 @@ static void form_factors_of_static_things(void **state)
 		if (k) { /* as said: exact again where the other one is movable */
 			double alone;
 			for (int b = 0; b < BOXES; b++)
-				if (factors[0][b] > 5e-4 && (factors[0][small] <= 5e-4 || factors[0][b] < factors[0][small]))
+				if (factors[0][b] > 5e-4 &&
+				    (factors[0][small] <= 5e-4 || factors[0][b] < factors[0][small]))
 					small = b;
 			assert_gi(gi_set_mobility(gi, hall_boxes[small], GI_MOBILITY_MOVABLE));
 			assert_gi(gi_commit(gi));
@@ -242,7 +245,8 @@ static void form_factors_of_static_things(void **state)
 		squared += pow(factors[1][b] - factors[0][b], 2) / BOXES;
 		largest = fmax(largest, fabs(factors[1][b] - factors[0][b]));
 	}
-	printf("  from one box to %d others: %.4f and %.4f in all, to anything %.4f and %.4f; single ones off by %.5f RMS, "
+	printf("  from one box to %d others: %.4f and %.4f in all, to anything %.4f and %.4f; single ones off by %.5f "
+	       "RMS, "
 	       "%.5f at most\n",
 	       BOXES, sums[0], sums[1], factors[0][BOXES], factors[1][BOXES], sqrt(squared), largest);
 	assert_true(fabs(sums[1] - sums[0]) < .05 * sums[0]);
@@ -293,7 +297,8 @@ static void a_file_of_many_things(void **state)
 	const gi_report alone = harness_update(gi);
 	s = snapshot_take(gi);
 	const double error_alone = snapshot_light_error(gi, &s, 64);
-	printf("  %u objects, %u leaves: %.1f entries a leaf, all movable %.1f; H off by %.2f and %.2f %%; a frame makes %.2f "
+	printf("  %u objects, %u leaves: %.1f entries a leaf, all movable %.1f; H off by %.2f and %.2f %%; a frame "
+	       "makes %.2f "
 	       "entries a leaf anew\n",
 	       full.objects, full.leaves, (double)full.entries / full.leaves, (double)alone.entries / alone.leaves,
 	       100 * error, 100 * error_alone, fresh);
@@ -309,10 +314,8 @@ static void a_file_of_many_things(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(the_light_of_static_things),
-	    cmocka_unit_test(one_of_many_static_things),
-	    cmocka_unit_test(automatic_until_it_moves),
-	    cmocka_unit_test(form_factors_of_static_things),
+	    cmocka_unit_test(the_light_of_static_things), cmocka_unit_test(one_of_many_static_things),
+	    cmocka_unit_test(automatic_until_it_moves),   cmocka_unit_test(form_factors_of_static_things),
 	    cmocka_unit_test(a_file_of_many_things),
 	};
 	return cmocka_run_group_tests_name("static objects", tests, harness_open, harness_close);

@@ -1,9 +1,10 @@
 /* Worlds whose objects come and go: rows that were kept from commit to commit are those of a context in which the scene
  * of now was built at once, to the bit.
  *
- * Random frames of a Cornell box or a closed room, in which there may be a crowd that stays: objects are created, destroyed,
- * hidden, shown, moved, lit and put out, become static or movable, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit.
- * Objects have the same places and ids there, for samples are drawn by them.
+ * Random frames of a Cornell box or a closed room, in which there may be a crowd that stays: objects are created,
+ * destroyed, hidden, shown, moved, lit and put out, become static or movable, updates have budgets or none. Now and
+ * then a context is made that gets the scene of now in its only commit. Objects have the same places and ids there, for
+ * samples are drawn by them.
  *
  * RELUME_FRAMES=N: so many, default 100. RELUME_WORLD=box, room or crowd: that one alone.
  */
@@ -127,8 +128,8 @@ static void add_crowd(gi_context *gi)
 	engine_mesh mesh;
 	for (int k = 0; k < CROWD; k++) {
 		const float x = -2.6f + .4f * (float)(k % 14), z = -2.6f + .3f * (float)(k / 14);
-		assert_true(shape_box((float[]){x, .002f, z}, (float[]){x + .1f, .05f + .01f * (float)(k % 9), z + .1f}, 1,
-				      false, &mesh));
+		assert_true(shape_box((float[]){x, .002f, z}, (float[]){x + .1f, .05f + .01f * (float)(k % 9), z + .1f},
+				      1, false, &mesh));
 		harness_add(gi, &(harness_object){.name = "one of a crowd", .rho = {.3f, .4f, .5f}}, &mesh);
 	}
 }
@@ -389,8 +390,8 @@ static void run(const char *name, bool room, bool crowd, uint32_t seed)
 	}
 	printf("  %s: %u frames, %u things, %u commits; %u times built at once, %.0f entries, %.1f static things, "
 	       "%.0f common entries; cut anew %.1f %% a frame\n",
-	       name, frames, w.count, f.commits, f.compared, f.entries / f.compared,
-	       (double)static_things / f.compared, (double)f.common / f.compared, 100 * f.fresh / f.kept_entries);
+	       name, frames, w.count, f.commits, f.compared, f.entries / f.compared, (double)static_things / f.compared,
+	       (double)f.common / f.compared, 100 * f.fresh / f.kept_entries);
 	assert_true(f.common > 0);
 	gi_context_destroy(w.gi);
 }
@@ -511,11 +512,8 @@ static void under_a_budget(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(in_a_box),
-	    cmocka_unit_test(in_a_room),
-	    cmocka_unit_test(in_a_crowd),
-	    cmocka_unit_test(one_more_one_less),
-	    cmocka_unit_test(under_a_budget),
+	    cmocka_unit_test(in_a_box),          cmocka_unit_test(in_a_room),      cmocka_unit_test(in_a_crowd),
+	    cmocka_unit_test(one_more_one_less), cmocka_unit_test(under_a_budget),
 	};
 	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
 }
