@@ -161,6 +161,7 @@ typedef struct gi_shade gi_shade;
 typedef struct gi_paths gi_paths;
 
 struct gi_context {
+	uint32_t number; /* of all contexts of the program, from 1: handles have it */
 	gi_context_def def;
 	gpu gpu;
 	gi_scene scene;

@@ -189,6 +189,8 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	gi_context *gi = calloc(1, sizeof *gi);
 	if (!gi)
 		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	static uint32_t contexts;
+	gi->number = GI_COUNT_UP(&contexts);
 	gi->def = *def;
 	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
 	result = copy_texts(gi, def);
@@ -245,8 +247,14 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 
 static gi_result stale(const gi_context *gi, const char *function)
 {
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "%s: the object was destroyed or never created",
-		       function);
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
+		       "%s: the object was destroyed, was never created or is another context's", function);
+}
+
+static gi_result no_material(const gi_context *gi, const scene_object *o, uint32_t material)
+{
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials, there is no number %u",
+		       o->name, o->material_count, material);
 }
 
 gi_result gi_destroy_object(gi_context *gi, gi_object object)
@@ -337,6 +345,19 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 	return GI_OK;
 }
 
+gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_material: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_material");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	*out = o->materials[material];
+	return GI_OK;
+}
+
 static bool reflects(const gi_material *m)
 {
 	return m->rho[0] + m->rho[1] + m->rho[2] > 0;
@@ -350,9 +371,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "object '%s' has %u materials, there is no number %u", o->name, o->material_count,
-			       material);
+		return no_material(gi, o, material);
 	if (!scene_material_is_valid(gi, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
