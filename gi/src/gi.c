@@ -77,6 +77,16 @@ gi_result gi_check_current(const gi_context *gi, const char *function)
 
 /* ---- context ---- */
 
+static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t max_sweeps)
+{
+	if (!(solve_tolerance > 0.0f && solve_tolerance <= 1.0f))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
+			       (double)solve_tolerance);
+	if (max_sweeps < 1 || max_sweeps > 1000)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", max_sweeps);
+	return GI_OK;
+}
+
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
 	if (def->internal != CONTEXT_COOKIE)
@@ -94,11 +104,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
-	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
-			       (double)def->solve_tolerance);
-	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
+	if (check_solve(log, def->solve_tolerance, def->max_sweeps))
+		return GI_ERROR_INVALID_ARGUMENT;
 	if (def->pixel_lamps > GI_LAMP_MAX)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
 			       GI_LAMP_MAX);
@@ -230,6 +237,27 @@ void gi_context_destroy(gi_context *gi)
 	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
 	gpu_close(&gi->gpu);
 	free(gi);
+}
+
+gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_context_def: out");
+	*out = gi->def;
+	return GI_OK;
+}
+
+gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (check_solve(&gi->gpu.log, solve_tolerance, max_sweeps))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->solve_changed =
+	    gi->solve_changed || solve_tolerance != gi->def.solve_tolerance || max_sweeps != gi->def.max_sweeps;
+	gi->def.solve_tolerance = solve_tolerance;
+	gi->def.max_sweeps = max_sweeps;
+	return GI_OK;
 }
 
 /* ---- objects ---- */

@@ -186,6 +186,12 @@ GI_API gi_context_def gi_context_def_default(void);
  * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 
+/* The settings in force: those of creation, and what was set since. shader_directory is the library's copy. */
+GI_API gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out);
+
+/* Other values than those of gi_context_def from the next gi_update on, which solves anew from the light that is there. */
+GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps);
+
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
 GI_API void gi_context_destroy(gi_context *gi);
