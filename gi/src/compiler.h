@@ -15,4 +15,12 @@
 #define GI_THREAD_LOCAL _Thread_local
 #endif
 
+/* Adds one to a static uint32_t, which threads share, and is what it is then. */
+#if defined(_MSC_VER)
+#include <intrin.h>
+#define GI_COUNT_UP(counter) ((uint32_t)_InterlockedIncrement((volatile long *)(counter)))
+#else
+#define GI_COUNT_UP(counter) __atomic_add_fetch(counter, 1u, __ATOMIC_RELAXED)
+#endif
+
 #endif

@@ -165,6 +165,7 @@ typedef struct gi_shade gi_shade;
 typedef struct gi_paths gi_paths;
 
 struct gi_context {
+	uint32_t number; /* of all contexts of the program, from 1: handles have it */
 	gi_context_def def;
 	gpu gpu;
 	gi_scene scene;
@@ -180,6 +181,7 @@ struct gi_context {
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
+	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */

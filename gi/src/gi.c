@@ -78,6 +78,16 @@ gi_result gi_check_current(const gi_context *gi, const char *function)
 
 /* ---- context ---- */
 
+static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t max_sweeps)
+{
+	if (!(solve_tolerance > 0.0f && solve_tolerance <= 1.0f))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
+			       (double)solve_tolerance);
+	if (max_sweeps < 1 || max_sweeps > 1000)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", max_sweeps);
+	return GI_OK;
+}
+
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
 	if (def->internal != CONTEXT_COOKIE)
@@ -95,11 +105,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
-	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
-			       (double)def->solve_tolerance);
-	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
+	if (check_solve(log, def->solve_tolerance, def->max_sweeps))
+		return GI_ERROR_INVALID_ARGUMENT;
 	if (def->pixel_lamps > GI_LAMP_MAX)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
 			       GI_LAMP_MAX);
@@ -190,6 +197,8 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	gi_context *gi = calloc(1, sizeof *gi);
 	if (!gi)
 		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	static uint32_t contexts;
+	gi->number = GI_COUNT_UP(&contexts);
 	gi->def = *def;
 	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
 	result = copy_texts(gi, def);
@@ -231,6 +240,27 @@ void gi_context_destroy(gi_context *gi)
 	free(gi);
 }
 
+gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_context_def: out");
+	*out = gi->def;
+	return GI_OK;
+}
+
+gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (check_solve(&gi->gpu.log, solve_tolerance, max_sweeps))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->solve_changed =
+	    gi->solve_changed || solve_tolerance != gi->def.solve_tolerance || max_sweeps != gi->def.max_sweeps;
+	gi->def.solve_tolerance = solve_tolerance;
+	gi->def.max_sweeps = max_sweeps;
+	return GI_OK;
+}
+
 /* ---- objects ---- */
 
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
@@ -246,8 +276,14 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 
 static gi_result stale(const gi_context *gi, const char *function)
 {
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "%s: the object was destroyed or never created",
-		       function);
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
+		       "%s: the object was destroyed, was never created or is another context's", function);
+}
+
+static gi_result no_material(const gi_context *gi, const scene_object *o, uint32_t material)
+{
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials, there is no number %u",
+		       o->name, o->material_count, material);
 }
 
 gi_result gi_destroy_object(gi_context *gi, gi_object object)
@@ -352,6 +388,19 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 	return GI_OK;
 }
 
+gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_material: out");
+	const scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_material");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	*out = o->materials[material];
+	return GI_OK;
+}
+
 static bool reflects(const gi_material *m)
 {
 	return m->rho[0] + m->rho[1] + m->rho[2] > 0;
@@ -365,9 +414,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "object '%s' has %u materials, there is no number %u", o->name, o->material_count,
-			       material);
+		return no_material(gi, o, material);
 	if (!scene_material_is_valid(gi, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];

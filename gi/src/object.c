@@ -618,7 +618,7 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 
 scene_object *scene_find(const gi_context *gi, gi_object handle)
 {
-	if (handle.index1 == 0 || handle.index1 > gi->scene.object_count)
+	if (handle.context != gi->number || handle.index1 == 0 || handle.index1 > gi->scene.object_count)
 		return NULL;
 	scene_object *o = &gi->scene.objects[handle.index1 - 1];
 	return (o->generation & 1) && o->generation == handle.generation ? o : NULL;
@@ -626,5 +626,5 @@ scene_object *scene_find(const gi_context *gi, gi_object handle)
 
 gi_object scene_handle(const gi_context *gi, uint32_t index)
 {
-	return (gi_object){index + 1, gi->scene.objects[index].generation};
+	return (gi_object){index + 1, gi->scene.objects[index].generation, gi->number};
 }

@@ -54,6 +54,7 @@ static bool update_again(gi_context *gi, gi_leaf leaves[ROOM_LEAVES])
 		gi_reset_radiosity(gi);
 		good = !gi_update(gi, NULL) && !gi_read_leaves(gi, leaves, ROOM_LEAVES, &count);
 	}
+	room_forget_context(leaves);
 	return good;
 }
 

@@ -31,6 +31,13 @@ static gi_result room_add(gi_context *gi, const float *corners, uint32_t levels,
 	return gi_create_object(gi, &def, out);
 }
 
+/* Leaves of two contexts can be compared then. */
+static void room_forget_context(gi_leaf leaves[ROOM_LEAVES])
+{
+	for (int k = 0; k < ROOM_LEAVES; k++)
+		leaves[k].object.context = 0;
+}
+
 /* The light of one update; the leaves' order is the library's. */
 static gi_result room_light(gi_context *gi, gi_leaf leaves[ROOM_LEAVES])
 {
@@ -45,6 +52,7 @@ static gi_result room_light(gi_context *gi, gi_leaf leaves[ROOM_LEAVES])
 		result = gi_update(gi, NULL);
 	if (!result)
 		result = gi_read_leaves(gi, leaves, ROOM_LEAVES, &count);
+	room_forget_context(leaves);
 	return result ? result : count == ROOM_LEAVES ? GI_OK : GI_ERROR_INVALID_GEOMETRY;
 }
 

@@ -261,11 +261,12 @@ static gi_object_def square_def(void)
 
 static void expect_bad_object(gi_context *gi, const gi_object_def *def, gi_result wanted, const char *what)
 {
-	gi_object object = {7, 7};
+	gi_object object = {7, 7, 7};
 	heard.count = 0;
 	expect_heard(gi_create_object(gi, def, &object), wanted, what);
 	assert_int_equal(object.index1, 0);
 	assert_int_equal(object.generation, 0);
+	assert_int_equal(object.context, 0);
 	/* The line says which object it is about. */
 	if (wanted != GI_ERROR_INVALID_DEF && def && def->name)
 		assert_non_null(strstr(heard.text, def->name));
@@ -402,11 +403,13 @@ static void expect_stale(loaded *l, gi_object object)
 {
 	const gi_pose pose = gi_pose_identity();
 	gi_pose out;
+	gi_material material;
 	double f;
 	assert_false(gi_object_is_valid(l->gi, object));
 	expect_error(gi_set_pose(l->gi, object, pose), GI_ERROR_INVALID_HANDLE);
 	expect_error(gi_get_pose(l->gi, object, &out), GI_ERROR_INVALID_HANDLE);
 	expect_error(gi_set_material(l->gi, object, 0, good_material), GI_ERROR_INVALID_HANDLE);
+	expect_error(gi_get_material(l->gi, object, 0, &material), GI_ERROR_INVALID_HANDLE);
 	expect_error(gi_destroy_object(l->gi, object), GI_ERROR_INVALID_HANDLE);
 	expect_error(gi_form_factor(l->gi, object, l->floor, &f), GI_ERROR_INVALID_HANDLE);
 	if (object.index1)
@@ -418,11 +421,11 @@ static void handles(void **state)
 	(void)state;
 	loaded l = load();
 	expect_stale(&l, (gi_object){0});
-	expect_stale(&l, (gi_object){99, 1});
-	expect_stale(&l, (gi_object){0xFFFFFFFFu, 1});
-	expect_stale(&l, (gi_object){l.ball.index1, l.ball.generation + 1});
-	expect_stale(&l, (gi_object){l.ball.index1, l.ball.generation + 2});
-	expect_stale(&l, (gi_object){l.ball.index1, 0});
+	expect_stale(&l, (gi_object){99, 1, l.ball.context});
+	expect_stale(&l, (gi_object){0xFFFFFFFFu, 1, l.ball.context});
+	expect_stale(&l, (gi_object){l.ball.index1, l.ball.generation + 1, l.ball.context});
+	expect_stale(&l, (gi_object){l.ball.index1, l.ball.generation + 2, l.ball.context});
+	expect_stale(&l, (gi_object){l.ball.index1, 0, l.ball.context});
 	expect_unharmed(&l, "stale handles");
 
 	/* Destroyed; then another one in its place. */

@@ -186,6 +186,25 @@ static void the_context_is_gone(void **state)
 	assert_int_equal(heard.result, GI_ERROR_WRONG_CONTEXT);
 }
 
+/* The object is another context's, which has one of the same number and age. */
+static void expect_strange_handles_refused(gi_context *gi, gi_object object)
+{
+	engine_mesh mesh;
+	gi_material material;
+	assert_true(shape_quad((float[]){0, 0, 0}, (float[]){0, 0, 1}, (float[]){1, 0, 0}, 1, 1, &mesh));
+	const gi_object own = harness_add(gi, &(harness_object){.name = "own", .rho = {.5f, .25f, .125f}}, &mesh);
+	assert_int_equal(own.index1, object.index1);
+	assert_int_equal(own.generation, object.generation);
+	assert_false(gi_object_is_valid(gi, object));
+	assert_int_equal(gi_set_pose(gi, object, gi_pose_identity()), GI_ERROR_INVALID_HANDLE);
+	assert_int_equal(gi_get_material(gi, object, 0, &material), GI_ERROR_INVALID_HANDLE);
+	assert_int_equal(gi_destroy_object(gi, object), GI_ERROR_INVALID_HANDLE);
+	assert_gi(gi_get_material(gi, own, 0, &material));
+	assert_float_equal(material.rho[1], .25f, 0);
+	assert_int_equal(gi_get_material(gi, own, 1, &material), GI_ERROR_INVALID_ARGUMENT);
+	assert_gi(gi_destroy_object(gi, own));
+}
+
 /* Two in one OpenGL context are at home there both. */
 static void two_share_a_context(void **state)
 {
@@ -199,6 +218,7 @@ static void two_share_a_context(void **state)
 	gi_leaf before[LEAVES];
 	read_light(&a, before);
 	assert_gi(gi_context_create(&def, &second));
+	expect_strange_handles_refused(second, a.floor);
 	assert_gi(gi_commit(second));
 	harness_update(second);
 	expect_same_light(&a, before);

@@ -299,6 +299,54 @@ static void fine_smooth_cages_are_made(void **state)
 	gi_context_destroy(gi);
 }
 
+/* ---- settings ---- */
+
+static gi_report update_until_rest(gi_context *gi)
+{
+	gi_report r = {0}, newest = {0};
+	for (int k = 0; k < 50 && newest.outcome != GI_OUTCOME_AT_REST; k++) {
+		newest = harness_update(gi);
+		if (newest.outcome != GI_OUTCOME_AT_REST)
+			r = newest;
+	}
+	assert_int_equal(newest.outcome, GI_OUTCOME_AT_REST);
+	return r;
+}
+
+/* Rows stay; the light comes as near as is asked for, and goes no farther when less is. */
+static void the_solve_is_settable(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	gi_context_def got;
+	gi_context *gi = harness_context(&def);
+	engine_mesh mesh;
+	assert_true(shape_box((float[]){-.3f, .2f, -.3f}, (float[]){.3f, .8f, .3f}, 2, false, &mesh));
+	harness_add(gi, &(harness_object){.name = "box", .rho = {.8f, .8f, .8f}}, &mesh);
+	add_floor(gi, "floor");
+	add_light(gi);
+	assert_gi(gi_commit(gi));
+	const gi_report first = update_until_rest(gi);
+	assert_gi(gi_set_solve(gi, def.solve_tolerance, def.max_sweeps));
+	assert_int_equal(harness_update(gi).outcome, GI_OUTCOME_AT_REST);
+	assert_gi(gi_set_solve(gi, 1e-4f, 50));
+	const gi_report fine = update_until_rest(gi);
+	print_message("solved to %.2g by default, to %.2g with a tolerance of 1e-4\n", (double)first.solve_relative,
+		      (double)fine.solve_relative);
+	assert_true(first.solve_relative > 1e-4f);
+	assert_true(fine.solve_relative <= 1e-4f);
+	assert_int_equal(fine.new_entries, 0);
+	assert_int_equal(gi_set_solve(gi, 0, 50), GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(gi_set_solve(gi, 1e-4f, 0), GI_ERROR_INVALID_ARGUMENT);
+	assert_gi(gi_get_context_def(gi, &got));
+	assert_float_equal(got.solve_tolerance, 1e-4f, 0);
+	assert_int_equal(got.max_sweeps, 50);
+	assert_float_equal(got.row_tolerance, def.row_tolerance, 0);
+	assert_gi(gi_set_solve(gi, 1, 50));
+	assert_true(update_until_rest(gi).solve_relative <= fine.solve_relative);
+	gi_context_destroy(gi);
+}
+
 /* ---- views ---- */
 
 static void expect_bad_view(gi_context *gi, const gi_view *view)
@@ -382,6 +430,7 @@ int main(void)
 	    cmocka_unit_test(buffers_come_with_a_commit),
 	    cmocka_unit_test(definitions_are_copied),
 	    cmocka_unit_test(fine_smooth_cages_are_made),
+	    cmocka_unit_test(the_solve_is_settable),
 	    cmocka_unit_test(views_are_checked),
 	    cmocka_unit_test(messages_are_one_line),
 	};

@@ -73,7 +73,7 @@ GI_API uint32_t gi_version(void);
 	X(GI_OK, "success")                                                                                            \
 	X(GI_ERROR_INVALID_ARGUMENT, "an argument is out of its range")                                                \
 	X(GI_ERROR_INVALID_DEF, "a definition was not made by its _default function")                                  \
-	X(GI_ERROR_INVALID_HANDLE, "a handle is stale or was never valid")                                             \
+	X(GI_ERROR_INVALID_HANDLE, "a handle is stale, was never valid or is another context's")                       \
 	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
 	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
 	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
@@ -105,10 +105,11 @@ typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, voi
 
 typedef struct gi_context gi_context;
 
-/* By value; zero is no object. A destroyed object's handle is detected, never followed. */
+/* By value; zero is no object. The handle of a destroyed object, or of another context's, is detected, never followed. */
 typedef struct gi_object {
 	uint32_t index1;
 	uint32_t generation;
+	uint32_t context; /* no two contexts of a program have the same */
 } gi_object;
 
 /* ---- context ------------------------------------------------------------------------------------------------------ */
@@ -184,6 +185,12 @@ GI_API gi_context_def gi_context_def_default(void);
  * first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading screen. Drivers keep
  * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
+
+/* The settings in force: those of creation, and what was set since. shader_directory is the library's copy. */
+GI_API gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out);
+
+/* Other values than those of gi_context_def from the next gi_update on, which solves anew from the light that is there. */
+GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps);
 
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
@@ -346,6 +353,7 @@ GI_API bool gi_object_is_valid(const gi_context *gi, gi_object object);
 GI_API gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 GI_API gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 GI_API gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
+GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
 
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
  * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
