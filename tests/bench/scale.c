@@ -7,7 +7,8 @@
  *
  * "cpu ms" is processor time of the process, all threads, medians of several events; the passes are what gi_report
  * says. Events: first (the update after the first commit), move, rest of ten that move, material, one that is movable
- * comes and goes, one that stays where it is comes, is lit and goes. "call cpu ms": of the calls before gi_update.
+ * comes and goes, one that stays where it is comes, is lit and goes, another moves for the first time. "call cpu ms": of
+ * the calls before gi_update.
  */
 #define _GNU_SOURCE /* program_invocation_short_name */
 #include "bench_options.h"
@@ -122,9 +123,21 @@ static double processor_ms(void)
 	       1e-3 * ((double)u.ru_utime.tv_usec + (double)u.ru_stime.tv_usec);
 }
 
-typedef enum event { FIRST, MOVE, MOVE_TEN, MATERIAL, ADD, REMOVE, ADD_STAYING, LIGHT, REMOVE_STAYING, EVENTS } event;
-static const char *const event_names[EVENTS] = {"first",  "move",        "move ten", "material",      "add",
-						"remove", "add staying", "light",    "remove staying"};
+typedef enum event {
+	FIRST,
+	MOVE,
+	MOVE_TEN,
+	MATERIAL,
+	ADD,
+	REMOVE,
+	ADD_STAYING,
+	LIGHT,
+	REMOVE_STAYING,
+	FIRST_MOVE,
+	EVENTS
+} event;
+static const char *const event_names[EVENTS] = {"first",  "move",        "move ten", "material",       "add",
+						"remove", "add staying", "light",    "remove staying", "first move"};
 
 typedef struct tally {
 	samples cpu, commit, wall, passes[GI_PASS_COUNT];
@@ -139,6 +152,12 @@ static void make_happen(world *w, event e, uint32_t round, double *commit_ms)
 		const uint32_t number = mover_of(w, k);
 		check(gi_set_pose(w->gi, w->boxes[number], pose_of(w, number, .02f * (float)(round % 5 + 1))));
 	}
+	if (e == FIRST_MOVE) { /* which makes it movable: another one each time */
+		uint32_t number = (w->count / 3 + round) % w->count;
+		while (moves(w, number))
+			number = (number + 1) % w->count;
+		check(gi_set_pose(w->gi, w->boxes[number], pose_of(w, number, .02f)));
+	}
 	if (e == MATERIAL) {
 		const float rho = .3f + .05f * (float)(round % 7);
 		check(gi_set_material(w->gi, w->boxes[w->count / 2], 0, (gi_material){.rho = {rho, rho, rho}}));
@@ -150,7 +169,7 @@ static void make_happen(world *w, event e, uint32_t round, double *commit_ms)
 		check(gi_set_material(w->gi, *last, 0, (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}}));
 	if (e == REMOVE || e == REMOVE_STAYING)
 		check(gi_destroy_object(w->gi, *last));
-	if (e != MOVE && e != MOVE_TEN && e != MATERIAL && e != LIGHT)
+	if (e == FIRST || e == ADD || e == REMOVE || e == ADD_STAYING || e == REMOVE_STAYING)
 		check(gi_commit(w->gi));
 	*commit_ms = processor_ms() - began;
 }
