@@ -9,6 +9,11 @@
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
 
+uint32_t gi_version(void)
+{
+	return GI_VERSION;
+}
+
 const char *gi_result_text(gi_result result)
 {
 #define GI_RESULT_TEXT(name, text) text,
@@ -143,7 +148,7 @@ static void free_programs(gi_context *gi)
 
 static gi_result start_context(gi_context *gi)
 {
-	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address);
+	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
 		result = begin_programs(gi);
 	if (!result)
@@ -153,7 +158,7 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = rows_init(gi);
 	if (!result)
-		gpu_buffer_clear(&gi->state, 0, gi->state.size, 0);
+		gpu_buffer_clear(&gi->gpu, &gi->state, 0, gi->state.size, 0);
 	return result;
 }
 

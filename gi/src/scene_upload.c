@@ -406,14 +406,14 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 		const scene_object *o = &gi->scene.objects[old[k].index];
 		const uint64_t vec = sizeof(gi_vec4);
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			gpu_buffer_copy(&before->radiosity, vec * (p * scene->node_count + old[k].node_base),
+			gpu_buffer_copy(&gi->gpu, &before->radiosity, vec * (p * scene->node_count + old[k].node_base),
 					&gi->solver.radiosity, vec * (p * s->node_count + o->node_base),
 					vec * o->hierarchy.node_count);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
-			gpu_buffer_copy(&before->leaf_radiosity, vec * (p * scene->leaf_count + old[k].leaf_base),
-					&gi->solver.leaf_radiosity, vec * (p * s->leaf_count + o->leaf_base),
-					vec * o->hierarchy.leaf_count);
+			gpu_buffer_copy(&gi->gpu, &before->leaf_radiosity,
+					vec * (p * scene->leaf_count + old[k].leaf_base), &gi->solver.leaf_radiosity,
+					vec * (p * s->leaf_count + o->leaf_base), vec * o->hierarchy.leaf_count);
 		}
 	}
 }
