@@ -42,8 +42,7 @@ static gi_object add_split_mesh(scale_world *w, const char *name, stays s, engin
 	def.material_count = 1;
 	def.pose = pose;
 	def.leaf_size = leaf_size;
-	if (w->settings.fixed)
-		def.mobility = s == STAYS ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
+	def.mobility = w->settings.fixed && s == STAYS ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
 	gi_object object;
 	check(gi_create_object(w->gi, &def, &object));
 	engine_mesh_free(mesh);
@@ -317,6 +316,14 @@ void scale_world_move(scale_world *w, uint32_t k, uint32_t round)
 	const bool hall = w->settings.kind == SCALE_HALL;
 	const uint32_t place = hall ? hall_mover(w, k) : (middle(w) + k * (w->places / 10 + 1)) % w->places;
 	check(gi_set_pose(w->gi, w->movers[place], hall ? box_pose(w, place, shift) : figure_pose(place, shift)));
+}
+
+void scale_world_move_staying(scale_world *w, uint32_t round)
+{
+	uint32_t place = (w->places / 3 + round) % w->places;
+	while (how_it_stays(w, place) == MOVES)
+		place = (place + 1) % w->places;
+	check(gi_set_pose(w->gi, w->movers[place], box_pose(w, place, .02f)));
 }
 
 void scale_world_turn_door(scale_world *w, uint32_t round)

@@ -18,7 +18,7 @@ typedef struct scale_settings {
 	uint32_t objects; /* about; a street has ten a room and two ends */
 	float cell;       /* leaf size of rooms, metres */
 	uint32_t cells;   /* a side of a hall's boxes, of a street's furniture */
-	bool fixed;       /* all but movers and doors are GI_MOBILITY_STATIC */
+	bool fixed;       /* all but movers and doors are GI_MOBILITY_STATIC; else movable */
 } scale_settings;
 
 typedef struct scale_world {
@@ -38,6 +38,9 @@ void scale_world_free(scale_world *w);
 
 /* The k-th mover, counted over the whole world, takes the round's pose: a step to the side of where it stands. */
 void scale_world_move(scale_world *w, uint32_t k, uint32_t round);
+
+/* A box that stays moves for the first time, another one each round; a hall's only. */
+void scale_world_move_staying(scale_world *w, uint32_t round);
 
 /* The door of the middle room; a street's only. */
 void scale_world_turn_door(scale_world *w, uint32_t round);
