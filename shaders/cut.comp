@@ -27,6 +27,7 @@
 #include "spread.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
+#include "touched.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -71,7 +72,7 @@ uint classify_sky(shape p, gi_node_geometry g, uint flags)
 // The object whose frame a node's spread is in; that of tops is the world, as their source's.
 uint object_of(uint source, uvec4 range)
 {
-	return source != frame.trails.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
+	return source != frame.swept.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
 }
 
 uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
@@ -111,6 +112,12 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
+// What closing wants to know of a node, kept with the entry.
+uint kind_of(uint flags)
+{
+	return ((flags & GI_NODE_EMITTER) != 0u ? GI_ENTRY_EMITTER : 0u) | ((flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? GI_ENTRY_EXACT : 0u);
+}
+
 // Writes the first `room` nodes of the cut at entry `at`; returns how many nodes there are.
 uint write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room)
 {
@@ -123,7 +130,7 @@ uint write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room)
 			// The form factor and the visibility come from the passes that follow; one sample is what most take.
 			if (count < room) {
 				entries[at + count].x = n;
-				entries[at + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT);
+				entries[at + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT) | kind_of(range.w);
 			}
 			count++;
 		}
@@ -137,7 +144,7 @@ uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state[GI_STATE_CHOSEN];
-		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.trails.z + t / count) : uvec2(GI_NONE);
+		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count) : uvec2(GI_NONE);
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);
@@ -178,7 +185,11 @@ void main()
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_ENTRIES], count - old_count);
 	if (count + old_count > 0u)
-		atomicAdd(touched[leaf], max(count, 1u));
+		note_dirty(leaf, max(count, 1u));
+	// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum of form factors.
+	bool was_seen = old_count > 0u && uintBitsToFloat(load_segment(slot).z) > 0.0;
+	if (was_seen || (count > 0u && (load_range(object_nodes(source).x).w & GI_NODE_EMITTER) != 0u))
+		note_changed(leaf);
 	if (count == 0u)
 		return;
 	uint q = atomicAdd(state[GI_STATE_NEW], count);

@@ -17,12 +17,16 @@
 #define READ_TLAS
 #define READ_ENTRIES
 #define READ_QUEUE
+#define READ_TARGETS
+#define READ_TOUCHED
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
+#define WRITE_TOUCHED
 #define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "entry.glsl"
+#include "touched.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
 #include "segments.glsl"
@@ -124,7 +128,7 @@ void main()
 	uvec4 entry = load_entry(slot);
 	if (((load_range(entry.x).w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
-	float factor = uintBitsToFloat(entry.y);
+	float factor = uintBitsToFloat(entry.y & ~GI_ENTRY_FLAGGED);
 	bool is_new = t < state[GI_STATE_NEW];
 	if (factor <= 0.0) {
 		// However small, a bright lamp may be behind it.
@@ -173,9 +177,18 @@ void main()
 	}
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
-		entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
+	if (!is_new)
+		entries[slot].y = entry.y & ~GI_ENTRY_FLAGGED;
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
-	targets[slot] = p.whole || found == GI_NONE ? entry.x : load_leaf(found).x;
+	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
+	// Closing leaves out what no ray sees, but for black sky, and counts its rays among those of what is seen of the same source:
+	// that is traced anew with it or not at all.
+	bool changed = is_new ? visible != 0u || p.sky
+			      : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry) || (visible != 0u && target != load_target(slot));
+	if (changed && (load_touched(p.leaf) & GI_TOUCHED_CHANGED) == 0u)
+		note_changed(p.leaf);
+	targets[slot] = target;
 	atomicAdd(state[GI_STATE_RAYS], taken);
 }

@@ -119,7 +119,7 @@ typedef struct gi_rows {
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program;
+		prepare_program, renumber_program, tops_program, concern_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -144,7 +144,7 @@ typedef struct gi_solver {
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
 	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, wide_program,
-		check_program, start_program, light_program;
+		check_program, start_program, light_program, hand_over_program;
 } gi_solver;
 
 /* ---- estimate ---- */
@@ -261,7 +261,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 10 };
+enum { ROWS_PROGRAMS = 11 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
@@ -312,7 +312,7 @@ void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 
 /* solver.c */
-enum { SOLVER_PROGRAMS = 9 };
+enum { SOLVER_PROGRAMS = 10 };
 void solver_programs(gi_solver *solver, gpu_program_file list[SOLVER_PROGRAMS]);
 gi_result solver_allocate(gi_context *gi);
 /* anew: the rows or materials are not those of the solve before. budget may be NULL. */
