@@ -8,7 +8,6 @@
 #define READ_ENTRIES
 #define READ_TARGETS
 #define READ_ROWS
-#define READ_NODE_EXITANCE
 #define READ_TOUCHED
 #define WRITE_SEGMENTS
 #define WRITE_ROWS
@@ -94,10 +93,9 @@ float factor_variance(uvec4 e)
 
 // Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
 // `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
-float visibility_variance(float seen, float taken, float share)
+float visibility_variance(float v, float per_sample, float share)
 {
-	float v = seen / taken;
-	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
+	return per_sample * (v * (1.0 - v) + UNSEEN * share * (1.0 - share) * per_sample);
 }
 
 // Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where no
@@ -105,12 +103,11 @@ float visibility_variance(float seen, float taken, float share)
 // makes all that shines too bright.
 visible_entry read_entry(uvec4 e, float share, bool dark_sky)
 {
-	float taken = float(samples_of(e)), seen = float(seen_of(e));
-	float f = uintBitsToFloat(e.y);
+	float seen = float(seen_of(e)), f = uintBitsToFloat(e.y);
 	if (f < LEAST_FACTOR || (seen == 0.0 && !dark_sky))
 		return visible_entry(0.0, 0.0, 0.0, 0.0, false);
-	float weight = f * seen / taken, most = CLOSE_RAISE * weight;
-	return visible_entry(weight, f * f * (visibility_variance(seen, taken, share) + factor_variance(e)), CLOSE_LOWER * weight,
+	float per_sample = 1.0 / float(samples_of(e)), v = seen * per_sample, weight = f * v, most = CLOSE_RAISE * weight;
+	return visible_entry(weight, f * f * (visibility_variance(v, per_sample, share) + factor_variance(e)), CLOSE_LOWER * weight,
 			     dark_sky ? max(f, most) : most, (e.w & GI_ENTRY_EMITTER) != 0u);
 }
 
@@ -119,13 +116,10 @@ float corrected(visible_entry v, correction c)
 	return clamp(v.weight + (v.emitter ? c.emitters : c.others) * v.variance, v.least, v.most);
 }
 
+// Backs and black patches only count in the sum.
 bool carries_light(uvec4 e, uint target)
 {
-	if ((e.w & GI_ENTRY_BACK) != 0u)
-		return false;
-	// Black patches only count in the sum; rho of a node is in the w of its exitance.
-	vec4 exitance = load_exitance(target);
-	return exitance.w > 0.0 || exitance.x + exitance.y + exitance.z > 0.0;
+	return (e.w & GI_ENTRY_BACK) == 0u && (target & GI_TARGET_BLACK) == 0u;
 }
 
 struct row_sums {
@@ -199,9 +193,10 @@ float write_links(uint leaf, uint at, correction c, float scale)
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
 			float weight = scale * corrected(read_entry(e, share, s == frame.inner.z), c);
-			if (weight <= 0.0 || !carries_light(e, load_target(k)))
+			uint target = load_target(k);
+			if (weight <= 0.0 || !carries_light(e, target))
 				continue;
-			links[at++] = uvec2(load_target(k), floatBitsToUint(weight));
+			links[at++] = uvec2(target, floatBitsToUint(weight));
 			add(sum, weight);
 		}
 	}

@@ -272,6 +272,9 @@ GI_STRUCT(gi_pending) {
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
+/* Behind an entry's target, the node whose B it takes: what is there neither emits nor reflects. */
+#define GI_TARGET_BLACK 0x80000000u
+
 /* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
  * samples that see their object, w the sum of the form factors of entries that are no backs.
  *
@@ -482,7 +485,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
-#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
+#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
 /* A commit's own (renumber.comp): the rows of before, and what became of objects. */

@@ -19,6 +19,7 @@
 #define READ_QUEUE
 #define READ_TARGETS
 #define READ_TOUCHED
+#define READ_NODE_EXITANCE
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
 #define WRITE_TOUCHED
@@ -183,6 +184,9 @@ void main()
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
 	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
+	// Where that begins or ceases to be black the object is relit, and its cuts are made anew.
+	vec4 shines = load_exitance(target); // in w its rho
+	target |= shines.w > 0.0 || shines.x + shines.y + shines.z > 0.0 ? 0u : GI_TARGET_BLACK;
 	// Closing leaves out what no ray sees, but for black sky, and counts its rays among those of what is seen of the same source:
 	// that is traced anew with it or not at all.
 	bool changed = is_new ? visible != 0u || p.sky
