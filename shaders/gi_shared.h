@@ -287,7 +287,7 @@ GI_STRUCT(gi_pending) {
 
 /* Row header of a leaf: x link offset, y count and class as a block, z update that last
  * refreshed it, w row sum bits, and GI_ROW_OPEN. */
-#define GI_ROW_OPEN 0x80000000u /* it lost what it had of an object that went: it is to be closed again */
+#define GI_ROW_OPEN 0x80000000u /* it lost what it saw of an object that went: it is to be closed again */
 
 /* Where an object of the scene before a commit is now (renumber.comp).
  *

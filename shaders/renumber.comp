@@ -1,7 +1,7 @@
 #version 450 core
 // A commit that keeps rows: objects came and went, so leaves, nodes and slots have other numbers. One thread a leaf of
 // the scene of before: its header and its segments go to their new places, and what lies in the pools is renumbered where it
-// is. What belonged to objects that went is given back; rows that lost something of it are marked, GI_ROW_OPEN.
+// is. What belonged to objects that went is given back; rows that lost something of it that they saw are marked, GI_ROW_OPEN.
 #define READ_ENTRIES
 #define READ_TARGETS
 #define READ_OLD_SEGMENTS
@@ -82,16 +82,21 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes)
 	}
 }
 
-// Returns how many entries went.
-uint move_segments(uint leaf, gi_move mine)
+struct loss {
+	uint entries;
+	bool seen; // some of them: the row is another now
+};
+
+loss move_segments(uint leaf, gi_move mine)
 {
-	uint went = 0u;
+	loss went = loss(0u, false);
 	for (uint s = old_first; s < old_slots; s++) {
 		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
 		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
-			went += segment.y & GI_BLOCK_COUNT_MASK;
+			went.entries += segment.y & GI_BLOCK_COUNT_MASK;
+			went.seen = went.seen || ((segment.y & GI_BLOCK_COUNT_MASK) > 0u && uintBitsToFloat(segment.z) > 0.0);
 			continue;
 		}
 		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
@@ -127,17 +132,17 @@ void main()
 	gi_move mine = load_move(slot_of(leaf, false));
 	uvec4 row = load_old_row(leaf);
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
-	uint went = move_segments(leaf, mine);
+	loss went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
 		stay = move_links(row);
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
-		row.w |= went > 0u ? GI_ROW_OPEN : 0u;
+		row.w |= went.seen ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;
 	} else if (has_block(row.xy)) {
 		give_links(row.xy);
 	}
-	if (went > 0u)
-		atomicAdd(state[GI_STATE_ENTRIES], 0u - went);
+	if (went.entries > 0u)
+		atomicAdd(state[GI_STATE_ENTRIES], 0u - went.entries);
 	if (stay < links_before)
 		atomicAdd(state[GI_STATE_LINKS], 0u - (links_before - stay));
 }

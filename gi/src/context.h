@@ -96,7 +96,8 @@ typedef struct gi_scene {
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
-	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of those that may lie between two others */
+	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
+	uint32_t tlas_inner_first, tlas_inner_end; /* of the latter, which may be the first tree */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
 		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,

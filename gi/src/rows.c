@@ -493,7 +493,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, lit ? GI_NONE : s->sky_slot, 0},
+	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, 0},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
 	};
