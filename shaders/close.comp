@@ -1,5 +1,5 @@
 #version 450 core
-// Closes the rows that changed (touched.glsl), one thread each: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
+// Closes the rows that changed (changed.comp), one thread each: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
 // sampling error. It is given back in proportion to the variance of each entry (the least correction in that norm), and
 // the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
 // black.
@@ -210,7 +210,7 @@ void main()
 	uint k = spread_number(state[GI_STATE_CHANGED_ROWS]);
 	if (k >= state[GI_STATE_CHANGED_ROWS])
 		return;
-	uint leaf = load_touched(frame.counts.x + k);
+	uint leaf = load_touched(2u * frame.counts.x + k);
 
 	// llvmpipe ends all loops of a thread, wherever they are, after 65,535 turns in sum.
 	row_counts counts = count_row(leaf);

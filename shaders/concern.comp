@@ -39,7 +39,7 @@ void main()
 		note_changed(leaf);
 	}
 	if (is_concerned(leaf, row.z))
-		note_concerned(leaf);
+		list_row(leaf, GI_STATE_CONCERNED_ROWS);
 	else
 		rows[leaf].z = frame.update.x;
 }

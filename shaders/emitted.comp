@@ -82,7 +82,7 @@ void main()
 	barrier();
 	if (leaf < frame.counts.x) {
 		uvec4 row = load_row(leaf);
-		bool stays = all == 0u && (load_touched(leaf) & GI_TOUCHED_CHANGED) == 0u;
+		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
 		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
 	}
 	barrier();

@@ -112,10 +112,11 @@ void main()
 			}
 			uvec4 entry = load_entry(at);
 			at++;
-			// An entry that another suspect of the row was flagged for bears a mark, until it is traced.
+			// An entry that another suspect of the row was flagged for bears a mark (unmark.comp).
 			if (!is_flagged_for(w, p, s, entry, sky) || (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
 				continue;
-			entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;
+			if (frame.inner.w != 0u)
+				entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;
 			uint q = atomicAdd(state[GI_STATE_QUEUED], 1u);
 			if (q < frame.limits.y)
 				queue[q] = at - 1u;

@@ -186,7 +186,8 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
+ *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
@@ -260,14 +261,14 @@ GI_STRUCT(gi_pending) {
  *   x node
  *   y form factor, as float bits; GI_ENTRY_FLAGGED
  *   z visible samples as a mask in bits 0..15, GI_BLOCKER_ or slot of the object that hides the others in bits 16..31
- *   w leaf in bits 0..23, samples taken in bits 24..28, GI_ENTRY_BACK and what the node is
+ *   w leaf in bits 0..22, samples taken in bits 24..28, GI_ENTRY_BACK and what the node is
  */
-#define GI_ENTRY_LEAF_MASK 0x00FFFFFFu
+#define GI_ENTRY_LEAF_MASK 0x007FFFFFu
 #define GI_ENTRY_SAMPLE_SHIFT 24u
 #define GI_ENTRY_SAMPLE_MASK 0x1Fu
 #define GI_ENTRY_FLAGGED 0x80000000u /* in y: it is queued to be retested; never set outside an update */
-#define GI_ENTRY_EMITTER 0x20000000u
-#define GI_ENTRY_EXACT 0x40000000u /* a polygon or a patch of sky, whose form factors are hardly off */
+#define GI_ENTRY_EMITTER 0x00800000u
+#define GI_ENTRY_EXACT 0x20000000u /* a polygon or a patch of sky, whose form factors are hardly off */
 #define GI_ENTRY_BACK 0x80000000u
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
@@ -431,10 +432,7 @@ GI_STRUCT(gi_move) {
  * less, to this. */
 #define GI_DARK_SHARE 1e-5f
 
-/* A leaf's word of GI_BIND_TOUCHED: how many entries this update cut or flagged, and whether closing may bring another row
- * (touched.glsl). */
-#define GI_TOUCHED_COUNT_MASK 0x7FFFFFFFu
-#define GI_TOUCHED_CHANGED 0x80000000u
+/* Words a leaf of GI_BIND_TOUCHED (touched.glsl). */
 #define GI_TOUCHED_PARTS 3u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
@@ -480,7 +478,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
-#define GI_BIND_TOUCHED 30         /* GI_TOUCHED_PARTS uint per leaf: GI_TOUCHED_; two lists of leaves */
+#define GI_BIND_TOUCHED 30         /* GI_TOUCHED_PARTS uint per leaf (touched.glsl) */
 #define GI_BIND_SPREAD 31
 #define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */

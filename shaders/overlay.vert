@@ -33,7 +33,7 @@ float dirty_share()
 	uint entries = 0u;
 	for (uint s = frame.swept.z; s < frame.counts.z; s++)
 		entries += load_segment(segment_of(leaf, s)).y & GI_BLOCK_COUNT_MASK;
-	return clamp(float(load_touched(leaf) & GI_TOUCHED_COUNT_MASK) / float(max(entries, 1u)), 0.0, 1.0);
+	return clamp(float(load_touched(leaf)) / float(max(entries, 1u)), 0.0, 1.0);
 }
 
 float residual_decade()

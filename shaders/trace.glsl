@@ -17,8 +17,6 @@
 #define READ_TLAS
 #define READ_ENTRIES
 #define READ_QUEUE
-#define READ_TARGETS
-#define READ_TOUCHED
 #define READ_NODE_EXITANCE
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
@@ -129,7 +127,7 @@ void main()
 	uvec4 entry = load_entry(slot);
 	if (((load_range(entry.x).w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
-	float factor = uintBitsToFloat(entry.y & ~GI_ENTRY_FLAGGED);
+	float factor = uintBitsToFloat(entry.y);
 	bool is_new = t < state[GI_STATE_NEW];
 	if (factor <= 0.0) {
 		// However small, a bright lamp may be behind it.
@@ -179,8 +177,6 @@ void main()
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
 		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
-	if (!is_new)
-		entries[slot].y = entry.y & ~GI_ENTRY_FLAGGED;
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
 	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
@@ -188,10 +184,8 @@ void main()
 	vec4 shines = load_exitance(target); // in w its rho
 	target |= shines.w > 0.0 || shines.x + shines.y + shines.z > 0.0 ? 0u : GI_TARGET_BLACK;
 	// Closing leaves out what no ray sees, but for black sky, and counts its rays among those of what is seen of the same source:
-	// that is traced anew with it or not at all.
-	bool changed = is_new ? visible != 0u || p.sky
-			      : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry) || (visible != 0u && target != load_target(slot));
-	if (changed && (load_touched(p.leaf) & GI_TOUCHED_CHANGED) == 0u)
+	// that is traced anew with it or not at all. Of the same samples seen the same target is drawn.
+	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
 		note_changed(p.leaf);
 	targets[slot] = target;
 	atomicAdd(state[GI_STATE_RAYS], taken);

@@ -120,7 +120,7 @@ typedef struct gi_rows {
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program, concern_program;
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -262,7 +262,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 11 };
+enum { ROWS_PROGRAMS = 13 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */

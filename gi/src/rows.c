@@ -35,7 +35,8 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
 	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
 	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
-	    {"concern.comp", &r->concern_program}};
+	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
+	    {"unmark.comp", &r->unmark_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -200,7 +201,8 @@ gi_result rows_grow(gi_context *gi)
 /* ---- what has to be done ---- */
 
 typedef struct plan {
-	bool part; /* under a budget: the chosen rows alone */
+	bool part;    /* under a budget: the chosen rows alone */
+	bool several; /* rows may have several suspects: flagged entries are marked */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
 	uint32_t first_swept, swept;         /* likewise, in fours of words */
@@ -410,9 +412,11 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		data->bvh.w = list.count;
 		ok = list_neighbours(gi, list.slots[k], &list);
 		data->extra.x = list.count;
+		p->several = p->several || data->extra.x - data->bvh.w > 1;
 	}
 	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
 	ok = ok && list_swept(gi, &list, p);
+	p->several = p->several || p->swept > 1;
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
 	if (!ok)
@@ -493,7 +497,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, 0},
+	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
 	};
@@ -526,7 +530,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&r->touched, 0, sizeof(uint32_t) * gi->scene.leaf_count, 0);
+	gpu_buffer_clear(&r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -667,7 +671,10 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (!r->rebuild)
 		flag(gi, &p);
 	prepare(gi, AFTER_FLAG);
+	if (p.several && !r->rebuild)
+		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_TRACE);
 	trace(gi);
+	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
 	prepare(gi, AFTER_TRACE);
 	run_indirect(gi, GI_PASS_CLOSE, r->close_program, GI_STATE_ARGS_CLOSE);
 	rows_recycle(gi);
