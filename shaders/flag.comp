@@ -106,7 +106,8 @@ void main()
 				uvec4 block = load_segment(segment_of(leaf, source));
 				sky = (object_bvh(source).z & GI_OBJECT_SKY) != 0u;
 				at = block.x;
-				end = at + (pair_is_dirty(w.mine, source, w.since) ? 0u : block.y & GI_BLOCK_COUNT_MASK);
+				bool cut_anew = pair_is_dirty(w.mine, source, w.since) && !pair_keeps_nodes(w.mine, source, w.since);
+				end = at + (cut_anew ? 0u : block.y & GI_BLOCK_COUNT_MASK);
 				source++;
 				continue;
 			}

@@ -568,6 +568,49 @@ static void the_light_of_static_things(void **state)
 	assert_true(errors[1] < 1.1 * errors[0]);
 }
 
+/* One of many static things comes, is lit, put out, hidden, shown and goes: rows keep what they have of nodes without it,
+ * and are those of a rebuild. */
+static void one_of_many_static_things(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"comes", "is lit", "is put out", "is hidden", "is shown", "goes", "comes again"};
+	const gi_material dull = {.rho = {.5f, .5f, .5f}}, lit = {.rho = {.5f, .5f, .5f}, .exitance = {3, 2, 1}};
+	const gi_pose pose = {{6.1f, .005f, 4.9f}, {0, .6f, 0, .8f}};
+	gi_context *gi = open_hall(GI_MOBILITY_STATIC, .1f);
+	const gi_report full = harness_update(gi);
+	gi_object box = {0};
+	engine_mesh mesh;
+	for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+		if (k == 0 || k == 6) {
+			assert_true(
+			    shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, .9f, .25f}, 1, false, &mesh));
+			box = add_static(gi, "one more", &mesh, GI_MOBILITY_STATIC, pose, dull);
+		}
+		if (k == 1 || k == 2)
+			assert_gi(gi_set_material(gi, box, 0, k == 1 ? lit : dull));
+		if (k == 3 || k == 4)
+			assert_gi(gi_set_hidden(gi, box, k == 3));
+		if (k == 5)
+			assert_gi(gi_destroy_object(gi, box));
+		assert_gi(gi_commit(gi));
+		const gi_report r = harness_update(gi);
+		const double fresh = (double)r.new_entries / r.leaves;
+		printf("  one %s: of %.1f entries a leaf %.2f are cut anew\n", names[k], (double)r.entries / r.leaves, fresh);
+		assert_true(r.new_entries > 0);
+		/* A lamp is cut finer, and so is what it is one with. */
+		assert_true(fresh < (k == 1 ? .2 : .1) * (double)full.entries / full.leaves);
+		snapshot kept = snapshot_take(gi);
+		gi_invalidate(gi);
+		assert_gi(gi_update(gi, NULL));
+		assert_gi(gi_finish(gi));
+		snapshot anew = snapshot_take(gi);
+		snapshot_expect_same_rows(&kept, &anew, names[k]);
+		snapshot_free(&kept);
+		snapshot_free(&anew);
+	}
+	gi_context_destroy(gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -576,6 +619,7 @@ int main(void)
 	    cmocka_unit_test(one_more_one_less),
 	    cmocka_unit_test(under_a_budget),
 	    cmocka_unit_test(the_light_of_static_things),
+	    cmocka_unit_test(one_of_many_static_things),
 	};
 	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
 }
