@@ -87,6 +87,8 @@ typedef struct gi_scene {
 	uint32_t first_source; /* slot; from here on they are sources */
 	scene_top *tops;
 	uint32_t top_count;
+	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
+	uint32_t statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
@@ -122,7 +124,7 @@ typedef struct gi_rows {
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program;
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program, kept_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -264,7 +266,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 13 };
+enum { ROWS_PROGRAMS = 14 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */

@@ -36,7 +36,7 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
 	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
 	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
-	    {"unmark.comp", &r->unmark_program}};
+	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -91,23 +91,24 @@ void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_b
 	const uint64_t word = sizeof(uint32_t), lists = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
 	const uint32_t limit = (uint32_t)to_limit;
 	uint64_t from_at = lists, to_at = lists;
-	gpu_buffer_copy(from, 0, to, 0, word * GI_POOL_PENDING_LIST);
+	gpu_buffer_copy(&gi->gpu, from, 0, to, 0, word * GI_POOL_PENDING_LIST);
 	gpu_buffer_upload(&gi->gpu, to, word * GI_POOL_LIMIT, sizeof limit, &limit);
 	for (uint32_t c = 0; c < GI_BLOCK_CLASSES; c++) {
 		const uint64_t size = (uint64_t)GI_BLOCK_SMALLEST << c;
 		if (from_limit / size)
-			gpu_buffer_copy(from, word * from_at, to, word * to_at, word * (from_limit / size));
+			gpu_buffer_copy(&gi->gpu, from, word * from_at, to, word * to_at, word * (from_limit / size));
 		from_at += from_limit / size;
 		to_at += to_limit / size;
 	}
 }
 
 /* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
-static void clear_rows(gi_rows *r)
+static void clear_rows(gi_context *gi)
 {
+	gi_rows *r = &gi->rows;
 	const uint32_t no_row[4] = {0, GI_BLOCK_NO_CLASS << 24, r->update, 0};
-	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
-	gpu_buffer_fill(&r->headers, no_row);
+	gpu_buffer_clear(&gi->gpu, &r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
+	gpu_buffer_fill(&gi->gpu, &r->headers, no_row);
 }
 
 /* Of a table or pool, where so many are wanted. */
@@ -156,7 +157,7 @@ gi_result rows_allocate_tables(gi_context *gi)
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves, NULL);
 	if (!result)
-		clear_rows(r);
+		clear_rows(gi);
 	return result;
 }
 
@@ -248,7 +249,7 @@ static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, ui
 	return low < count && sorted[low] < end;
 }
 
-/* Tops change with what is below them; the topmost one stands for all. */
+/* Tops change with what is below them. The topmost one need not see one that left: it may be another top of before. */
 static void number_tops(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
@@ -267,7 +268,8 @@ static void number_tops(gi_context *gi)
 		gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node,
 				  sizeof(gi_node_topology), &s->topology[top->node]);
 	}
-	s->object_data[s->statics_slot].changed = (gi_uvec4){s->tops[0].changed, s->tops[0].changed, 0, 0};
+	const uint32_t newest = s->tops[0].changed > s->statics_update ? s->tops[0].changed : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){newest, newest, 0, 0};
 }
 
 static void number_changes(gi_context *gi)
@@ -548,31 +550,31 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 
 void rows_clear_counts(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
 }
 
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
-		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
-		gpu_buffer_clear(&r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		return;
 	}
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
 	reset_pool(gi, &r->entry_pool, r->entry_limit);
 	reset_pool(gi, &r->link_pool, r->link_limit);
-	clear_rows(r);
+	clear_rows(gi);
 }
 
 /* Stages of prepare.comp. */
@@ -580,7 +582,7 @@ enum { AFTER_CUT = 0, AFTER_FLAG = 1, AFTER_CLOSE = 2, ROWS_LISTED = 3, AFTER_TR
 
 static void prepare(gi_context *gi, uint32_t stage)
 {
-	gpu_set_uint(gi->rows.prepare_program, 0, stage);
+	gpu_set_uint(&gi->gpu, gi->rows.prepare_program, 0, stage);
 	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
 }
 
@@ -651,6 +653,27 @@ void rows_recycle(gi_context *gi)
 	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
 }
 
+static void cut_by(gi_context *gi, const plan *p, uint32_t program)
+{
+	if (p->part)
+		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_PAIRS);
+	else
+		gpu_dispatch(&gi->gpu, program, p->cut_threads);
+}
+
+/* Of static objects rows keep what is as it was. */
+static void cut(gi_context *gi, const plan *p)
+{
+	const gi_rows *r = &gi->rows;
+	const uint32_t statics = gi->scene.statics_slot;
+	frame_progress(gi, GI_PASS_CUT);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CUT]);
+	cut_by(gi, p, r->cut_program);
+	if (!r->rebuild && statics != GI_NONE && slot_moved(gi, statics))
+		cut_by(gi, p, r->kept_program);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CUT]);
+}
+
 /* Queues what movers may have changed, of the rows that they may concern, or of those chosen. */
 static void flag(gi_context *gi, const plan *p)
 {
@@ -693,12 +716,9 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	solver_bind(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
-	if (p.part) {
+	if (p.part)
 		budget_choose(gi);
-		run_indirect(gi, GI_PASS_CUT, r->cut_program, GI_STATE_ARGS_PAIRS);
-	} else {
-		run(gi, GI_PASS_CUT, r->cut_program, p.cut_threads);
-	}
+	cut(gi, &p);
 	prepare(gi, AFTER_CUT);
 	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
 	if (!r->rebuild)
@@ -732,19 +752,19 @@ gi_result rows_relight(gi_context *gi)
 void rows_bind(const gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
-	gpu_bind_uniforms(GI_BIND_FRAME, &r->frame);
-	gpu_bind(GI_BIND_SEGMENTS, &r->segments);
-	gpu_bind(GI_BIND_ENTRIES, &r->entries);
-	gpu_bind(GI_BIND_TARGETS, &r->targets);
-	gpu_bind(GI_BIND_ENTRY_POOL, &r->entry_pool);
-	gpu_bind(GI_BIND_QUEUE, &r->queue);
-	gpu_bind(GI_BIND_ROWS, &r->headers);
-	gpu_bind(GI_BIND_LINKS, &r->links);
-	gpu_bind(GI_BIND_LINK_POOL, &r->link_pool);
-	gpu_bind(GI_BIND_TOUCHED, &r->touched);
-	gpu_bind(GI_BIND_RUNS, &r->runs);
-	gpu_bind(GI_BIND_SUSPECTS, &r->suspects);
-	gpu_bind(GI_BIND_STATE, &gi->state);
+	gpu_bind_uniforms(&gi->gpu, GI_BIND_FRAME, &r->frame);
+	gpu_bind(&gi->gpu, GI_BIND_SEGMENTS, &r->segments);
+	gpu_bind(&gi->gpu, GI_BIND_ENTRIES, &r->entries);
+	gpu_bind(&gi->gpu, GI_BIND_TARGETS, &r->targets);
+	gpu_bind(&gi->gpu, GI_BIND_ENTRY_POOL, &r->entry_pool);
+	gpu_bind(&gi->gpu, GI_BIND_QUEUE, &r->queue);
+	gpu_bind(&gi->gpu, GI_BIND_ROWS, &r->headers);
+	gpu_bind(&gi->gpu, GI_BIND_LINKS, &r->links);
+	gpu_bind(&gi->gpu, GI_BIND_LINK_POOL, &r->link_pool);
+	gpu_bind(&gi->gpu, GI_BIND_TOUCHED, &r->touched);
+	gpu_bind(&gi->gpu, GI_BIND_RUNS, &r->runs);
+	gpu_bind(&gi->gpu, GI_BIND_SUSPECTS, &r->suspects);
+	gpu_bind(&gi->gpu, GI_BIND_STATE, &gi->state);
 	budget_bind(gi);
 }
 

@@ -406,14 +406,14 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 		const scene_object *o = &gi->scene.objects[old[k].index];
 		const uint64_t vec = sizeof(gi_vec4);
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			gpu_buffer_copy(&before->radiosity, vec * (p * scene->node_count + old[k].node_base),
+			gpu_buffer_copy(&gi->gpu, &before->radiosity, vec * (p * scene->node_count + old[k].node_base),
 					&gi->solver.radiosity, vec * (p * s->node_count + o->node_base),
 					vec * o->hierarchy.node_count);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
-			gpu_buffer_copy(&before->leaf_radiosity, vec * (p * scene->leaf_count + old[k].leaf_base),
-					&gi->solver.leaf_radiosity, vec * (p * s->leaf_count + o->leaf_base),
-					vec * o->hierarchy.leaf_count);
+			gpu_buffer_copy(&gi->gpu, &before->leaf_radiosity,
+					vec * (p * scene->leaf_count + old[k].leaf_base), &gi->solver.leaf_radiosity,
+					vec * (p * s->leaf_count + o->leaf_base), vec * o->hierarchy.leaf_count);
 		}
 	}
 }
@@ -421,6 +421,17 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 static bool wants_sky(const gi_context *gi)
 {
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
+}
+
+/* Are the static ones those of before, in the same order? */
+static bool same_statics(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	return true;
 }
 
 /* Everything of a context that a commit makes anew. */
@@ -457,6 +468,7 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
+	g->next.automatic_static = s->automatic_static;
 	g->next.next_leaf_id = s->next_leaf_id;
 	g->next.next_node_id = s->next_node_id;
 	g->next.ever_committed = s->ever_committed;
@@ -466,6 +478,7 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	gather_objects(gi, g, old, old_count);
 	s->wide_count = g->next.wide_count;
 	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
+	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
@@ -480,17 +493,6 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
 	return upload_gathered(gi, g);
-}
-
-/* Are the static ones those of before, in the same order? */
-static bool same_statics(const gi_scene *old, const gi_scene *now)
-{
-	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
-		return false;
-	for (uint32_t slot = 0; slot < old->first_source; slot++)
-		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
-			return false;
-	return true;
 }
 
 /* Nodes of objects that stay, and tops with the same objects below them. */

@@ -9,11 +9,24 @@
 /* Far above those of objects' nodes. */
 static const uint32_t FIRST_TOP_ID = 0xC0000000u;
 
+bool statics_hold(const gi_scene *s, gi_mobility mobility)
+{
+	return mobility == GI_MOBILITY_STATIC || (mobility == GI_MOBILITY_AUTOMATIC && s->automatic_static);
+}
+
+static bool are_many(const gi_scene *s)
+{
+	uint32_t count = 0;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		count += scene_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
+	return count >= GI_AUTOMATIC_OBJECTS;
+}
+
 static uint32_t list_statics(const gi_scene *s, uint32_t *list)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_seen(&s->objects[k]) && s->objects[k].mobility == GI_MOBILITY_STATIC)
+		if (scene_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
 			list[count++] = k;
 	return count;
 }
@@ -36,9 +49,10 @@ static void number_nodes(const gi_scene *s, const cells_node *cells, static_tree
 	}
 }
 
-bool statics_build(const gi_scene *s, static_tree *t)
+bool statics_build(gi_scene *s, static_tree *t)
 {
 	*t = (static_tree){0};
+	s->automatic_static = are_many(s);
 	uint32_t *list = calloc((size_t)s->object_count + 1, sizeof *list);
 	if (!list)
 		return false;

@@ -29,8 +29,11 @@ typedef struct static_tree {
 	uint32_t node_count; /* of the scene's nodes, tops among them */
 } static_tree;
 
-/* Of the objects that are static, alive and not hidden. False: out of memory. */
-bool statics_build(const gi_scene *scene, static_tree *out);
+/* Is an object of that mobility static, by scene->automatic_static? */
+bool statics_hold(const gi_scene *scene, gi_mobility mobility);
+
+/* Of the objects that are static, alive and not hidden; sets scene->automatic_static. False: out of memory. */
+bool statics_build(gi_scene *scene, static_tree *out);
 void statics_free(static_tree *tree);
 
 /* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below them.

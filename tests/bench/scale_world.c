@@ -10,6 +10,7 @@
 static const float PITCH = 1.5f; /* between a hall's boxes, metres */
 static const float HALL_HEIGHT = 3, ROOM_HEIGHT = 2.7f;
 static const float ROOM_PITCH = 4.2f, STREET_HALF = 1.5f, ROOM_FRONT = 1.7f, ROOM_BACK = 6.7f;
+static const float ONE_FACE = 1e9f; /* wider than any */
 static const float DOOR_LEFT = 1.6f, DOOR_RIGHT = 2.5f, DOOR_HEIGHT = 2.05f;
 static const float WOOD[3] = {.5f, .35f, .2f}, PLASTER[3] = {.7f, .68f, .64f}, CLOTH[3] = {.25f, .3f, .55f};
 
@@ -30,8 +31,9 @@ static void need(bool done)
 
 typedef enum stays { STAYS, MOVES } stays;
 
-static gi_object add_mesh(scale_world *w, const char *name, stays s, engine_mesh *mesh, const float rho[3],
-			  float exitance, gi_pose pose)
+/* Faces are split to leaves of that size; 0: one leaf a face. */
+static gi_object add_split_mesh(scale_world *w, const char *name, stays s, engine_mesh *mesh, float leaf_size,
+				const float rho[3], float exitance, gi_pose pose)
 {
 	const gi_material material = {.rho = {rho[0], rho[1], rho[2]}, .exitance = {exitance, exitance, .9f * exitance}};
 	gi_object_def def = scene_mesh_def(mesh);
@@ -39,6 +41,7 @@ static gi_object add_mesh(scale_world *w, const char *name, stays s, engine_mesh
 	def.materials = &material;
 	def.material_count = 1;
 	def.pose = pose;
+	def.leaf_size = leaf_size;
 	if (w->settings.fixed)
 		def.mobility = s == STAYS ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
 	gi_object object;
@@ -46,6 +49,13 @@ static gi_object add_mesh(scale_world *w, const char *name, stays s, engine_mesh
 	engine_mesh_free(mesh);
 	w->objects++;
 	return object;
+}
+
+/* One leaf a face. */
+static gi_object add_mesh(scale_world *w, const char *name, stays s, engine_mesh *mesh, const float rho[3],
+			  float exitance, gi_pose pose)
+{
+	return add_split_mesh(w, name, s, mesh, 0, rho, exitance, pose);
 }
 
 /* ---- a hall ---- */
@@ -147,8 +157,8 @@ static void add_shell(scale_world *w, uint32_t k)
 	};
 	engine_mesh mesh = {0};
 	for (size_t n = 0; n < sizeof sheets / sizeof *sheets; n++)
-		need(shape_append_quad(&mesh, sheets[n].corner, sheets[n].u, sheets[n].v, w->settings.cell));
-	add_mesh(w, "room", STAYS, &mesh, PLASTER, 0, in_room(k, 0, 0, 0, 0));
+		need(shape_append_quad(&mesh, sheets[n].corner, sheets[n].u, sheets[n].v, ONE_FACE));
+	add_split_mesh(w, "room", STAYS, &mesh, w->settings.cell, PLASTER, 0, in_room(k, 0, 0, 0, 0));
 }
 
 typedef struct slab {
@@ -255,8 +265,8 @@ static void add_ends(scale_world *w)
 	};
 	engine_mesh mesh = {0};
 	for (uint32_t n = 0; n < (odd ? w->places > 1 ? 4u : 3u : 2u); n++)
-		need(shape_append_quad(&mesh, sheets[n].corner, sheets[n].u, sheets[n].v, w->settings.cell));
-	add_mesh(w, "ends", STAYS, &mesh, PLASTER, 0, gi_pose_identity());
+		need(shape_append_quad(&mesh, sheets[n].corner, sheets[n].u, sheets[n].v, ONE_FACE));
+	add_split_mesh(w, "ends", STAYS, &mesh, w->settings.cell, PLASTER, 0, gi_pose_identity());
 }
 
 static void build_street(scale_world *w)
