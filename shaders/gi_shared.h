@@ -387,8 +387,8 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ASSESS_THRESHOLD 107u /* lowest bucket that is assessed */
 #define GI_STATE_ARGS_ASSESS 108u     /* 3 words: some threads a row to assess */
 #define GI_STATE_CHOSEN_RAYS 124u     /* those that chosen rows are thought to take */
-#define GI_STATE_CHANGED_ROWS 97u     /* rows to close */
-#define GI_STATE_ARGS_CLOSE 98u       /* 3 words: a thread each */
+#define GI_STATE_CHANGED_ROWS 128u    /* rows to close */
+#define GI_STATE_ARGS_CLOSE 129u      /* 3 words: a thread each */
 #define GI_STATE_CONCERNED_ROWS 101u  /* rows to look at for entries to flag */
 #define GI_STATE_ARGS_FLAG 125u       /* 3 words: a thread each */
 /* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
@@ -396,7 +396,7 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 105u
 #define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
-#define GI_STATE_WORDS 128u
+#define GI_STATE_WORDS 132u
 
 /* GI_STATE_VERDICT. */
 #define GI_SOLVE_CONVERGED 0u
