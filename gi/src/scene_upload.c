@@ -161,9 +161,9 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->tops && n->changed_slots && n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
-	       g->rest && g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh &&
-	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
+	return n->tops && n->changed_slots && n->slots && n->object_data && n->topology && n->node_exitance &&
+	       n->tlas && n->tlas_packed && g->rest && g->spread && g->vertices && g->vertices_world && g->leaves &&
+	       g->materials && g->bvh && g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
