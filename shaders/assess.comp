@@ -36,6 +36,7 @@
 #include "dispatch.glsl"
 #include "changed.glsl"
 #include "entry.glsl"
+#include "swept.glsl"
 #include "flag.glsl"
 #include "facing.glsl"
 #include "reach.glsl"
@@ -139,7 +140,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at)).xyz;
+	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at) & ~GI_TARGET_BLACK).xyz;
 	range b = range(own, own);
 	if (taken > 1u && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
@@ -171,7 +172,7 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	if (from.emits)
 		include(s.emitters, b);
 	// Of all static objects a row has about as much as it has of all.
-	uint unknown = from.object == frame.trails.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
+	uint unknown = from.object == frame.swept.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
 	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -181,7 +182,7 @@ sums sum_row(uint leaf, watch w)
 	part none = part(0.0, 0.0, vec3(0.0), vec3(0.0));
 	sums s = sums(0.0, 0.0, none, none, 0.0, 0.0, vec3(0.0), NOTHING, NOTHING, 0u, 0u, 0u);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
+	for (uint source = frame.swept.z; source < frame.counts.z; source++) {
 		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		s.had += count;

@@ -51,12 +51,12 @@ layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
 // Static objects are one source: the table of segments has a column for each slot from the first source on.
 uint source_count()
 {
-	return frame.counts.z - frame.trails.z;
+	return frame.counts.z - frame.swept.z;
 }
 
 uint segment_of(uint leaf, uint source)
 {
-	return leaf * source_count() + source - frame.trails.z;
+	return leaf * source_count() + source - frame.swept.z;
 }
 #endif
 
@@ -363,10 +363,16 @@ uint load_suspect(uint n)
 	return word(suspect_texels, n);
 }
 
-// Lower and upper corner of the k-th trail.
-vec4 load_trail(uint k, uint corner)
+// Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of where it was, 0 and
+// 1, and of that and where it is, 2 and 3.
+uvec4 load_swept_change(uint k)
 {
-	return float_texel(suspect_texels, frame.trails.x + 2u * k + corner);
+	return texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k);
+}
+
+vec4 load_swept_corner(uint k, uint corner)
+{
+	return float_texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
 }
 #endif
 

@@ -15,5 +15,5 @@ bool pair_is_dirty(uint mine, uint source, uint update)
 // Of the static ones a row keeps what it has of nodes that are what they were.
 bool pair_keeps_nodes(uint mine, uint source, uint update)
 {
-	return source == frame.trails.w && !moved_since(mine, update);
+	return source == frame.swept.w && !moved_since(mine, update);
 }

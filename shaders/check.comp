@@ -182,7 +182,6 @@ void stop(uint verdict)
 	words[GI_STATE_ARGS_GATHER] = 0u;
 	words[GI_STATE_ARGS_DOUBLE] = 0u;
 	words[GI_STATE_ARGS_PULL] = 0u;
-	words[GI_STATE_ARGS_WIDE] = 0u;
 	words[GI_STATE_ARGS_CHECK] = 0u;
 }
 
@@ -244,8 +243,7 @@ void begin()
 	words[GI_STATE_SWEEPS] = words[GI_STATE_RECALLS] = 0u;
 	words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
-	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.y));
-	put_groups(GI_STATE_ARGS_WIDE, frame.misc.y);
+	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.x));
 	put_groups(GI_STATE_ARGS_CHECK, 1u);
 	if (stage == STAGE_BEGIN && largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
 		begin_cold();

@@ -1,17 +1,14 @@
 #version 450 core
-// Closes the rows that changed: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
+// Closes the rows that changed (changed.comp), one thread each: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
 // sampling error. It is given back in proportion to the variance of each entry (the least correction in that norm), and
 // the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
 // black.
 #define READ_FRAME
 #define READ_SEGMENTS
-#define READ_TOPOLOGY
 #define READ_ENTRIES
 #define READ_TARGETS
 #define READ_ROWS
-#define READ_NODE_EXITANCE
 #define READ_TOUCHED
-#define READ_CHOICES
 #define WRITE_SEGMENTS
 #define WRITE_ROWS
 #define WRITE_LINKS
@@ -19,7 +16,6 @@
 #define WRITE_LINK_POOL
 #include "buffers.glsl"
 #include "dispatch.glsl"
-#include "chosen.glsl"
 #include "entry.glsl"
 #define POOL link_pool
 #include "pool.glsl"
@@ -89,18 +85,17 @@ uvec2 range_of(uint slot)
 }
 
 // Squared relative error of an entry's form factor.
-float factor_variance(uint flags)
+float factor_variance(uvec4 e)
 {
-	float error = (flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
+	float error = (e.w & GI_ENTRY_EXACT) != 0u ? FACTOR_ERROR_POLYGON : FACTOR_ERROR_DISC;
 	return error * error;
 }
 
 // Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
 // `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
-float visibility_variance(float seen, float taken, float share)
+float visibility_variance(float v, float per_sample, float share)
 {
-	float v = seen / taken;
-	return v * (1.0 - v) / taken + UNSEEN * share * (1.0 - share) / (taken * taken);
+	return per_sample * (v * (1.0 - v) + UNSEEN * share * (1.0 - share) * per_sample);
 }
 
 // Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where no
@@ -108,14 +103,12 @@ float visibility_variance(float seen, float taken, float share)
 // makes all that shines too bright.
 visible_entry read_entry(uvec4 e, float share, bool dark_sky)
 {
-	float taken = float(samples_of(e)), seen = float(seen_of(e));
-	float f = uintBitsToFloat(e.y);
+	float seen = float(seen_of(e)), f = uintBitsToFloat(e.y);
 	if (f < LEAST_FACTOR || (seen == 0.0 && !dark_sky))
 		return visible_entry(0.0, 0.0, 0.0, 0.0, false);
-	uint flags = load_range(e.x).w;
-	float weight = f * seen / taken, most = CLOSE_RAISE * weight;
-	return visible_entry(weight, f * f * (visibility_variance(seen, taken, share) + factor_variance(flags)), CLOSE_LOWER * weight,
-			     dark_sky ? max(f, most) : most, (flags & GI_NODE_EMITTER) != 0u);
+	float per_sample = 1.0 / float(samples_of(e)), v = seen * per_sample, weight = f * v, most = CLOSE_RAISE * weight;
+	return visible_entry(weight, f * f * (visibility_variance(v, per_sample, share) + factor_variance(e)), CLOSE_LOWER * weight,
+			     dark_sky ? max(f, most) : most, (e.w & GI_ENTRY_EMITTER) != 0u);
 }
 
 float corrected(visible_entry v, correction c)
@@ -123,13 +116,10 @@ float corrected(visible_entry v, correction c)
 	return clamp(v.weight + (v.emitter ? c.emitters : c.others) * v.variance, v.least, v.most);
 }
 
+// Backs and black patches only count in the sum.
 bool carries_light(uvec4 e, uint target)
 {
-	if ((e.w & GI_ENTRY_BACK) != 0u)
-		return false;
-	// Black patches only count in the sum; rho of a node is in the w of its exitance.
-	vec4 exitance = load_exitance(target);
-	return exitance.w > 0.0 || exitance.x + exitance.y + exitance.z > 0.0;
+	return (e.w & GI_ENTRY_BACK) == 0u && (target & GI_TARGET_BLACK) == 0u;
 }
 
 struct row_sums {
@@ -147,7 +137,7 @@ struct row_counts {
 row_counts count_row(uint leaf)
 {
 	row_counts count = row_counts(0u, 0u);
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		uint seen = 0u, taken = 0u;
@@ -172,7 +162,7 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 {
 	kahan weight = kahan(0.0, 0.0);
 	row_sums row = row_sums(0.0, correction(0.0, 0.0));
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
@@ -196,16 +186,17 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 float write_links(uint leaf, uint at, correction c, float scale)
 {
 	kahan sum = kahan(0.0, 0.0);
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
 			float weight = scale * corrected(read_entry(e, share, s == frame.inner.z), c);
-			if (weight <= 0.0 || !carries_light(e, load_target(k)))
+			uint target = load_target(k);
+			if (weight <= 0.0 || !carries_light(e, target))
 				continue;
-			links[at++] = uvec2(load_target(k), floatBitsToUint(weight));
+			links[at++] = uvec2(target, floatBitsToUint(weight));
 			add(sum, weight);
 		}
 	}
@@ -216,10 +207,10 @@ float write_links(uint leaf, uint at, correction c, float scale)
 
 void main()
 {
-	uint leaf = chosen_row();
-	if (leaf == GI_NONE || load_touched(leaf) == 0u)
+	uint k = spread_number(state[GI_STATE_CHANGED_ROWS]);
+	if (k >= state[GI_STATE_CHANGED_ROWS])
 		return;
-	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
+	uint leaf = load_touched(2u * frame.counts.x + k);
 
 	// llvmpipe ends all loops of a thread, wherever they are, after 65,535 turns in sum.
 	row_counts counts = count_row(leaf);

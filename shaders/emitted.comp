@@ -1,7 +1,7 @@
 #version 450 core
 // Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum over
 // links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights sum to less
-// than 1, rounded down. Walks the rows that were refreshed, or with ALL every row. One thread a leaf.
+// than 1, rounded down. Walks the rows that were closed, or with ALL every row. One thread a leaf.
 //
 // Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected light
 // exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
@@ -14,6 +14,7 @@
 #define READ_LINKS
 #define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
+#define READ_TOUCHED
 #define WRITE_LEAF_RADIOSITY
 #define WRITE_STATE
 #include "buffers.glsl"
@@ -56,7 +57,7 @@ vec3 walk(uint leaf, uvec4 row)
 		weights += double(uintBitsToFloat(two.w));
 	}
 	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
-	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, uintBitsToFloat(row.z));
+	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);
 	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w =
 		float(max(1.0lf - weights - SUMMED, 0.0lf) * ROUNDED_DOWN);
 	float area = load_rest(load_leaf(leaf).x).moment.w;
@@ -81,9 +82,8 @@ void main()
 	barrier();
 	if (leaf < frame.counts.x) {
 		uvec4 row = load_row(leaf);
-		vec4 known = load_leaf_part(GI_LEAF_EMITTED, leaf);
-		bool stays = all == 0u && floatBitsToUint(known.w) == row.z;
-		report(leaf, stays ? known.xyz : walk(leaf, row));
+		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
+		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
 	}
 	barrier();
 	if (local < FOUND)

@@ -79,7 +79,7 @@ float importance(uvec4 e, float mean_light)
 float mean_light_of(uint leaf, vec3 h)
 {
 	float light = 0.0, weight = 0.0;
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			light += uintBitsToFloat(load_entry(k).y) * light_of(load_entry(k));
@@ -131,7 +131,7 @@ struct row_totals {
 row_totals total_row(uint leaf, float mean_light)
 {
 	row_totals t = row_totals(0.0, 0.0);
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			t.importance += importance(load_entry(k), mean_light);
@@ -146,7 +146,7 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 {
 	float pitch = total / float(GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
 	uint drawn = 0u;
-	for (uint s = frame.trails.z; s < frame.counts.z; s++) {
+	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			float part = importance(load_entry(k), mean_light);

@@ -8,12 +8,9 @@ const float BOX_SLACK = 1e-4;
 // Narrows the interval to where slope * t <= limit.
 void keep_below(float slope, float limit, inout vec2 interval)
 {
-	if (slope > 0.0)
-		interval.y = min(interval.y, limit / slope);
-	else if (slope < 0.0)
-		interval.x = max(interval.x, limit / slope);
-	else if (limit < 0.0)
-		interval.y = -1.0;
+	float t = limit / slope;
+	interval.y = slope > 0.0 ? min(interval.y, t) : slope == 0.0 && limit < 0.0 ? -1.0 : interval.y;
+	interval.x = slope < 0.0 ? max(interval.x, t) : interval.x;
 }
 
 // What crossings ask of an object, loaded once for all entries of a row: loads are what they cost.
@@ -36,32 +33,34 @@ vec3 turned_into(obstacle o, vec3 d)
 	return o.row0.xyz * d.x + o.row1.xyz * d.y + o.row2.xyz * d.z;
 }
 
-// Can a segment from within a ball about `origin` to within one about `origin + direction` meet the object's box? At
-// share t of its way it is within the radius between the two, so each side of the box bounds t.
-bool crosses_bounds(obstacle box, vec3 origin, vec3 direction, float radius, float end_radius)
+// How far a point lies below the upper sides of a box and above the lower ones, and rounding's share of that.
+struct place {
+	vec3 below, above;
+	float slack;
+};
+
+place place_in(vec3 o, vec3 lower, vec3 upper)
 {
-	vec3 o = turned_into(box, origin - vec3(box.row0.w, box.row1.w, box.row2.w));
-	vec3 d = turned_into(box, direction), lower = box.lower, upper = box.upper;
-	float slack = BOX_SLACK * (length(o) + length(d) + length(upper - lower));
-	float grown = radius + slack, growth = end_radius - radius;
+	vec3 all = abs(o) + abs(upper - lower);
+	return place(upper - o, o - lower, BOX_SLACK * (all.x + all.y + all.z));
+}
+
+// Can a segment from within a ball about a point to within one about the point and `direction`, in the box's frame, meet the box? At share
+// t of its way it is within the radius between the two, so each side of the box bounds t.
+bool crosses_box(place o, vec3 d, float radius, float end_radius)
+{
+	float grown = radius + o.slack + BOX_SLACK * (abs(d.x) + abs(d.y) + abs(d.z)), growth = end_radius - radius;
 	vec2 interval = vec2(0.0, 1.0);
 	for (int k = 0; k < 3; k++) {
-		keep_below(d[k] - growth, upper[k] - o[k] + grown, interval);
-		keep_below(-d[k] - growth, o[k] - lower[k] + grown, interval);
+		keep_below(d[k] - growth, o.below[k] + grown, interval);
+		keep_below(-d[k] - growth, o.above[k] + grown, interval);
 	}
 	return interval.x <= interval.y;
 }
 
-// Can the cone of directions about `axis` (half the chord of its edge: `spread`) from a ball about x meet the object's
-// sphere?
-bool crosses_cone(vec4 ball, vec3 x, float radius, vec3 axis, float spread)
+place place_of(obstacle box, vec3 origin)
 {
-	vec3 to = ball.xyz - x;
-	float d = length(to), r = (ball.w + radius) * (1.0 + BOX_SLACK);
-	if (d <= r)
-		return true;
-	float angle = acos(clamp(dot(to, axis) / d, -1.0, 1.0));
-	return angle <= asin(min(1.0, r / d)) + 2.0 * asin(min(1.0, 0.5 * spread)) + BOX_SLACK;
+	return place_in(turned_into(box, origin - vec3(box.row0.w, box.row1.w, box.row2.w)), box.lower, box.upper);
 }
 
 // The suspects of a leaf's entries: the movers for a leaf at rest, its neighbours for one that moved.
@@ -86,8 +85,8 @@ bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
 {
 	if (!by.counts)
 		return false;
-	return sky ? crosses_cone(by.ball, p.sphere.xyz, p.sphere.w, ball.xyz, ball.w)
-		   : crosses_bounds(by, p.sphere.xyz, ball.xyz - p.sphere.xyz, p.sphere.w, ball.w);
+	return sky ? cone_meets(by.ball, p.sphere, ball)
+		   : crosses_box(place_of(by, p.sphere.xyz), turned_into(by, ball.xyz - p.sphere.xyz), p.sphere.w, ball.w);
 }
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
@@ -105,11 +104,11 @@ bool was_crossed(watch w, gi_node_geometry p, uint node)
 {
 	vec4 ball = load_sphere(node);
 	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u, found = false;
-	for (uint k = 0u; k < frame.trails.y && !found; k++) {
-		vec4 lower = load_trail(k, 0u), upper = load_trail(k, 1u);
-		vec3 half_way = 0.5 * upper.xyz - 0.5 * lower.xyz;
-		obstacle box = obstacle(floatBitsToUint(lower.w) > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
-					vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, vec4(lower.xyz + half_way, length(half_way)));
+	for (uint k = 0u; k < frame.swept.y && !found; k++) {
+		uvec4 change = load_swept_change(k);
+		vec4 lower = load_swept_corner(k, 0u), upper = load_swept_corner(k, 1u);
+		obstacle box = obstacle(change.z != 0u && change.x > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
+					vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, ball_about(lower, upper));
 		found = crosses(box, p, ball, sky);
 	}
 	return found;

@@ -187,17 +187,22 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
+ *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   trails: in the list of suspects, in fours of words, where the trails begin; how many; the first slot that is a source, and
- *           that of the static objects as one, GI_NONE: there is none
+ *   swept: in the list of suspects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
+ *          that of the static objects as one, GI_NONE: there is none
  *
- * A trail is where something was that is there no more, two vec4: a world box, in the first one's w the update that saw it
- * go as uint bits.
+ * Swept is, of each object that moved since some row was refreshed and of what went, GI_SWEPT_PARTS vec4:
+ *   as uint bits: the update that saw it move; its slot, GI_NONE of what went; 1 where a box of where it was follows; 0
+ *   lower corner of the world box of where it was
+ *   upper corner
+ *   lower corner of the world box of all that, and of where it is
+ *   upper corner
  *
  * Movers are the objects that moved, were lit or put out since some row was refreshed.
  */
@@ -214,8 +219,10 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 limit;
 	GI_UVEC4 rations;
 	GI_VEC4 ceiling;
-	GI_UVEC4 trails;
+	GI_UVEC4 swept;
 } GI_END(gi_frame)
+
+#define GI_SWEPT_PARTS 5u
 
 #define GI_UPDATE_REBUILD 1u   /* every row from nothing */
 #define GI_UPDATE_PART 2u      /* only the rows in the list of the chosen */
@@ -253,17 +260,23 @@ GI_STRUCT(gi_pending) {
 
 /* An entry of a row, in the segment of its (leaf, source object) pair.
  *   x node
- *   y form factor, as float bits
+ *   y form factor, as float bits; GI_ENTRY_FLAGGED
  *   z visible samples as a mask in bits 0..15, GI_BLOCKER_ or slot of the object that hides the others in bits 16..31
- *   w leaf in bits 0..23, samples taken in bits 24..28, GI_ENTRY_GONE, GI_ENTRY_BACK
+ *   w leaf in bits 0..22, samples taken in bits 24..28, GI_ENTRY_GONE, GI_ENTRY_BACK and what the node is
  */
-#define GI_ENTRY_LEAF_MASK 0x00FFFFFFu
+#define GI_ENTRY_LEAF_MASK 0x007FFFFFu
 #define GI_ENTRY_SAMPLE_SHIFT 24u
 #define GI_ENTRY_SAMPLE_MASK 0x1Fu
+#define GI_ENTRY_FLAGGED 0x80000000u /* in y: it is queued to be retested; never set outside an update */
+#define GI_ENTRY_EMITTER 0x00800000u
+#define GI_ENTRY_EXACT 0x20000000u /* a polygon or a patch of sky, whose form factors are hardly off */
 #define GI_ENTRY_BACK 0x80000000u
 #define GI_ENTRY_GONE 0x40000000u /* its node was changed or went; x is the node whose B its link takes: to be cut anew */
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
+
+/* Behind an entry's target, the node whose B it takes: what is there neither emits nor reflects. */
+#define GI_TARGET_BLACK 0x80000000u
 
 /* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
  * samples that see their object, w the sum of the form factors of entries that are no backs.
@@ -277,7 +290,7 @@ GI_STRUCT(gi_pending) {
 
 /* Row header of a leaf: x link offset, y count and class as a block, z update that last
  * refreshed it, w row sum bits, and GI_ROW_OPEN. */
-#define GI_ROW_OPEN 0x80000000u /* it lost what it had of an object that went: it is to be closed again */
+#define GI_ROW_OPEN 0x80000000u /* it lost what it saw of an object that went: it is to be closed again */
 
 /* Where an object of the scene before a commit is now (renumber.comp).
  *
@@ -324,7 +337,6 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ARGS_TRACE 27u
 #define GI_STATE_ARGS_GATHER 30u
 #define GI_STATE_ARGS_PULL 33u
-#define GI_STATE_ARGS_WIDE 36u
 #define GI_STATE_ARGS_CHECK 39u
 #define GI_STATE_ARGS_RECYCLE 42u
 #define GI_STATE_ARGS_DOUBLE 45u
@@ -375,12 +387,16 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ASSESS_THRESHOLD 107u /* lowest bucket that is assessed */
 #define GI_STATE_ARGS_ASSESS 108u     /* 3 words: some threads a row to assess */
 #define GI_STATE_CHOSEN_RAYS 124u     /* those that chosen rows are thought to take */
+#define GI_STATE_CHANGED_ROWS 128u    /* rows to close */
+#define GI_STATE_ARGS_CLOSE 129u      /* 3 words: a thread each */
+#define GI_STATE_CONCERNED_ROWS 101u  /* rows to look at for entries to flag */
+#define GI_STATE_ARGS_FLAG 125u       /* 3 words: a thread each */
 /* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
 #define GI_STATE_ESTIMATE_SQUARED 103u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
 #define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 105u
 #define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
-#define GI_STATE_WORDS 128u
+#define GI_STATE_WORDS 132u
 
 /* GI_STATE_VERDICT. */
 #define GI_SOLVE_CONVERGED 0u
@@ -409,7 +425,7 @@ GI_STRUCT(gi_move) {
 #define GI_LEAF_R 1u               /* R = B - E, v */
 #define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
 #define GI_LEAF_KEPT 3u            /* R, v to come back to */
-#define GI_LEAF_EMITTED 4u         /* irradiance by exitance; w: the update that refreshed the row it is by */
+#define GI_LEAF_EMITTED 4u         /* irradiance by exitance; w: 0 */
 #define GI_LEAF_UNDRAWN 5u         /* that of it which is not drawn per pixel; w: area, m2 */
 #define GI_LEAF_PARTS 6u
 #define GI_NODE_B 0u
@@ -419,6 +435,9 @@ GI_STRUCT(gi_move) {
 /* What is dark: light reflected below this share of the largest. Errors count relative to the light there or, where it is
  * less, to this. */
 #define GI_DARK_SHARE 1e-5f
+
+/* Words a leaf of GI_BIND_TOUCHED (touched.glsl). */
+#define GI_TOUCHED_PARTS 3u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u
@@ -457,18 +476,18 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects */
+#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
 #define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
 #define GI_BIND_LIGHT 29           /* vec4 per light vertex */
-#define GI_BIND_TOUCHED 30         /* uint per leaf: entries cut or flagged by this update */
+#define GI_BIND_TOUCHED 30         /* GI_TOUCHED_PARTS uint per leaf (touched.glsl) */
 #define GI_BIND_SPREAD 31
 #define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
 #define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
-#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.comp) */
+#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
 /* A commit's own (renumber.comp): the rows of before, and what became of objects. */

@@ -31,7 +31,7 @@ float dirty_share()
 	if (at_rest != 0u)
 		return 0.0;
 	uint entries = 0u;
-	for (uint s = frame.trails.z; s < frame.counts.z; s++)
+	for (uint s = frame.swept.z; s < frame.counts.z; s++)
 		entries += load_segment(segment_of(leaf, s)).y & GI_BLOCK_COUNT_MASK;
 	return clamp(float(load_touched(leaf)) / float(max(entries, 1u)), 0.0, 1.0);
 }

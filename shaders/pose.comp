@@ -27,7 +27,7 @@ void main()
 		return;
 	}
 	// Between tops lie the nodes of objects, which have poses of their own.
-	if (object == frame.trails.w && (load_range(index).w & GI_NODE_TOP) == 0u)
+	if (object == frame.swept.w && (load_range(index).w & GI_NODE_TOP) == 0u)
 		return;
 	gi_node_geometry g = load_rest(index);
 	world[index].sphere = vec4(world_from_rest(object, g.sphere.xyz), g.sphere.w);

@@ -1,6 +1,6 @@
 #version 450 core
-// Group counts for the indirect dispatches that work through the queue. STAGE 0: after the cuts; 1: after flagging; 2:
-// after closing.
+// Group counts for the indirect dispatches that work through the queue and the lists of rows. STAGE 0: after the cuts; 1: after
+// flagging; 2: after closing; 3: rows to flag are listed; 4: rows to close are.
 #define READ_FRAME
 #define WRITE_ENTRY_POOL
 #define WRITE_LINK_POOL
@@ -21,6 +21,10 @@ void main()
 	} else if (stage == 1u) {
 		threads = min(state[GI_STATE_QUEUED], frame.limits.y);
 		arguments = GI_STATE_ARGS_TRACE;
+	} else if (stage >= 3u) {
+		uint rows = state[stage == 3u ? GI_STATE_CONCERNED_ROWS : GI_STATE_CHANGED_ROWS];
+		set_groups(stage == 3u ? GI_STATE_ARGS_FLAG : GI_STATE_ARGS_CLOSE, spread_groups(rows));
+		return;
 	} else {
 		threads = min(max(entry_pool[GI_POOL_PENDING], link_pool[GI_POOL_PENDING]), GI_POOL_PENDING_MAX);
 		arguments = GI_STATE_ARGS_RECYCLE;

@@ -1,8 +1,5 @@
 #version 450 core
-// The second half of a sweep: R and B of every node that covers few leaves, R as their area mean. One thread a node.
-//
-// Summed in double precision: the certified bound takes nodes for the means of the leaves as they are stored but for
-// one rounding.
+// After a solve: R and B of every node that covers few leaves, R as their area mean in double precision. One thread a node.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE

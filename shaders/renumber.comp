@@ -1,7 +1,7 @@
 #version 450 core
 // A commit that keeps rows: objects came and went, so leaves, nodes and slots have other numbers. One thread a leaf of
 // the scene of before: its header and its segments go to their new places, and what lies in the pools is renumbered where it
-// is. What belonged to objects that went is given back; rows that lost something of it are marked, GI_ROW_OPEN.
+// is. What belonged to objects that went is given back; rows that lost something of it that they saw are marked, GI_ROW_OPEN.
 #define READ_ENTRIES
 #define READ_TARGETS
 #define READ_OLD_SEGMENTS
@@ -80,30 +80,36 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes, bool statics)
 	for (uint k = block.x; k < end; k++) {
 		uvec4 e = load_entry(k);
 		uint hidden_by = blockers != 0u ? new_blocker(e.z >> 16u) : e.z >> 16u;
-		uint node = e.x + nodes, target = load_target(k) + nodes, gone = 0u;
+		uint black = load_target(k) & GI_TARGET_BLACK, before = load_target(k) & ~GI_TARGET_BLACK;
+		uint node = e.x + nodes, target = before + nodes, gone = 0u;
 		if (statics) {
 			node = load_node_move(e.x);
-			target = load_node_move(load_target(k));
+			target = load_node_move(before);
 			gone = node >= end_static ? GI_ENTRY_GONE : 0u;
 			// What is read of such an entry is only its light.
 			target = target == GI_NONE ? 0u : target;
 			node = gone != 0u || (e.w & GI_ENTRY_GONE) != 0u ? target : node;
 		}
 		entries[k] = uvec4(node, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | gone | leaf);
-		targets[k] = target;
+		targets[k] = target | black;
 	}
 }
 
-// Returns how many entries went.
-uint move_segments(uint leaf, gi_move mine)
+struct loss {
+	uint entries;
+	bool seen; // some of them: the row is another now
+};
+
+loss move_segments(uint leaf, gi_move mine)
 {
-	uint went = 0u;
+	loss went = loss(0u, false);
 	for (uint s = old_first; s < old_slots; s++) {
 		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
 		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
-			went += segment.y & GI_BLOCK_COUNT_MASK;
+			went.entries += segment.y & GI_BLOCK_COUNT_MASK;
+			went.seen = went.seen || ((segment.y & GI_BLOCK_COUNT_MASK) > 0u && uintBitsToFloat(segment.z) > 0.0);
 			continue;
 		}
 		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
@@ -139,17 +145,17 @@ void main()
 	gi_move mine = load_move(slot_of(leaf));
 	uvec4 row = load_old_row(leaf);
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
-	uint went = move_segments(leaf, mine);
+	loss went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
 		stay = move_links(row);
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
-		row.w |= went > 0u || stay < links_before ? GI_ROW_OPEN : 0u;
+		row.w |= went.seen || stay < links_before ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;
 	} else if (has_block(row.xy)) {
 		give_links(row.xy);
 	}
-	if (went > 0u)
-		atomicAdd(state[GI_STATE_ENTRIES], 0u - went);
+	if (went.entries > 0u)
+		atomicAdd(state[GI_STATE_ENTRIES], 0u - went.entries);
 	if (stay < links_before)
 		atomicAdd(state[GI_STATE_LINKS], 0u - (links_before - stay));
 }

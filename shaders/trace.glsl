@@ -17,12 +17,15 @@
 #define READ_TLAS
 #define READ_ENTRIES
 #define READ_QUEUE
+#define READ_NODE_EXITANCE
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
+#define WRITE_TOUCHED
 #define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "entry.glsl"
+#include "touched.glsl"
 #include "sampling.glsl"
 #include "rays.glsl"
 #include "segments.glsl"
@@ -173,9 +176,17 @@ void main()
 	}
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
-		entries[slot].w = p.leaf | (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & GI_ENTRY_BACK);
+		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
-	targets[slot] = p.whole || found == GI_NONE ? entry.x : load_leaf(found).x;
+	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
+	// Where that begins or ceases to be black the object is relit, and its cuts are made anew.
+	vec4 shines = load_exitance(target); // in w its rho
+	target |= shines.w > 0.0 || shines.x + shines.y + shines.z > 0.0 ? 0u : GI_TARGET_BLACK;
+	// Closing leaves out what no ray sees, but for black sky, and counts its rays among those of what is seen of the same source:
+	// that is traced anew with it or not at all. Of the same samples seen the same target is drawn.
+	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
+		note_changed(p.leaf);
+	targets[slot] = target;
 	atomicAdd(state[GI_STATE_RAYS], taken);
 }

@@ -49,11 +49,12 @@ static box empty_box(void)
 	return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
+/* No box has a NaN; without that, compilers call fminf. */
 static void grow(box *to, const box *by)
 {
 	for (int axis = 0; axis < 3; axis++) {
-		to->lower[axis] = fminf(to->lower[axis], by->lower[axis]);
-		to->upper[axis] = fmaxf(to->upper[axis], by->upper[axis]);
+		to->lower[axis] = by->lower[axis] < to->lower[axis] ? by->lower[axis] : to->lower[axis];
+		to->upper[axis] = by->upper[axis] > to->upper[axis] ? by->upper[axis] : to->upper[axis];
 	}
 }
 

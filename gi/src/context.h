@@ -100,7 +100,8 @@ typedef struct gi_scene {
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
-	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of those that may lie between two others */
+	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
+	uint32_t tlas_inner_first, tlas_inner_end; /* of the latter, which may be the first tree */
 
 	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
 		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,
@@ -123,7 +124,7 @@ typedef struct gi_rows {
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program;
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program, kept_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -148,7 +149,7 @@ typedef struct gi_solver {
 	bool unconverged;  /* of the newest report: another frame of sweeps would come nearer */
 	gpu_buffer radiosity, leaf_radiosity, leaf_indirect, light;
 	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, wide_program,
-		check_program, start_program, light_program;
+		check_program, start_program, light_program, hand_over_program;
 } gi_solver;
 
 /* ---- estimate ---- */
@@ -267,7 +268,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 10 };
+enum { ROWS_PROGRAMS = 14 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
@@ -320,7 +321,7 @@ void budget_bind(const gi_context *gi);
 void budget_free(gi_context *gi);
 
 /* solver.c */
-enum { SOLVER_PROGRAMS = 9 };
+enum { SOLVER_PROGRAMS = 10 };
 void solver_programs(gi_solver *solver, gpu_program_file list[SOLVER_PROGRAMS]);
 gi_result solver_allocate(gi_context *gi);
 /* anew: the rows or materials are not those of the solve before. budget may be NULL. */

@@ -45,6 +45,7 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->dirty_entries = state[GI_STATE_QUEUED];
 	r->flagged_entries = r->dirty_entries - r->new_entries;
 	r->dirty_rows = state[GI_STATE_DIRTY_ROWS];
+	r->closed_rows = state[GI_STATE_CHANGED_ROWS];
 	r->rays = state[GI_STATE_RAYS];
 	r->sweeps = state[GI_STATE_SWEEPS];
 	r->jacobi_sweeps = state[GI_STATE_JACOBI_SWEEPS];
@@ -218,7 +219,7 @@ static gi_report at_rest(const gi_context *gi)
 	gi_report r = gi->report;
 	r.frame = gi->frame_number;
 	r.outcome = GI_OUTCOME_AT_REST;
-	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.rays = 0;
+	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.closed_rows = r.rays = 0;
 	r.sweeps = r.dispatches = 0;
 	r.sampling_rays = 0;
 	memset(r.pass_ms, 0, sizeof r.pass_ms);

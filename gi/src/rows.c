@@ -34,7 +34,9 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"factor.comp", &r->factor_program},     {"flag.comp", &r->flag_program},
 	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
 	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
-	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program}};
+	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
+	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
+	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -153,7 +155,7 @@ gi_result rows_allocate_tables(gi_context *gi)
 	if (!result)
 		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
+		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves, NULL);
 	if (!result)
 		clear_rows(gi);
 	return result;
@@ -200,10 +202,11 @@ gi_result rows_grow(gi_context *gi)
 /* ---- what has to be done ---- */
 
 typedef struct plan {
-	bool part; /* under a budget: the chosen rows alone */
+	bool part;    /* under a budget: the chosen rows alone */
+	bool several; /* rows may have several suspects: flagged entries are marked */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
-	uint32_t first_trail, trails;        /* likewise, in fours of words */
+	uint32_t first_swept, swept;         /* likewise, in fours of words */
 	uint64_t cut_threads;
 } plan;
 
@@ -396,38 +399,42 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 	return ok;
 }
 
-static bool append_trail(slot_list *list, gi_vec4 lower, gi_vec4 upper, uint32_t update)
+/* As gi_shared.h says. */
+static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
 {
-	uint32_t words[8];
-	lower.w = gi_float_from_bits(update);
-	memcpy(words, &lower, sizeof lower);
-	memcpy(words + 4, &upper, sizeof upper);
+	uint32_t words[4 * GI_SWEPT_PARTS] = {change.x, change.y, change.z, change.w};
+	memcpy(words + 4, corners, sizeof *corners * (GI_SWEPT_PARTS - 1));
 	bool ok = true;
-	for (int k = 0; ok && k < 8; k++)
+	for (uint32_t k = 0; ok && k < 4 * GI_SWEPT_PARTS; k++)
 		ok = append(list, words[k]);
 	return ok;
 }
 
-/* Where movers were, and what went. */
-static bool list_trails(const gi_context *gi, slot_list *list, plan *p)
+/* Where movers were and are, and what went. */
+static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_rows *r = &gi->rows;
 	bool ok = true;
 	while (ok && list->count % 4)
 		ok = append(list, 0);
-	p->first_trail = list->count / 4;
+	p->first_swept = list->count / 4;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
 		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-		if (o && o->trails && ++p->trails)
-			ok = append_trail(list, o->trail_lower, o->trail_upper, o->moved_update);
+		if (!o || !slot_moved(gi, slot))
+			continue;
+		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
+		scene_include_box(o, &corners[2], &corners[3]);
+		p->swept++;
+		ok = append_swept(list, (gi_uvec4){o->moved_update, slot, o->trails, 0}, corners);
 	}
-	if (ok && r->lost_lower.x <= r->lost_upper.x && ++p->trails)
-		ok = append_trail(list, r->lost_lower, r->lost_upper, r->lost_update);
+	const gi_vec4 lost[4] = {r->lost_lower, r->lost_upper, r->lost_lower, r->lost_upper};
+	if (ok && r->lost_lower.x <= r->lost_upper.x && ++p->swept)
+		ok = append_swept(list, (gi_uvec4){r->lost_update, GI_NONE, 1, 0}, lost);
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and trails. */
+/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was swept. */
 static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
@@ -440,9 +447,11 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		data->bvh.w = list.count;
 		ok = list_neighbours(gi, list.slots[k], &list);
 		data->extra.x = list.count;
+		p->several = p->several || data->extra.x - data->bvh.w > 1;
 	}
 	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
-	ok = ok && list_trails(gi, &list, p);
+	ok = ok && list_swept(gi, &list, p);
+	p->several = p->several || p->swept > 1;
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
 	if (!ok)
@@ -523,9 +532,9 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_count, s->tlas_count + s->tlas_inner, lit ? GI_NONE : s->sky_slot, 0},
+	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
-	    .trails = {p->first_trail, p->trails, s->first_source, s->statics_slot},
+	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
@@ -541,6 +550,8 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 
 void rows_clear_counts(gi_context *gi)
 {
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
@@ -554,7 +565,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &r->touched, 0, r->touched.size, 0);
+	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -565,6 +576,9 @@ static void begin(gi_context *gi)
 	reset_pool(gi, &r->link_pool, r->link_limit);
 	clear_rows(gi);
 }
+
+/* Stages of prepare.comp. */
+enum { AFTER_CUT = 0, AFTER_FLAG = 1, AFTER_CLOSE = 2, ROWS_LISTED = 3, AFTER_TRACE = 4 };
 
 static void prepare(gi_context *gi, uint32_t stage)
 {
@@ -635,17 +649,44 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 
 void rows_recycle(gi_context *gi)
 {
-	prepare(gi, 2);
+	prepare(gi, AFTER_CLOSE);
 	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
 }
 
-/* A pass with a thread a row: all rows, or those chosen. */
-static void run_rows(gi_context *gi, const plan *p, gi_pass pass, uint32_t program)
+static void cut_by(gi_context *gi, const plan *p, uint32_t program)
 {
 	if (p->part)
-		run_indirect(gi, pass, program, GI_STATE_ARGS_CHOSEN);
+		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_PAIRS);
 	else
-		run(gi, pass, program, gi->scene.leaf_count);
+		gpu_dispatch(&gi->gpu, program, p->cut_threads);
+}
+
+/* Of static objects rows keep what is as it was. */
+static void cut(gi_context *gi, const plan *p)
+{
+	const gi_rows *r = &gi->rows;
+	const uint32_t statics = gi->scene.statics_slot;
+	frame_progress(gi, GI_PASS_CUT);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CUT]);
+	cut_by(gi, p, r->cut_program);
+	if (!r->rebuild && statics != GI_NONE && slot_moved(gi, statics))
+		cut_by(gi, p, r->kept_program);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CUT]);
+}
+
+/* Queues what movers may have changed, of the rows that they may concern, or of those chosen. */
+static void flag(gi_context *gi, const plan *p)
+{
+	const gi_rows *r = &gi->rows;
+	frame_progress(gi, GI_PASS_FLAG);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
+	if (!p->part) {
+		gpu_dispatch(&gi->gpu, r->concern_program, gi->scene.leaf_count);
+		prepare(gi, ROWS_LISTED);
+	}
+	gpu_dispatch_indirect(&gi->gpu, r->flag_program, &gi->state,
+			      sizeof(uint32_t) * (p->part ? GI_STATE_ARGS_CHOSEN : GI_STATE_ARGS_FLAG));
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 }
 
 /* Trails that every row has seen. */
@@ -675,19 +716,20 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	solver_bind(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
-	if (p.part) {
+	if (p.part)
 		budget_choose(gi);
-		run_indirect(gi, GI_PASS_CUT, r->cut_program, GI_STATE_ARGS_PAIRS);
-	} else {
-		run(gi, GI_PASS_CUT, r->cut_program, p.cut_threads);
-	}
-	prepare(gi, 0);
+	cut(gi, &p);
+	prepare(gi, AFTER_CUT);
 	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
 	if (!r->rebuild)
-		run_rows(gi, &p, GI_PASS_FLAG, r->flag_program);
-	prepare(gi, 1);
+		flag(gi, &p);
+	prepare(gi, AFTER_FLAG);
+	if (p.several && !r->rebuild)
+		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_TRACE);
 	trace(gi);
-	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
+	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
+	prepare(gi, AFTER_TRACE);
+	run_indirect(gi, GI_PASS_CLOSE, r->close_program, GI_STATE_ARGS_CLOSE);
 	rows_recycle(gi);
 	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)

@@ -1,10 +1,10 @@
 /* The solve: Jacobi, or Chebyshev where that would be slow, from last frame's B until the certified bound meets the
  * tolerance; then the light of what is drawn.
  *
- * A sweep is gather (leaves; in single precision, or in double where that would not do), pull (ancestors as area means)
- * and check, which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts of what is queued
- * but not wanted: no read-back in the frame. At all times the nodes hold the means of the leaves, which the bound
- * relies on. Every sweep certifies its bound and leaves the light too, so that a solve may end with any: under a budget of
+ * A sweep is gather (leaves; in single precision, or in double where that would not do), hand_over (to the nodes that links
+ * lead to, those of leaves) and check, which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts
+ * of what is queued but not wanted: no read-back in the frame. After the last one pull gives all other nodes their area
+ * means. Every sweep certifies its bound and leaves the light too, so that a solve may end with any: under a budget of
  * time it takes as many as fit, and the next update goes on from there.
  */
 #include "context.h"
@@ -31,7 +31,7 @@ void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 	    {"gather_double.comp", &s->double_program}, {"weigh.comp", &s->weigh_program},
 	    {"pull.comp", &s->pull_program},       {"pull_wide.comp", &s->wide_program},
 	    {"check.comp", &s->check_program},     {"start.comp", &s->start_program},
-	    {"light.comp", &s->light_program}};
+	    {"light.comp", &s->light_program},     {"hand_over.comp", &s->hand_over_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -95,10 +95,18 @@ static void sweep(gi_context *gi, bool weigh)
 	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
-	gpu_dispatch_indirect(&gi->gpu, s->pull_program, &gi->state, word * GI_STATE_ARGS_PULL);
-	if (gi->scene.wide_count)
-		gpu_dispatch_indirect(&gi->gpu, s->wide_program, &gi->state, word * GI_STATE_ARGS_WIDE);
+	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_PULL);
 	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
+}
+
+/* A software renderer has done all that was asked of it, so that to look costs nothing; what is queued and not wanted costs it some
+ * microseconds a dispatch. */
+static bool is_known_to_be_over(const gi_context *gi)
+{
+	uint32_t groups = 1;
+	if (gi->gpu.software)
+		gpu_buffer_read(&gi->gpu, &gi->state, sizeof groups * GI_STATE_ARGS_CHECK, sizeof groups, &groups);
+	return !groups;
 }
 
 /* Does anything shine? Without light B is 0, which Jacobi from a bright start would near for ever: it starts from B =
@@ -137,8 +145,10 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 	gpu_set_uint(&gi->gpu, s->check_program, CHECK_MAX_SWEEPS, sweeps);
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
 	gpu_set_uint(&gi->gpu, s->check_program, CHECK_STAGE, STAGE_SWEPT);
-	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
+	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS && !is_known_to_be_over(gi); k++)
 		sweep(gi, k < WEIGHED_SWEEPS && stage == STAGE_BEGIN);
+	gpu_dispatch(&gi->gpu, s->pull_program, gi->scene.node_count);
+	gpu_dispatch_groups(&gi->gpu, s->wide_program, gi->scene.wide_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 

@@ -187,8 +187,11 @@ static bool build_both(gi_scene *s, uint32_t *slots, gi_bvh_node *scratch)
 	for (uint32_t k = 0; k < count; k++)
 		if (!s->objects[s->slots[slots[k]]].plane || !encloses(s, slots[k]))
 			slots[inner++] = slots[k];
-	s->tlas_inner = inner ? 2 * inner - 1 : 0;
-	return build(s, slots, inner, s->tlas_count, scratch);
+	/* Mostly all of them: then one tree is both. */
+	s->tlas_inner = inner && inner < count ? 2 * inner - 1 : 0;
+	s->tlas_inner_first = inner < count ? s->tlas_count : 0;
+	s->tlas_inner_end = inner < count ? s->tlas_count + s->tlas_inner : s->tlas_all;
+	return inner == count || build(s, slots, inner, s->tlas_count, scratch);
 }
 
 gi_result tlas_upload(gi_context *gi)

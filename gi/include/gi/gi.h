@@ -457,6 +457,7 @@ typedef struct gi_report {
 	uint64_t flagged_entries; /* at rest, but retested since a mover may have changed them */
 	uint64_t dirty_entries;   /* new_entries + flagged_entries */
 	uint64_t dirty_rows;      /* rows with at least one of those */
+	uint64_t closed_rows;     /* rows of which something that is seen is other than it was: summed and closed again */
 	uint64_t rays;
 
 	uint64_t waiting_rows;    /* under a budget: not refreshed although something of them may have changed */

@@ -1,0 +1,283 @@
+// The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse
+// where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
+// source object, w first leaf), or under a budget of the chosen leaves times all objects.
+//
+// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries; else of all others. Apart,
+// for software renderers run both sides of a branch.
+#define READ_FRAME
+#define READ_OBJECTS
+#define READ_SPREAD
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_WORLD
+#define READ_LEAVES
+#define READ_SEGMENTS
+#define READ_RUNS
+#define READ_ROWS
+#define READ_CHOICES
+#define WRITE_SEGMENTS
+#define WRITE_ENTRIES
+#define WRITE_TARGETS
+#define WRITE_QUEUE
+#define WRITE_TOUCHED
+#define WRITE_STATE
+#define WRITE_ENTRY_POOL
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "changed.glsl"
+#include "chosen.glsl"
+#include "facing.glsl"
+#include "spread.glsl"
+#define POOL entry_pool
+#include "pool.glsl"
+#include "touched.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+
+const float PI = 3.14159265358979;
+
+const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
+
+// A cluster of less area than this share of its radius squared (a square has 2 of it) has gaps; taken as a point from within
+// this many radii it is off by more than 5 %.
+const float SPARSE = 0.35;
+const float SPARSE_NEAR = 4.0;
+
+// From within this many radii the middle of a node that is seen along it says little of its nearest part: of a floor from 5 cm
+// above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at most; it is refined
+// as if so much did.
+const float NEAR = 1.5;
+const float ALONG = 0.25;
+
+// Nor are several walls like anything at their middle: an open surface whose normals are farther apart than this cosine,
+// or what is flat and yet no quad.
+const float APART = 0.8;
+const float FLAT = 1.0 - 1e-6;
+
+gi_node_geometry geometry_of(uint node, bool same)
+{
+	// Pairs of one rigid object are computed in its rest frame: their cut does not change when it moves, to the
+	// bit.
+	if (same)
+		return load_rest(node);
+	return load_world(node);
+}
+
+uint classify_sky(shape p, gi_node_geometry g, uint flags)
+{
+	float height = dot(p.axis, g.sphere.xyz) + g.sphere.w + (p.cone < 0.0 ? 1.0 : sine_of(p.cone));
+	if (height <= 0.0)
+		return CUT_SKIP;
+	float estimate = g.moment.w * min(1.0, height) / PI;
+	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
+}
+
+// The object whose frame a node's spread is in; that of tops is the world, as their source's.
+uint object_of(uint source, uvec4 range)
+{
+	return source != frame.swept.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
+}
+
+uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
+{
+	uint flags = range.w;
+	if ((flags & GI_NODE_SKY) != 0u)
+		return classify_sky(p, g, flags);
+	facing f = facing_of(p, g, flags);
+	if (f.unseen)
+		return CUT_SKIP;
+	if ((flags & GI_NODE_LEAF) != 0u)
+		return CUT_TAKE;
+	float d = f.d;
+	// Nor anything where the two face each other, a hair apart.
+	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
+	if (d < max(g.sphere.w, reach))
+		return CUT_REFINE;
+	bool near = f.faced < ALONG * d && d < NEAR * g.sphere.w;
+	float shown = g.moment.w * min(1.0, f.faced / d);
+	if (g.axis.w < FLAT_CONE) {
+		vec3 view = f.to / -d;
+		vec2 sides = shown_area(load_spread(node), g.moment, view, same ? view : rest_direction_from_world(object_of(source, range), view));
+		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
+	}
+	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
+	// Of lamps what they show counts, so that rows of them seen edge-on are refined too.
+	float area = (flags & GI_NODE_EMITTER) != 0u ? shown : g.moment.w;
+	bool sparse = area < SPARSE * g.sphere.w * g.sphere.w;
+	bool walls = ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
+	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
+		return CUT_REFINE;
+	if (near)
+		shown = max(shown, ALONG * g.moment.w);
+	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
+	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
+	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
+	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
+}
+
+// What closing wants to know of a node, kept with the entry.
+uint kind_of(uint flags)
+{
+	return ((flags & GI_NODE_EMITTER) != 0u ? GI_ENTRY_EMITTER : 0u) | ((flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? GI_ENTRY_EXACT : 0u);
+}
+
+// What a row has of the static ones while that is brought up to date: entries [next, end), in the order of the cut.
+struct old_part {
+	uint next, end;
+	uint since; // the update that refreshed the row
+};
+
+// Is a node, or something below it, another than when the row was refreshed?
+bool is_fresh(uvec4 range, uint node, uint since)
+{
+	if ((range.w & GI_NODE_TOP) != 0u)
+		return load_corners(node).y > since;
+	uvec4 changed = object_changed(load_leaf(range.y).y);
+	return max(changed.x, changed.y) > since;
+}
+
+// To the next entry that is there, at or after a node.
+void pass_over(inout old_part old, uint node)
+{
+	while (old.next < old.end && (entries[old.next].x < node || (entries[old.next].w & GI_ENTRY_GONE) != 0u))
+		old.next++;
+}
+
+struct cut_size {
+	uint nodes, fresh; // how many there are, and of them those that the row had not
+};
+
+// Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that are not
+// fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is overwritten
+// before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
+cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room, old_part old, uint queued)
+{
+	uvec4 nodes = object_nodes(source);
+	cut_size size = cut_size(0u, 0u);
+	bool keeps = KEEPS == 1 && old.end > old.next;
+	for (uint n = nodes.x; n < nodes.y;) {
+		uvec4 range = load_range(n);
+#if KEEPS
+		pass_over(old, n);
+#endif
+		if (KEEPS == 1 && old.next < old.end && entries[old.next].x < range.x && !is_fresh(range, n, old.since)) {
+			for (; old.next < old.end && entries[old.next].x < range.x; pass_over(old, n)) {
+				if (size.nodes < room && old.next != at + size.nodes) {
+					entries[at + size.nodes] = entries[old.next];
+					targets[at + size.nodes] = targets[old.next];
+				}
+				size.nodes++;
+				old.next++;
+			}
+			n = range.x;
+			continue;
+		}
+		uint verdict = classify(p, geometry_of(n, same), range, n, source, same);
+		if (verdict == CUT_TAKE) {
+			// The form factor and the visibility come from the passes that follow; one sample is what most take. It
+			// is no entry that a mover may have changed.
+			if (size.nodes < room) {
+				entries[at + size.nodes] = uvec4(n, 0u, GI_BLOCKER_NONE << 16u, leaf | (1u << GI_ENTRY_SAMPLE_SHIFT) | kind_of(range.w));
+				if (keeps && queued + size.fresh < frame.limits.y)
+					queue[queued + size.fresh] = at + size.nodes;
+			}
+			size.nodes++;
+			size.fresh++;
+		}
+		n = verdict == CUT_REFINE ? n + 1u : range.x;
+	}
+	return size;
+}
+
+// Makes room for `count` entries before those of a block that has it.
+void shift(inout old_part old, uint count)
+{
+	for (uint k = old.end; k > old.next; k--) {
+		entries[k - 1u + count] = entries[k - 1u];
+		targets[k - 1u + count] = targets[k - 1u];
+	}
+	old.next += count;
+	old.end += count;
+}
+
+// Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
+uvec2 pair_of(uint t)
+{
+	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
+		uint count = state[GI_STATE_CHOSEN];
+		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count) : uvec2(GI_NONE);
+	}
+	if (t >= frame.work.w)
+		return uvec2(GI_NONE);
+	uvec4 run = find_run(frame.work.x, frame.work.z, t);
+	return uvec2(run.w + (t - run.x), run.z);
+}
+
+void main()
+{
+	uvec2 pair = pair_of(thread_number());
+	uint leaf = pair.x, source = pair.y;
+	if (leaf == GI_NONE)
+		return;
+	uvec4 receiver = load_leaf(leaf);
+	uint mine = receiver.y;
+	bool anew = (frame.update.w & GI_UPDATE_REBUILD) != 0u;
+	uint since = load_row(leaf).z;
+	if ((!anew && !pair_is_dirty(mine, source, since)) || (!anew && pair_keeps_nodes(mine, source, since)) != (KEEPS == 1))
+		return;
+	bool same = mine == source;
+	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
+	bool unseen = ((object_bvh(mine).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
+	uint slot = segment_of(leaf, source);
+	uvec2 block = load_segment(slot).xy;
+	uint old_count = block.y & GI_BLOCK_COUNT_MASK, queued = 0u;
+	bool keeps = KEEPS == 1 && !unseen && old_count > 0u;
+	old_part old = old_part(block.x, keeps ? block.x + old_count : block.x, since);
+	cut_size size = cut_size(0u, 0u);
+	// Walked again where the block turns out not to fit, above all the first time, and where entries are kept: first to see
+	// how many come. One place that walks, takes and writes: every call is put in line, and compilers take their time
+	// with copies.
+	bool counts = keeps;
+	for (bool again = true; again;) {
+		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
+		uint room = has && !counts ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
+		if (!unseen)
+			size = write_cut(p, leaf, source, same, block.x, room, old, queued);
+		if (keeps && !counts)
+			break;
+		if (counts && size.fresh == 0u && size.nodes == old_count)
+			return; // nothing of it changed
+		uint needed = keeps && size.nodes > 0u ? old_count + size.fresh : size.nodes;
+		uvec2 fitting = fit_block(block, needed);
+		bool full = fitting.x == GI_NONE; // then what there is room for is kept
+		again = !full && (counts || fitting != block) && size.nodes > 0u;
+		if (keeps && again) {
+			if (fitting == block)
+				shift(old, size.fresh);
+			queued = atomicAdd(state[GI_STATE_NEW], size.fresh);
+		}
+		size.nodes = full ? min(size.nodes, room) : size.nodes;
+		block = full ? block : fitting;
+		counts = false;
+	}
+	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | size.nodes);
+
+	if (size.nodes != old_count)
+		atomicAdd(state[GI_STATE_ENTRIES], size.nodes - old_count);
+	if (size.nodes + old_count > 0u)
+		note_dirty(leaf, max(size.fresh, 1u));
+	// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum of form factors.
+	bool was_seen = old_count > 0u && uintBitsToFloat(load_segment(slot).z) > 0.0;
+	if (was_seen || (size.nodes > 0u && (load_range(object_nodes(source).x).w & GI_NODE_EMITTER) != 0u))
+		note_changed(leaf);
+	if (size.nodes == 0u)
+		return;
+	if (!keeps)
+		queued = atomicAdd(state[GI_STATE_NEW], size.nodes);
+	if (queued + size.fresh > frame.limits.y) {
+		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+		return;
+	}
+	for (uint k = 0u; k < size.nodes && !keeps; k++)
+		queue[queued + k] = block.x + k;
+}
