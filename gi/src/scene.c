@@ -207,6 +207,7 @@ static void free_arrays(gi_scene *s)
 {
 	free(s->slots);
 	free(s->tops);
+	free(s->changed_slots);
 	free(s->object_data);
 	free(s->topology);
 	free(s->node_exitance);
@@ -294,23 +295,23 @@ gi_result scene_upload_changes(gi_context *gi)
 void scene_bind(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
-	gpu_bind(GI_BIND_OBJECTS, &s->objects_gpu);
-	gpu_bind(GI_BIND_TOPOLOGY, &s->topology_gpu);
-	gpu_bind(GI_BIND_REST, &s->rest_gpu);
-	gpu_bind(GI_BIND_SPREAD, &s->spread_gpu);
-	gpu_bind(GI_BIND_WORLD, &s->world_gpu);
-	gpu_bind(GI_BIND_VERTICES_REST, &s->vertices_rest_gpu);
-	gpu_bind(GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu);
-	gpu_bind(GI_BIND_LEAVES, &s->leaves_gpu);
-	gpu_bind(GI_BIND_MATERIALS, &s->materials_gpu);
-	gpu_bind(GI_BIND_BVH, &s->bvh_gpu);
-	gpu_bind(GI_BIND_PRIMITIVES, &s->primitives_gpu);
-	gpu_bind(GI_BIND_TLAS, &s->tlas_gpu);
-	gpu_bind(GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu);
-	gpu_bind(GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu);
-	gpu_bind(GI_BIND_WIDE_NODES, &s->wide_nodes_gpu);
-	gpu_bind(GI_BIND_LIGHT_LINKS, &s->light_links_gpu);
-	gpu_bind(GI_BIND_LIGHT_FIRST, &s->light_first_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_OBJECTS, &s->objects_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_TOPOLOGY, &s->topology_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_REST, &s->rest_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_SPREAD, &s->spread_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_WORLD, &s->world_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_VERTICES_REST, &s->vertices_rest_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LEAVES, &s->leaves_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_MATERIALS, &s->materials_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_BVH, &s->bvh_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_PRIMITIVES, &s->primitives_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_TLAS, &s->tlas_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_WIDE_NODES, &s->wide_nodes_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LIGHT_LINKS, &s->light_links_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LIGHT_FIRST, &s->light_first_gpu);
 }
 
 void scene_release(gi_context *gi, gi_scene *s)
