@@ -40,6 +40,10 @@ const float FACTOR_ERROR_DISC = 0.1;
 // a Beta(0.1, 0.1) prior gives for one sample).
 const float UNSEEN = 0.3;
 
+// How much of that doubt is by the entry itself; the rest is by those before it, fading. Entries side by side are of what lies
+// side by side: a wall that all rays see is not doubted because another one of its object is hidden behind it.
+const float NEXT = 0.125;
+
 // Newton's steps on the correction; each ends at an entry's limit or at the sum, so they are few.
 const uint CLOSE_STEPS = 16u;
 const float CLOSE_ENOUGH = 1e-5;
@@ -91,16 +95,22 @@ float factor_variance(uvec4 e)
 	return error * error;
 }
 
-// Of V from its own samples. What they cannot tell, above all a single one, the other samples of the segment do:
-// `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
+// Of the samples up to an entry's, those near it most, the share that see their object; for the first that of all the segment.
+float share_up_to(uvec4 e, float before)
+{
+	return mix(before, float(seen_of(e)) / max(float(samples_of(e)), 1.0), NEXT);
+}
+
+// Of V from its own samples. What they cannot tell, above all a single one, the samples of entries beside it do: `share` of
+// them see their object, and one of a wall that a hundred rays see is hardly hidden.
 float visibility_variance(float v, float per_sample, float share)
 {
 	return per_sample * (v * (1.0 - v) + UNSEEN * share * (1.0 - share) * per_sample);
 }
 
 // Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where no
-// ray of its own saw it, as far as the segment's do. What is lowered when a ray sees it and not raised when the ray misses
-// makes all that shines too bright.
+// ray of its own saw it, as far as those of the patches before it do. What is lowered when a ray sees it and not raised when
+// the ray misses makes all that shines too bright.
 visible_entry read_entry(uvec4 e, float share, bool dark_sky)
 {
 	float seen = float(seen_of(e)), f = uintBitsToFloat(e.y);
@@ -168,6 +178,7 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
+			share = share_up_to(e, share);
 			visible_entry v = read_entry(e, share, s == frame.inner.z);
 			if (v.most <= 0.0)
 				continue;
@@ -192,6 +203,7 @@ float write_links(uint leaf, uint at, correction c, float scale)
 		float share = uintBitsToFloat(segments[slot].z);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
+			share = share_up_to(e, share);
 			float weight = scale * corrected(read_entry(e, share, s == frame.inner.z), c);
 			uint target = load_target(k);
 			if (weight <= 0.0 || !carries_light(e, target))

@@ -49,6 +49,12 @@ const uvec2 ORDER = uvec2(0xf653c9a0u, 0xe4d1b278u);
 // ray would be raised by half.
 const float COARSE_SKY = 0.15;
 
+// A larger form factor than this has more of them, in proportion, up to so many times as many: there are few such entries, and
+// where they leave little for others, as below a block close above a floor, what is left is known by how well they are.
+const float LARGE = 0.04;
+const float MOST_LARGE = 4.0;
+const float MOST_SAMPLES = 16.0; // a bit each in an entry
+
 // A point of a source that is not small next to its distance brings the more light the nearer it is, and is the more
 // seldom hidden; so V is wanted of the light, not of the area. Of so many segments one is traced, drawn in proportion to
 // what they carry.
@@ -140,7 +146,8 @@ void main()
 	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
 	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
 	// tolerance.
-	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, float(frame.limits.z)));
+	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
+	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
 	bool dark_sky = p.sky && frame.misc.w == 0u;
 	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
 	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;

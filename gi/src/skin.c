@@ -10,6 +10,7 @@
 
 #include "bits.h"
 #include "bvh.h"
+#include "skin_hanging.h"
 #include "vec3d.h"
 
 #include <math.h>
@@ -36,8 +37,9 @@ typedef struct skinner {
 	const gi_hierarchy *h;
 	const uint8_t *parted; /* as gi_refined has it; NULL: none */
 	gi_skin *out;
-	uint32_t *group;       /* per corner: another corner of its group, or itself */
-	uint32_t *light;       /* per corner: its light vertex */
+	uint32_t *group; /* per corner: another corner of its group, or itself */
+	uint32_t *light; /* per corner: its light vertex */
+	gi_hanging_list hanging;
 	uint32_t *first_drawn; /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
 	uint32_t *next_drawn;  /* per drawn vertex: the next one at the same place */
 } skinner;
@@ -86,12 +88,6 @@ static gi_vec3d unit_or(gi_vec3d v, gi_vec3d otherwise)
 
 /* ---- light vertices ---- */
 
-/* An edge of a leaf: it goes from the vertex of `corner` to that of the next corner. */
-typedef struct edge {
-	uint32_t low, high; /* its vertices in order of number */
-	uint32_t corner;
-} edge;
-
 static uint32_t group_of(uint32_t *group, uint32_t corner)
 {
 	while (group[corner] != corner) {
@@ -109,21 +105,21 @@ static void join(uint32_t *group, uint32_t a, uint32_t b)
 	group[a > b ? a : b] = a > b ? b : a;
 }
 
-static uint32_t list_edges(const gi_hierarchy *h, edge *edges)
+static uint32_t list_edges(const gi_hierarchy *h, gi_skin_edge *edges)
 {
 	uint32_t count = 0;
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
 		const quad q = leaf_quad(h, leaf);
 		for (uint32_t k = 0; k < q.count; k++) {
 			const uint32_t a = q.v[k], b = q.v[(k + 1) % q.count];
-			edges[count++] = (edge){a < b ? a : b, a < b ? b : a, 4 * leaf + k};
+			edges[count++] = (gi_skin_edge){a < b ? a : b, a < b ? b : a, 4 * leaf + k};
 		}
 	}
 	return count;
 }
 
 /* One pass of a stable counting sort; first by `high`, then by `low`. `offsets` holds vertex_count + 1. */
-static void sort_edges(const edge *from, edge *to, uint32_t count, bool by_low, uint32_t *offsets,
+static void sort_edges(const gi_skin_edge *from, gi_skin_edge *to, uint32_t count, bool by_low, uint32_t *offsets,
 		       uint32_t vertex_count)
 {
 	for (uint32_t i = 0; i <= vertex_count; i++)
@@ -137,7 +133,7 @@ static void sort_edges(const edge *from, edge *to, uint32_t count, bool by_low, 
 }
 
 /* The corner of an edge's leaf at the edge's lower or higher vertex. */
-static uint32_t end_corner(const gi_hierarchy *h, const edge *e, bool low)
+static uint32_t end_corner(const gi_hierarchy *h, const gi_skin_edge *e, bool low)
 {
 	const quad q = leaf_quad(h, e->corner / 4);
 	const uint32_t k = e->corner % 4;
@@ -145,12 +141,12 @@ static uint32_t end_corner(const gi_hierarchy *h, const edge *e, bool low)
 	return here ? e->corner : e->corner - k + (k + 1) % q.count;
 }
 
-static bool is_parted(const skinner *s, const edge *e)
+static bool is_parted(const skinner *s, const gi_skin_edge *e)
 {
 	return s->parted && s->parted[s->h->leaf_face[e->corner / 4]] >> (e->corner % 4) & 1;
 }
 
-static void join_across(skinner *s, const edge *a, const edge *b, double least_cosine)
+static void join_across(skinner *s, const gi_skin_edge *a, const gi_skin_edge *b, double least_cosine)
 {
 	const gi_hierarchy *h = s->h;
 	uint32_t *group = s->group;
@@ -167,8 +163,8 @@ static bool join_corners(skinner *s, double least_cosine)
 {
 	const gi_hierarchy *h = s->h;
 	bool enough = true;
-	edge *edges = allocate(4 * (size_t)h->leaf_count, sizeof *edges, &enough);
-	edge *sorted = allocate(4 * (size_t)h->leaf_count, sizeof *sorted, &enough);
+	gi_skin_edge *edges = allocate(4 * (size_t)h->leaf_count, sizeof *edges, &enough);
+	gi_skin_edge *sorted = allocate(4 * (size_t)h->leaf_count, sizeof *sorted, &enough);
 	uint32_t *offsets = allocate(h->vertex_count, sizeof *offsets, &enough);
 	if (enough) {
 		const uint32_t count = list_edges(h, edges);
@@ -180,6 +176,7 @@ static bool join_corners(skinner *s, double least_cosine)
 			for (uint32_t j = i + 1;
 			     j < count && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++)
 				join_across(s, &edges[i], &edges[j], least_cosine);
+		enough = gi_skin_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging);
 	}
 	free(edges);
 	free(sorted);
@@ -253,13 +250,14 @@ static bool make_lights(skinner *s, double least_cosine)
 	if (enough)
 		fill_lights(s, filled);
 	free(filled);
-	return enough;
+	return enough && gi_skin_hang_lights(&s->hanging, s->light, s->h->leaf_count, s->out);
 }
 
 static void free_skinner(skinner *s)
 {
 	free(s->group);
 	free(s->light);
+	free(s->hanging.items);
 	free(s->first_drawn);
 	free(s->next_drawn);
 }

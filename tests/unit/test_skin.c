@@ -2,6 +2,7 @@
 #include "cages.h"
 
 #include "skin.h"
+#include "split.h"
 
 #include <stdlib.h>
 
@@ -193,6 +194,83 @@ static void light_does_not_go_round_the_edges_of_a_box(void **state)
 		light[leaf] = s.h.geometry[s.h.leaf_node[leaf]].axis.z > 0.5f;
 	for (uint32_t i = 0; i < s.skin.vertex_count; i++)
 		CHECK_NEAR(shade(&s.skin, i, light), s.skin.vertices[i].normal[2] > 0.5f, 1e-6);
+	free(light);
+	free_skinned(&s);
+}
+
+/* The drawn vertex in a place; all that are there have one light where nothing parts it. */
+static uint32_t drawn_at(const gi_skin *skin, const gi_vec4 *place)
+{
+	for (uint32_t i = 0; i < skin->vertex_count; i++)
+		if (skin->vertices[i].position[0] == place->x && skin->vertices[i].position[1] == place->y &&
+		    skin->vertices[i].position[2] == place->z)
+			return i;
+	fail_msg("no vertex is drawn at %g %g %g", (double)place->x, (double)place->y, (double)place->z);
+	return 0;
+}
+
+typedef struct steps {
+	double largest; /* of the light along edges of leaves, where vertices of others lie on them */
+	uint32_t count; /* of such vertices */
+} steps;
+
+static void look_along(const skinned *s, const double *light, const gi_vec4 *a, const gi_vec4 *b, steps *out)
+{
+	const double ab[3] = {(double)b->x - a->x, (double)b->y - a->y, (double)b->z - a->z};
+	const double at_a = shade(&s->skin, drawn_at(&s->skin, a), light),
+		     at_b = shade(&s->skin, drawn_at(&s->skin, b), light);
+	for (uint32_t v = 0; v < s->h.vertex_count; v++) {
+		const gi_vec4 *m = &s->h.vertices[v];
+		const double am[3] = {(double)m->x - a->x, (double)m->y - a->y, (double)m->z - a->z};
+		const double length2 = ab[0] * ab[0] + ab[1] * ab[1] + ab[2] * ab[2],
+			     share = (ab[0] * am[0] + ab[1] * am[1] + ab[2] * am[2]) / length2;
+		double off2 = 0;
+		for (int c = 0; c < 3; c++)
+			off2 += pow(am[c] - share * ab[c], 2);
+		if (share < 1e-4 || share > 1 - 1e-4 || off2 > 1e-10 * length2)
+			continue;
+		out->count++;
+		out->largest = fmax(out->largest, fabs(shade(&s->skin, drawn_at(&s->skin, m), light) -
+						       (at_a * (1 - share) + at_b * share)));
+	}
+}
+
+/* Cuts that end within a face leave leaves of other sizes beside each other: light goes on across all the same. */
+static void light_has_no_step_where_leaves_hang(void **state)
+{
+	(void)state;
+	static const gi_leaf_cut cuts[] = {{0, {1.1f, .6f, 0}, {2.3f, .6f, 0}, false},
+					   {0, {1.1f, .6f, 0}, {1.1f, 2.2f, 0}, false},
+					   {0, {2.9f, 2.6f, 0}, {3.7f, 3.3f, 0}, false}};
+	test_cage t;
+	skinned s = {0};
+	char message[256];
+	cage_begin(&t, GI_REFINE_BILINEAR);
+	cage_face(&t, 4,
+		  (uint32_t[]){cage_vertex(&t, 0, 0, 0), cage_vertex(&t, 4, 0, 0), cage_vertex(&t, 4, 4, 0),
+			       cage_vertex(&t, 0, 4, 0)});
+	assert_true(gi_split(&t.cage, &(gi_split_def){.leaf_size = .9f, .cuts = cuts, .cut_count = 3}, &s.coarse,
+			     message, sizeof message));
+	assert_true(gi_hierarchy_build(&s.coarse, &s.h, NULL, 0));
+	assert_true(gi_skin_from_surface(&s.h, &s.coarse, NULL, 0, &s.skin));
+	check_skin(&s.h, &s.skin);
+	double *light = calloc(s.h.leaf_count, sizeof *light);
+	assert_non_null(light);
+	for (uint32_t leaf = 0; leaf < s.h.leaf_count; leaf++)
+		light[leaf] = (double)(leaf * 7919u % 97u) / 97;
+	steps seen = {0};
+	for (uint32_t leaf = 0; leaf < s.h.leaf_count; leaf++) {
+		const gi_uvec4 c = s.h.topology[s.h.leaf_node[leaf]].corners;
+		const uint32_t v[5] = {c.x, c.y, c.z, c.w, c.x};
+		for (int k = 0; k < 4; k++)
+			if (v[k] != v[k + 1])
+				look_along(&s, light, &s.h.vertices[v[k]], &s.h.vertices[v[k + 1]], &seen);
+	}
+	printf("%u leaves, %u corners hang on edges of others, steps of at most %.2g\n", s.h.leaf_count, seen.count,
+	       seen.largest);
+	assert_true(seen.count >= 4);
+	assert_true(seen.largest <=
+		    5e-4); /* a ring of corners that hang on each other's edges is not followed for ever */
 	free(light);
 	free_skinned(&s);
 }
@@ -430,6 +508,7 @@ int main(void)
 	    cmocka_unit_test(a_linear_light_is_drawn_linear),
 	    cmocka_unit_test(constant_light_stays_constant),
 	    cmocka_unit_test(light_does_not_go_round_the_edges_of_a_box),
+	    cmocka_unit_test(light_has_no_step_where_leaves_hang),
 	    cmocka_unit_test(surfaces_that_only_touch_share_no_light),
 	    cmocka_unit_test(smooth_surfaces_share_their_vertices),
 	    cmocka_unit_test(finer_levels_must_be_of_the_same_cage),

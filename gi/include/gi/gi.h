@@ -141,7 +141,8 @@ typedef struct gi_context_def {
 				    * the scene's area: not at all finer from a half on; >= 1, default 20 */
 	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
 
-	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; 1..16, default 4 */
+	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; up to four times as many, 16
+				    * at most, where it exceeds 0.04; 1..16, default 4 */
 
 	/* When the solve stops: it is certain that at every leaf, channel by channel, B is off by at most solve_tolerance *
 	 * (R + largest R / 100000). R = B - E is the light that the leaf reflects, the largest that of all leaves: what lamps
