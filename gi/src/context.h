@@ -2,7 +2,8 @@
  *
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c,
+ *     -> handles.c                                the list of objects
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: object.c, hierarchy.c, refine.cpp, split.c,
  *                                                 bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
@@ -72,7 +73,8 @@ typedef struct scene_top {
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
-	uint32_t object_count; /* places, dead ones too */
+	uint32_t object_count; /* places, dead ones too; there is room for the next power of two */
+	uint32_t first_free;   /* no place below it is */
 	uint64_t created_count; /* objects ever created */
 	uint32_t next_leaf_id, next_node_id;
 	bool ever_committed;
@@ -196,13 +198,31 @@ gi_result gi_fail_null(const gi_context *gi, const char *what);
 /* GI_ERROR_WRONG_CONTEXT, and a line, unless the OpenGL context is current that gi was created in. */
 gi_result gi_check_current(const gi_context *gi, const char *function);
 
-/* object.c */
+/* handles.c */
+struct gi_prepared_object {
+	scene_object object;
+};
+
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
-void scene_free_object(scene_object *object);
+/* On any thread. */
+gi_result scene_prepare_object(const gi_log *log, const gi_object_def *def, gi_prepared_object **out);
+/* Frees it where all went well. */
+gi_result scene_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out);
+void scene_free_place(gi_scene *scene, scene_object *object); /* the object too */
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
+
+/* object.c: nothing of it writes to what threads share. */
+/* For whom an object is built: a context whose renderer has to hold it, or NULL, on any thread. */
+typedef struct object_builder {
+	const gi_log *log;
+	gi_context *gi;
+} object_builder;
+
+gi_result scene_build_object(const object_builder *builder, const gi_object_def *def, scene_object *out);
+void scene_free_object(scene_object *object);
 bool scene_emits(const gi_material *material);
-bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
+bool scene_material_is_valid(const gi_log *log, const gi_material *material, const char *object, uint32_t index);
 /* Lengths and places of objects, metres, and exitance, W/m2, are at most this: B and area times B stay in the range of
  * floats with every rho below 1, and so do the products of three lengths that rays take. */
 #define SCENE_MAX_LENGTH 1e9f
@@ -210,13 +230,13 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *material, 
 /* Products of three lengths end here at the lower end. */
 #define SCENE_MIN_AREA 1e-24f
 /* Whether the library takes the definition, but for what refining it shows. */
-gi_result scene_check_def(const gi_context *gi, const gi_object_def *def);
+gi_result scene_check_def(const gi_log *log, const gi_object_def *def);
 /* About how many leaves an object would have; or exactly, by splitting its faces, false: memory ran out. */
 double scene_estimate_leaves(const gi_object_def *def);
 bool scene_count_leaves(const gi_object_def *def, uint64_t *count);
 /* A size in two digits, not less than it. */
 double scene_rounded_size(double size);
-bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
+bool scene_normalise_pose(const gi_log *log, gi_pose *pose, const char *object);
 
 /* scene.c */
 bool scene_is_alive(const scene_object *object);

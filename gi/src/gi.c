@@ -238,6 +238,30 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 	return scene_create_object(gi, def, out);
 }
 
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out)
+{
+	const gi_log log = {.message = message, .user = user};
+	if (out)
+		*out = NULL;
+	if (!def || !out)
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_prepare_object: def and out must not be NULL");
+	if (def->internal != OBJECT_COOKIE)
+		return gi_fail(&log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
+	return scene_prepare_object(&log, def, out);
+}
+
+gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out)
+{
+	if (out)
+		*out = (gi_object){0};
+	if (!gi || !prepared || !*prepared || !out)
+		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
+	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	if (!result)
+		*prepared = NULL;
+	return result;
+}
+
 static gi_result stale(const gi_context *gi, const char *function)
 {
 	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE, "%s: the object was destroyed or never created",
@@ -256,7 +280,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 	o->moved = o->relit = o->material_changed = true;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
-		scene_free_object(o);
+		scene_free_place(&gi->scene, o);
 	return GI_OK;
 }
 
@@ -298,7 +322,7 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
-	if (!scene_normalise_pose(gi, &pose, o->name))
+	if (!scene_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	if (memcmp(&pose, &o->pose, sizeof pose) == 0)
 		return GI_OK;
@@ -348,7 +372,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s' has %u materials, there is no number %u", o->name, o->material_count,
 			       material);
-	if (!scene_material_is_valid(gi, &value, o->name, material))
+	if (!scene_material_is_valid(&gi->gpu.log, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)
@@ -392,7 +416,7 @@ static void forget_dead_objects(gi_context *gi)
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
 		if (!(o->generation & 1) && o->committed)
-			scene_free_object(o);
+			scene_free_place(&gi->scene, o);
 	}
 }
 

@@ -6,7 +6,6 @@
  */
 #include "bits.h"
 #include "context.h"
-#include "overlap.h"
 #include "pack.h"
 #include "rank.h"
 #include "statics.h"
@@ -204,23 +203,6 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 	}
 }
 
-/* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
-static bool is_plane(const gi_hierarchy *h)
-{
-	const gi_vec4 axis = h->geometry[0].axis, centre = h->geometry[0].sphere;
-	if (axis.w < 0.999999f)
-		return false;
-	for (uint32_t k = 0; k < h->vertex_count; k++) {
-		const gi_vec4 v = h->vertices[k];
-		const double height = (double)axis.x * ((double)v.x - centre.x) +
-				      (double)axis.y * ((double)v.y - centre.y) +
-				      (double)axis.z * ((double)v.z - centre.z);
-		if (fabs(height) > 1e-6 * centre.w)
-			return false;
-	}
-	return true;
-}
-
 /* Their areas are summed up along the object, so that rays can end on its leaves by area. */
 static void gather_leaves(gathered *g, const scene_object *o)
 {
@@ -302,8 +284,6 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
-		o->plane = is_plane(&o->hierarchy);
-		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
@@ -420,6 +400,20 @@ static bool wants_sky(const gi_context *gi)
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
 }
 
+/* What a commit does not make anew. */
+static void keep_objects(const gi_scene *from, gi_scene *to)
+{
+	to->objects = from->objects;
+	to->object_count = from->object_count;
+	to->first_free = from->first_free;
+	to->created_count = from->created_count;
+	to->statics_update = from->statics_update;
+	to->statics_changed = from->statics_changed;
+	to->next_leaf_id = from->next_leaf_id;
+	to->next_node_id = from->next_node_id;
+	to->ever_committed = from->ever_committed;
+}
+
 /* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
 static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
 {
@@ -442,14 +436,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 			       "a larger leaf_size",
 			       g->next.leaf_count, g->next.slot_count, (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
 	const bool ready = allocate_all(g);
-	g->next.objects = s->objects;
-	g->next.object_count = s->object_count;
-	g->next.created_count = s->created_count;
-	g->next.statics_update = s->statics_update;
-	g->next.statics_changed = s->statics_changed;
-	g->next.next_leaf_id = s->next_leaf_id;
-	g->next.next_node_id = s->next_node_id;
-	g->next.ever_committed = s->ever_committed;
+	keep_objects(s, &g->next);
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -577,14 +564,8 @@ gi_result scene_upload(gi_context *gi)
 	}
 	if (gi->scene.object_count)
 		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * gi->scene.object_count);
-	gi->scene = (gi_scene){.objects = before.scene.objects,
-			       .object_count = before.scene.object_count,
-			       .created_count = before.scene.created_count,
-			       .statics_update = before.scene.statics_update,
-			       .statics_changed = before.scene.statics_changed,
-			       .next_leaf_id = before.scene.next_leaf_id,
-			       .next_node_id = before.scene.next_node_id,
-			       .ever_committed = before.scene.ever_committed};
+	gi->scene = (gi_scene){0};
+	keep_objects(&before.scene, &gi->scene);
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
 	gi_result result = upload_scene(gi, &g, old, &old_count);
