@@ -26,6 +26,7 @@ layout(location = 3) uniform uint slots;     // and now
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
 layout(location = 5) uniform uint old_first; // the first source before
 layout(location = 6) uniform uint new_first; // and now
+layout(location = 7) uniform uint nodes;     // 1: nodes of objects that stay have other numbers
 
 // The object before that a leaf was of, or with `node` a node of one.
 uint slot_of(uint number, bool node)
@@ -129,7 +130,8 @@ void main()
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	uint went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
-		stay = move_links(row);
+		// Links to what went are of segments that went with it.
+		stay = nodes != 0u || went > 0u ? move_links(row) : links_before;
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
 		row.w |= went > 0u ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;

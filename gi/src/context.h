@@ -16,6 +16,7 @@
 #ifndef GI_CONTEXT_H
 #define GI_CONTEXT_H
 
+#include "arena.h"
 #include "bvh.h"
 #include "costs.h"
 #include "gpu.h"
@@ -51,6 +52,7 @@ typedef struct scene_object {
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
 	gi_skin skin;
+	uint32_t *by_size; /* numbers of its primitives (rank.h) */
 
 	/* Place in the uploaded scene. */
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
@@ -91,6 +93,7 @@ typedef struct gi_scene {
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
+	gi_arena arrays; /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */
 	gi_node_topology *topology;  /* node_count, as uploaded */
 	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
@@ -169,6 +172,8 @@ struct gi_context {
 	gi_rows rows;
 	gi_rations rations;
 	gi_solver solver;
+	gi_arena spare_arrays; /* of the scene before, for the next one */
+	gi_arena passing;      /* what a step of a commit takes, one after the other */
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
@@ -252,12 +257,15 @@ void scene_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *uppe
 void scene_place_sky(gi_object_data *data);
 gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
+/* Of a node's flags, those that this sets. */
+#define SCENE_EMITTER_BITS (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
 /* Materials that changed; what emits is weighed again, which may relight others. */
 gi_result scene_upload_materials(gi_context *gi);
 gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
+void scene_retire(gi_context *gi, gi_scene *scene);  /* likewise, but their memory is kept for the next commit */
 void scene_free(gi_context *gi);
 
 /* emitters.c: how much finer what emits is cut. */
@@ -311,6 +319,7 @@ void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
 void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
+void rows_retire(gi_context *gi, gi_rows *rows);      /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);
 
 /* budget.c */
@@ -340,6 +349,7 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget);
 void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);
+void solver_retire(gi_context *gi, gi_solver *solver);
 
 /* estimate.c */
 gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */

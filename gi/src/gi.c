@@ -218,6 +218,7 @@ void gi_context_destroy(gi_context *gi)
 	free_programs(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
+	gpu_spares_free(&gi->gpu);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
 	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);

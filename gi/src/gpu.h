@@ -31,6 +31,7 @@ typedef struct gpu_buffer {
 	uint32_t name;
 	uint32_t texture; /* the same bytes, as texels of four words */
 	uint64_t size;    /* bytes; at least 16 once created */
+	uint64_t capacity; /* that it has room for */
 } gpu_buffer;
 
 /* As shaders count them (gi_shared.h). */
@@ -63,7 +64,8 @@ typedef struct gpu {
 	uint64_t tag;            /* what timers measure now: number of the update or picture, from 1 */
 	uint32_t dispatches;     /* since the counters were last zeroed */
 	uint64_t uploaded_bytes; /* likewise */
-	uint64_t buffer_bytes;   /* of all live buffers */
+	uint64_t buffer_bytes;   /* of all live buffers, and of spares */
+	gpu_buffer spares[GPU_BINDINGS]; /* what gpu_buffer_retire kept */
 	char renderer[160];
 } gpu;
 
@@ -82,6 +84,12 @@ uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
  */
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
+/* The same for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
+ * binding, where that is enough and not far too much. */
+gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data);
+/* Keeps its memory for that; large ones are freed. */
+void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding);
+void gpu_spares_free(gpu *g);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
 void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
 /* All of it, a multiple of 16 bytes, to copies of four words. */

@@ -5,6 +5,7 @@
 #include "duplicates.h"
 #include "faces.h"
 #include "overlap.h"
+#include "rank.h"
 #include "split.h"
 
 #include <float.h>
@@ -278,6 +279,7 @@ void scene_free_object(scene_object *o)
 	free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
+	free(o->by_size);
 	gi_skin_free(&o->skin);
 	*o = (scene_object){.generation = o->generation,
 			    .leaf_id = o->leaf_id,
@@ -539,7 +541,8 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);
-		if (!gi_bvh_build(&o->hierarchy, &o->bvh) || !copy_values(o, def, name) ||
+		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? rank_by_size(&o->bvh) : NULL;
+		if (!o->by_size || !copy_values(o, def, name) ||
 		    !build_skin(def, cage, &refined, refined.level_count - 1, o))
 			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	}

@@ -147,12 +147,12 @@ gi_result rows_allocate_tables(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = gi->scene.leaf_count;
-	gi_result result =
-	    gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
+	const uint64_t table = sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene);
+	gi_result result = gpu_buffer_renew(g, &r->segments, GI_BIND_SEGMENTS, table, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
+		result = gpu_buffer_renew(g, &r->headers, GI_BIND_ROWS, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * leaves, NULL);
+		result = gpu_buffer_renew(g, &r->touched, GI_BIND_TOUCHED, sizeof(uint32_t) * leaves, NULL);
 	if (!result)
 		clear_rows(r);
 	return result;
@@ -715,6 +715,14 @@ void rows_release(gi_context *gi, gi_rows *r)
 	committed_buffers(r, list);
 	for (int k = 0; k < COMMITTED_BUFFERS; k++)
 		gpu_buffer_free(&gi->gpu, list[k]);
+}
+
+void rows_retire(gi_context *gi, gi_rows *r)
+{
+	gpu_buffer_retire(&gi->gpu, &r->segments, GI_BIND_SEGMENTS);
+	gpu_buffer_retire(&gi->gpu, &r->headers, GI_BIND_ROWS);
+	gpu_buffer_retire(&gi->gpu, &r->touched, GI_BIND_TOUCHED);
+	rows_release(gi, r);
 }
 
 void rows_free(gi_context *gi)

@@ -85,12 +85,13 @@ static void renumber(gi_context *gi, uint32_t first, uint32_t end, uint32_t bloc
 static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	bool blockers = false;
+	bool blockers = false, nodes = false;
 	uint32_t gone = 0; /* columns */
 	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
 		gone += slot >= m->first_source && (went(m, slot) || m->list[slot].now.x < gi->scene.first_source);
 		lost = lost || went(m, slot);
+		nodes = nodes || (!went(m, slot) && m->list[slot].now.z);
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
 	rows_bind(gi);
@@ -102,6 +103,7 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	gpu_set_uint(r->renumber_program, 4, blockers);
 	gpu_set_uint(r->renumber_program, 5, m->first_source);
 	gpu_set_uint(r->renumber_program, 6, gi->scene.first_source);
+	gpu_set_uint(r->renumber_program, 7, nodes);
 	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
 		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
 			;

@@ -68,18 +68,6 @@ static void gathered_free(gathered *g)
 	gi_hierarchy_free(&g->sky);
 	statics_free(&g->statics);
 	free(g->order);
-	free(g->rest);
-	free(g->spread);
-	free(g->vertices);
-	free(g->vertices_world);
-	free(g->leaves);
-	free(g->leaf_quads);
-	free(g->materials);
-	free(g->bvh);
-	free(g->primitives);
-	free(g->wide);
-	free(g->light_links);
-	free(g->light_first);
 }
 
 static bool order_objects(gi_scene *s, gathered *g)
@@ -137,31 +125,47 @@ static void *allocate(size_t count, size_t size)
 	return calloc(count + 1, size);
 }
 
-static bool allocate_all(gathered *g)
+/* What the scene keeps, and what goes to the GPU alone. */
+static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 {
 	gi_scene *n = &g->next;
-	n->slots = allocate(n->slot_count, sizeof *n->slots);
-	n->object_data = allocate(n->slot_count, sizeof *n->object_data);
-	n->topology = allocate(n->node_count, sizeof *n->topology);
-	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
-	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
-	n->tlas_packed = allocate(2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
-	n->tops = allocate(n->top_count, sizeof *n->tops);
-	g->rest = allocate(n->node_count, sizeof *g->rest);
-	g->spread = allocate(n->node_count, sizeof *g->spread);
-	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
-	g->vertices_world = allocate(n->vertex_count, sizeof *g->vertices_world);
-	g->leaves = allocate(n->leaf_count, sizeof *g->leaves);
-	g->materials = allocate(g->material_count, sizeof *g->materials);
-	g->bvh = allocate(g->bvh_count, sizeof *g->bvh);
-	g->primitives = allocate(g->primitive_count, sizeof *g->primitives);
-	g->leaf_quads = allocate(4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
-	g->wide = allocate(n->node_count, sizeof *g->wide);
-	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
-	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->tops && n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
-	       g->rest && g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh &&
-	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
+	n->slots = gi_arena_take(stays, n->slot_count, sizeof *n->slots);
+	n->object_data = gi_arena_take(stays, n->slot_count, sizeof *n->object_data);
+	n->topology = gi_arena_take(stays, n->node_count, sizeof *n->topology);
+	n->node_exitance = gi_arena_take(stays, n->node_count, sizeof *n->node_exitance);
+	n->tlas = gi_arena_take(stays, n->tlas_count, sizeof *n->tlas);
+	n->tlas_packed = gi_arena_take(stays, 2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
+	n->tops = gi_arena_take(stays, n->top_count, sizeof *n->tops);
+	g->rest = gi_arena_take(passes, n->node_count, sizeof *g->rest);
+	g->spread = gi_arena_take(passes, n->node_count, sizeof *g->spread);
+	g->vertices = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices);
+	g->vertices_world = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices_world);
+	g->leaves = gi_arena_take(passes, n->leaf_count, sizeof *g->leaves);
+	g->materials = gi_arena_take(passes, g->material_count, sizeof *g->materials);
+	g->bvh = gi_arena_take(passes, g->bvh_count, sizeof *g->bvh);
+	g->primitives = gi_arena_take(passes, g->primitive_count, sizeof *g->primitives);
+	g->leaf_quads = gi_arena_take(passes, 4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
+	g->wide = gi_arena_take(passes, n->node_count, sizeof *g->wide);
+	g->light_links = gi_arena_take(passes, g->light_link_count / 2 + 1, sizeof *g->light_links);
+	g->light_first = gi_arena_take(passes, (size_t)n->light_count + 1, sizeof *g->light_first);
+}
+
+static bool allocate_all(gi_context *gi, gathered *g)
+{
+	gi_scene *n = &g->next;
+	n->arrays = gi->spare_arrays;
+	gi->spare_arrays = (gi_arena){0};
+	gi_arena_measure(&n->arrays);
+	gi_arena_measure(&gi->passing);
+	lay_out(g, &n->arrays, &gi->passing);
+	if (!gi_arena_reserve(&n->arrays) || !gi_arena_reserve(&gi->passing))
+		return false;
+	lay_out(g, &n->arrays, &gi->passing);
+	/* Not all of these is written below. */
+	memset(n->object_data, 0, sizeof *n->object_data * n->slot_count);
+	memset(n->tlas_packed, 0, sizeof *n->tlas_packed * 2 * n->tlas_count);
+	memset(g->spread, 0, sizeof *g->spread * n->node_count);
+	return true;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -342,55 +346,70 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	gpu *gpu = &gi->gpu;
 	gi_scene *s = &gi->scene, *n = &g->next;
 	const struct {
+		uint32_t binding;
 		gpu_buffer *buffer;
 		uint64_t size;
 		const void *data;
 	} uploads[] = {
-	    {&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
-	    {&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
-	    {&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
-	    {&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
-	    {&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
-	    {&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
-	    {&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
-	    {&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
-	    {&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
-	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
-	    {&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
-	    {&s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
-	    {&s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
-	    {&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
-	    {&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
-	    {&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
-	    {&s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
+	    {GI_BIND_OBJECTS, &s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
+	    {GI_BIND_TOPOLOGY, &s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
+	    {GI_BIND_REST, &s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+	    {GI_BIND_SPREAD, &s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
+	    {GI_BIND_WORLD, &s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
+	    {GI_BIND_VERTICES_REST, &s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
+	    {GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
+	    {GI_BIND_LEAVES, &s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
+	    {GI_BIND_MATERIALS, &s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
+	    {GI_BIND_BVH, &s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
+	    {GI_BIND_PRIMITIVES, &s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
+	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
+	    {GI_BIND_TLAS, &s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
+	    {GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
+	    {GI_BIND_WIDE_NODES, &s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+	    {GI_BIND_LIGHT_LINKS, &s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
+	    {GI_BIND_LIGHT_FIRST, &s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
 	for (size_t k = 0; k < sizeof uploads / sizeof *uploads; k++) {
-		gi_result result = gpu_buffer_allocate(gpu, uploads[k].buffer, uploads[k].size, uploads[k].data);
+		gi_result result = gpu_buffer_renew(gpu, uploads[k].buffer, uploads[k].binding,
+						    uploads[k].size, uploads[k].data);
 		if (result)
 			return result;
 	}
 	return GI_OK;
 }
 
-/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones; new objects start from
- * E (solver.c). */
+/* One part of a buffer of nodes' or leaves' light: elements [from, from + count) go to `to`. */
+static void carry_part(gpu_buffer *before, uint64_t from, gpu_buffer *now, uint64_t to, uint64_t count)
+{
+	const uint64_t vec = sizeof(gi_vec4);
+	gpu_buffer_copy(before, vec * from, now, vec * to, vec * count);
+}
+
+/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once as
+ * lie in a row in both; new objects start from E (solver.c). */
 static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
 			    uint32_t old_count)
 {
 	static const uint32_t leaf_parts[] = {GI_LEAF_B, GI_LEAF_R, GI_LEAF_BEFORE};
 	const gi_scene *s = &gi->scene;
-	for (uint32_t k = 0; k < old_count; k++) {
-		const scene_object *o = &gi->scene.objects[old[k].index];
-		const uint64_t vec = sizeof(gi_vec4);
+	for (uint32_t k = 0, next; k < old_count; k = next) {
+		const scene_object *o = &s->objects[old[k].index];
+		uint64_t nodes = o->hierarchy.node_count, leaves = o->hierarchy.leaf_count;
+		for (next = k + 1; next < old_count; next++) {
+			const scene_object *also = &s->objects[old[next].index];
+			if (old[next].node_base != old[k].node_base + nodes || also->node_base != o->node_base + nodes ||
+			    old[next].leaf_base != old[k].leaf_base + leaves || also->leaf_base != o->leaf_base + leaves)
+				break;
+			nodes += also->hierarchy.node_count;
+			leaves += also->hierarchy.leaf_count;
+		}
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			gpu_buffer_copy(&before->radiosity, vec * (p * scene->node_count + old[k].node_base),
-					&gi->solver.radiosity, vec * (p * s->node_count + o->node_base),
-					vec * o->hierarchy.node_count);
+			carry_part(&before->radiosity, p * scene->node_count + old[k].node_base, &gi->solver.radiosity,
+				   p * s->node_count + o->node_base, nodes);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
-			gpu_buffer_copy(&before->leaf_radiosity, vec * (p * scene->leaf_count + old[k].leaf_base),
-					&gi->solver.leaf_radiosity, vec * (p * s->leaf_count + o->leaf_base),
-					vec * o->hierarchy.leaf_count);
+			carry_part(&before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
+				   &gi->solver.leaf_radiosity, p * s->leaf_count + o->leaf_base, leaves);
 		}
 	}
 }
@@ -414,8 +433,30 @@ static void keep_objects(const gi_scene *from, gi_scene *to)
 	to->ever_committed = from->ever_committed;
 }
 
+/* What nodes emit, of those objects that are as they were from the scene before. */
+static void take_exitance(gi_context *gi, const gi_scene *before, const carried *old, uint32_t old_count)
+{
+	gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->object_count; k++) {
+		scene_object *o = &s->objects[k];
+		if (scene_is_alive(o) && (!o->committed || o->material_changed))
+			scene_update_exitance(gi, o);
+	}
+	for (uint32_t k = 0; k < old_count; k++) {
+		const scene_object *o = &s->objects[old[k].index];
+		if (o->material_changed)
+			continue;
+		memcpy(s->node_exitance + o->node_base, before->node_exitance + old[k].node_base,
+		       sizeof *s->node_exitance * o->hierarchy.node_count);
+		for (uint32_t n = 0; n < o->hierarchy.node_count; n++)
+			s->topology[o->node_base + n].range.w |=
+			    before->topology[old[k].node_base + n].range.w & SCENE_EMITTER_BITS;
+	}
+}
+
 /* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
-static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
+static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *g, carried *old,
+			     uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
@@ -435,7 +476,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 			       "fewer levels or "
 			       "a larger leaf_size",
 			       g->next.leaf_count, g->next.slot_count, (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
-	const bool ready = allocate_all(g);
+	const bool ready = allocate_all(gi, g);
 	keep_objects(s, &g->next);
 	*s = g->next;
 	if (!ready)
@@ -445,13 +486,11 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
-	if (!rank_primitives(s, g->primitive_count, g->primitives, g->leaves))
+	if (!rank_primitives(s, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k]))
-			scene_update_exitance(gi, &s->objects[k]);
+	take_exitance(gi, before, old, *old_count);
 	for (uint32_t k = 0; k < s->top_count; k++)
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
@@ -545,9 +584,9 @@ static void put_back(gi_context *gi, const committed *before)
 
 static void let_go(gi_context *gi, committed *before)
 {
-	scene_release(gi, &before->scene);
-	solver_release(gi, &before->solver);
-	rows_release(gi, &before->rows);
+	scene_retire(gi, &before->scene);
+	solver_retire(gi, &before->solver);
+	rows_retire(gi, &before->rows);
 }
 
 gi_result scene_upload(gi_context *gi)
@@ -568,7 +607,7 @@ gi_result scene_upload(gi_context *gi)
 	keep_objects(&before.scene, &gi->scene);
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
-	gi_result result = upload_scene(gi, &g, old, &old_count);
+	gi_result result = upload_scene(gi, &before.scene, &g, old, &old_count);
 	if (!result)
 		result = solver_allocate(gi);
 	if (!result)
