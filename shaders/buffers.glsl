@@ -514,6 +514,15 @@ gi_move load_move(uint n)
 }
 #endif
 
+#ifdef READ_LOANS
+TEXELS(GI_BIND_LOANS) loan_texels;
+uvec2 load_loan(uint n)
+{
+	uvec4 two = texel(loan_texels, n / 2u);
+	return (n & 1u) == 0u ? two.xy : two.zw;
+}
+#endif
+
 // ---- writes ----
 
 #ifdef WRITE_WORLD

@@ -472,6 +472,9 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
 
+/* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
+#define GI_BIND_LOANS GI_BIND_WIDE_NODES
+
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
 #define GI_BIND_PATH_GOING GI_BIND_QUEUE       /* uint: 1 while a slot has a vertex to go */

@@ -83,12 +83,16 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes)
 	}
 }
 
+// Entries that the row had. One without any may have links all the same: it borrowed them (lend.comp).
+uint had = 0u;
+
 // Returns how many entries went.
 uint move_segments(uint leaf, gi_move mine)
 {
 	uint went = 0u;
 	for (uint s = old_first; s < old_slots; s++) {
 		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
+		had += segment.y & GI_BLOCK_COUNT_MASK;
 		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
@@ -131,7 +135,7 @@ void main()
 	uint went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
 		// Links to what went are of segments that went with it.
-		stay = nodes != 0u || went > 0u ? move_links(row) : links_before;
+		stay = nodes != 0u || went > 0u || had == 0u ? move_links(row) : links_before;
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
 		row.w |= went > 0u ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;

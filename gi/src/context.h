@@ -40,6 +40,7 @@ typedef struct scene_object {
 	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
 	bool hidden;         /* by the host */
+	bool arrives;        /* it came or is shown again, since the last update: it has no rows yet */
 	gi_mobility mobility;
 	bool grouped;        /* one of the static objects that are one source (statics.h) */
 	bool was_grouped;    /* before the last commit */
@@ -139,7 +140,8 @@ typedef struct gi_rations {
 	gi_budget last;    /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	gpu_buffer choices, pending, shine;
-	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program;
+	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
+		lend_program;
 } gi_rations;
 
 /* ---- solver ---- */

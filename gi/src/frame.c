@@ -164,7 +164,7 @@ static void changes_done(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = false;
+		o->moved = o->relit = o->material_changed = o->arrives = false;
 	}
 }
 

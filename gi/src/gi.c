@@ -296,6 +296,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		o->moved = o->relit = o->material_changed = true;
 		gi->scene.regroup = gi->scene.regroup || (o->committed && o->mobility == GI_MOBILITY_STATIC);
 	}
+	o->arrives = o->committed && !hidden && (o->arrives || o->hidden);
 	o->hidden = hidden;
 	return GI_OK;
 }
@@ -406,6 +407,7 @@ static void note_changes(gi_context *gi)
 		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
 		o->was_grouped = o->grouped;
 		o->committed = alive;
+		o->arrives = kept && (o->arrives || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
 		o->material_changed = kept && (o->material_changed || came);

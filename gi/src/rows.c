@@ -13,6 +13,7 @@
  */
 #include "bits.h"
 #include "context.h"
+#include "loans.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -204,6 +205,7 @@ typedef struct plan {
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
 	uint32_t first_trail, trails;        /* likewise, in fours of words */
 	uint64_t cut_threads;
+	loans loans; /* in part alone */
 } plan;
 
 static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
@@ -595,7 +597,9 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
 	result = upload_suspects(gi, p);
-	return result ? result : upload_plan(gi, p);
+	if (!result)
+		result = upload_plan(gi, p);
+	return !result && p->part ? loans_find(gi, &p->loans) : result;
 }
 
 void rows_recycle(gi_context *gi)
@@ -641,6 +645,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
 	if (p.part) {
+		loans_give(gi, &p.loans);
 		budget_choose(gi);
 		run_indirect(gi, GI_PASS_CUT, r->cut_program, GI_STATE_ARGS_PAIRS);
 	} else {
