@@ -217,7 +217,7 @@ float write_links(uint leaf, uint at, correction c, float scale)
 void main()
 {
 	uint leaf = chosen_row();
-	if (leaf == GI_NONE || load_touched(leaf) == 0u)
+	if (leaf == GI_NONE || load_touched(leaf) == 0u || state[GI_STATE_OVERFLOW] != 0u)
 		return;
 	atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
 

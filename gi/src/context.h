@@ -186,6 +186,8 @@ struct gi_context {
 	gi_frame frame;
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool truncated;    /* a report said that a pool was full */
+	uint64_t wanted;   /* how many elements it lacked */
+	bool wanted_all;   /* and all rows were built: with those they fit */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
 	uint64_t rows_frame;                 /* last one before a commit that made all rows anew: reports up to it are of others */
@@ -197,6 +199,7 @@ struct gi_context {
 		uint64_t uploaded_bytes;
 		float update_ms;
 		uint32_t rows_update; /* number of the rows' update that it ended with */
+		bool rebuilt;         /* which built all of them */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 
@@ -295,7 +298,9 @@ enum { ROWS_PROGRAMS = 10 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources);
+/* Of a scene's table of segments, or of the fewest entries that there must be room for. */
+uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources);
 gi_result rows_allocate(gi_context *gi);
 /* What became of the objects of the scene before, slot by slot. */
 typedef struct rows_moves {

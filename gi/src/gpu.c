@@ -270,15 +270,25 @@ static uint64_t whole_texels(uint64_t size)
 	return size ? (size + TEXEL_BYTES - 1) / TEXEL_BYTES * TEXEL_BYTES : TEXEL_BYTES;
 }
 
+const char *gpu_limit_text(const gpu *g, uint64_t limit)
+{
+	static _Thread_local char text[96];
+	const bool hosts = g->host_limit && limit >= g->host_limit;
+	snprintf(text, sizeof text, "%s %" PRIu64 " MiB%s",
+		 hosts ? "gi_context_def.max_buffer_mib allows" : "this renderer binds", limit >> 20,
+		 hosts ? "" : " at once");
+	return text;
+}
+
 static gi_result check_size(gpu *g, uint64_t size)
 {
 	const uint64_t limit = gpu_buffer_limit(g, size);
 	if (size <= limit)
 		return GI_OK;
 	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
-		       "a buffer of %" PRIu64 " MiB is more than the %" PRIu64
-		       " MiB this renderer binds at once: raise row_tolerance or leaf_size",
-		       size >> 20, limit >> 20);
+		       "a buffer of %" PRIu64 " MiB is needed and %s: fewer or larger leaves take less, and coarser "
+		       "meshes where these are drawn",
+		       (size >> 20) + 1, gpu_limit_text(g, limit));
 }
 
 /* Of a size that was checked. */
@@ -496,12 +506,11 @@ static uint32_t timer_slot(const gpu_timer *timer, uint32_t back)
 
 float gpu_timer_ms(const gpu_timer *timer, uint64_t tag)
 {
-	for (uint32_t back = 1; back <= GPU_TIMER_RING; back++) {
-		const uint32_t slot = timer_slot(timer, back);
+	float sum = 0;
+	for (uint32_t slot = 0; slot < GPU_TIMER_RING; slot++)
 		if (tag && timer->tag[slot] == tag && timer->ms[slot] >= 0)
-			return timer->ms[slot];
-	}
-	return 0;
+			sum += timer->ms[slot];
+	return sum;
 }
 
 uint64_t gpu_timer_newest(const gpu_timer *timer)

@@ -79,6 +79,8 @@ bool gpu_is_current(const gpu *g);
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
 uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
+/* For messages, after what is needed: whose limit that is, and of how many bytes. Until the next call on this thread. */
+const char *gpu_limit_text(const gpu *g, uint64_t limit);
 
 /* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
  */
@@ -136,7 +138,7 @@ void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */
 void gpu_timer_poll(gpu_timer *timer, bool wait);
 void gpu_timer_free(const gpu *g, gpu_timer *timer);
-/* The last time that was measured under this tag; 0 when none was, or it is not finished. */
+/* What was measured under this tag, all of it together; 0 when none was, or it is not finished. */
 float gpu_timer_ms(const gpu_timer *timer, uint64_t tag);
 /* The newest tag that has a time; 0: none. */
 uint64_t gpu_timer_newest(const gpu_timer *timer);

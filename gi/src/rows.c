@@ -15,6 +15,7 @@
 #include "context.h"
 #include "loans.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,10 +120,15 @@ uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
  * that fails for lack of them fails before anything is built. */
 static const uint64_t LEAST_ENTRIES = 16;
 
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
+uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources)
 {
-	const uint64_t elements = leaves * (slots > LEAST_ENTRIES ? slots : LEAST_ENTRIES);
-	return leaves <= GI_ENTRY_LEAF_MASK && elements <= rows_most_entries(gi, elements);
+	return sizeof(gi_uvec4) * leaves * (sources > LEAST_ENTRIES ? sources : LEAST_ENTRIES);
+}
+
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources)
+{
+	const uint64_t bytes = rows_table_bytes(leaves, sources);
+	return leaves <= GI_ENTRY_LEAF_MASK && bytes <= gpu_buffer_limit(&gi->gpu, bytes);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -178,18 +184,33 @@ gi_result rows_allocate(gi_context *gi)
 	return rows_allocate_pools(gi);
 }
 
+/* Blocks of rows that move take more than those that were just built. */
+static const double POOL_SLACK = 1.125;
+
+/* Many sources fill rows however coarse they are: an entry of each. */
+static const uint32_t MANY_SOURCES = 200;
+
+static gi_result rows_are_too_large(gi_context *gi, uint64_t needed, uint64_t most)
+{
+	const bool many = scene_source_count(&gi->scene) > MANY_SOURCES;
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+		       "rows of %u leaves need a buffer of %" PRIu64 " MiB and %s: raise row_tolerance, %g so far, or "
+		       "leaf_size%s",
+		       gi->scene.leaf_count, (sizeof(gi_uvec4) * needed >> 20) + 1,
+		       gpu_limit_text(&gi->gpu, sizeof(gi_uvec4) * most), (double)gi->def.row_tolerance,
+		       many ? ", or make what does not move GI_MOBILITY_STATIC" : "");
+}
+
+/* What the pass that was cut short lacked is known: once is enough. */
 gi_result rows_grow(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const uint64_t most = rows_most_entries(gi, 2 * r->entry_limit);
-	if (r->entry_limit >= most)
-		return gi_fail(
-		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
-		    (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
-	const uint64_t before = r->entry_limit;
-	r->entry_limit = 2 * before < most ? 2 * before : most;
-	r->link_limit = r->entry_limit;
+	const uint64_t before = r->entry_limit, needed = before + gi->wanted;
+	const uint64_t wanted = (uint64_t)fmax(2 * (double)before, POOL_SLACK * (double)needed);
+	const uint64_t most = rows_most_entries(gi, wanted);
+	if ((gi->wanted_all && needed > most) || before >= most)
+		return rows_are_too_large(gi, needed, most);
+	r->entry_limit = r->link_limit = wanted < most ? wanted : most;
 	const gi_result result = rows_allocate_pools(gi);
 	r->rebuild = true;
 	if (result)
@@ -521,6 +542,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);

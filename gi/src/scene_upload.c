@@ -11,6 +11,7 @@
 #include "statics.h"
 #include "vec3d.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -454,6 +455,41 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 	}
 }
 
+static uint64_t larger_of(uint64_t a, uint64_t b)
+{
+	return a > b ? a : b;
+}
+
+/* Is every buffer of the scene within what the renderer binds? Asked before any work. */
+static gi_result check_sizes(gi_context *gi, const gathered *g)
+{
+	const gi_scene *n = &g->next;
+	const uint64_t leaves = n->leaf_count, sources = n->slot_count - n->first_source;
+	const uint64_t table = rows_table_bytes(leaves, sources);
+	uint64_t largest = sizeof(gi_vec4) * GI_LEAF_PARTS * leaves;
+	largest = larger_of(largest, sizeof(gi_node_geometry) * n->node_count);
+	largest = larger_of(largest, sizeof(gi_vec4) * n->vertex_count);
+	largest = larger_of(largest, sizeof(gi_primitive) * g->primitive_count);
+	largest = larger_of(largest, sizeof(gi_object_data) * n->slot_count);
+	largest = larger_of(largest, 2 * sizeof(uint32_t) * (uint64_t)g->light_link_count);
+	const bool by_table = table >= largest;
+	const uint64_t needed = larger_of(largest, table), limit = gpu_buffer_limit(&gi->gpu, needed);
+	if (leaves <= GI_ENTRY_LEAF_MASK && needed <= limit)
+		return GI_OK;
+	if (leaves > GI_ENTRY_LEAF_MASK)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+			       "%u leaves are more than the %u that entries can name: use fewer levels or a larger "
+			       "leaf_size",
+			       n->leaf_count, GI_ENTRY_LEAF_MASK);
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+		       "%u leaves of %u objects need a buffer of %" PRIu64 " MiB and %s: use fewer levels or a larger "
+		       "leaf_size%s",
+		       n->leaf_count, g->order_count, (needed >> 20) + 1, gpu_limit_text(&gi->gpu, limit),
+		       by_table && rows_table_bytes(leaves, 0) < table
+			   ? ", or make what does not move GI_MOBILITY_STATIC: the table is of leaves times what moves"
+			   : "");
+}
+
 /* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
 static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *g, carried *old,
 			     uint32_t *old_count)
@@ -470,12 +506,8 @@ static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *
 	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
-	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count - g->next.first_source))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use "
-			       "fewer levels or "
-			       "a larger leaf_size",
-			       g->next.leaf_count, g->next.slot_count, (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
+	if (check_sizes(gi, g))
+		return GI_ERROR_OUT_OF_MEMORY;
 	const bool ready = allocate_all(gi, g);
 	keep_objects(s, &g->next);
 	*s = g->next;
