@@ -176,6 +176,7 @@ struct gi_context {
 	gi_solver solver;
 	gi_arena spare_arrays; /* of the scene before, for the next one */
 	gi_arena passing;      /* what a step of a commit takes, one after the other */
+	gi_arena undo;         /* what it needs to the end */
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */

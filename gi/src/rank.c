@@ -50,21 +50,33 @@ uint32_t *rank_by_size(const gi_bvh *bvh)
 
 /* ---- among objects ---- */
 
+typedef struct ranked {
+	scene_object *object;
+	double area;
+	uint64_t created;
+	bool emits; /* some of it */
+} ranked;
+
 static int compare_objects(const void *left, const void *right)
 {
-	const scene_object *a = *(scene_object *const *)left, *b = *(scene_object *const *)right;
-	const int by_area = order(b->hierarchy.area, a->hierarchy.area);
-	return by_area ? by_area : order((double)a->created, (double)b->created);
+	const ranked *a = left, *b = right;
+	const int by_area = order(b->area, a->area);
+	return by_area ? by_area : (a->created > b->created) - (a->created < b->created);
 }
 
-static uint32_t collect(const gi_scene *s, scene_object **list)
+static uint32_t collect(const gi_scene *s, ranked *list)
 {
 	uint32_t count = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
-			list[count++] = &s->objects[s->slots[slot]];
-	for (uint32_t k = 0; k < count; k++)
-		list[k]->lowest_rank = GI_NONE;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		if (s->slots[slot] == GI_NONE)
+			continue;
+		scene_object *o = &s->objects[s->slots[slot]];
+		bool lit = false;
+		for (uint32_t m = 0; m < o->material_count; m++)
+			lit = lit || scene_emits(&o->materials[m]);
+		o->lowest_rank = GI_NONE;
+		list[count++] = (ranked){o, o->hierarchy.area, o->created, lit};
+	}
 	return count;
 }
 
@@ -81,9 +93,23 @@ static void store(scene_object *o, uint32_t number, uint32_t rank, gi_primitive 
 		leaves[o->leaf_base + leaf].w = rank;
 }
 
+/* Of those of an object that emit, or do not. */
+static uint32_t store_all(const ranked *r, bool lit, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
+{
+	scene_object *o = r->object;
+	if (lit && !r->emits)
+		return rank;
+	for (uint32_t n = 0; n < o->bvh.primitive_count; n++) {
+		const uint32_t number = o->by_size[n];
+		if (!r->emits || emits(o, &o->bvh.primitives[number]) == lit)
+			store(o, number, rank++, primitives, leaves);
+	}
+	return rank;
+}
+
 bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leaves)
 {
-	scene_object **list = malloc(sizeof *list * ((size_t)s->slot_count + 1));
+	ranked *list = malloc(sizeof *list * ((size_t)s->slot_count + 1));
 	if (!list)
 		return false;
 	const uint32_t count = collect(s, list);
@@ -91,11 +117,7 @@ bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leav
 	uint32_t rank = 0;
 	for (int lit = 0; lit < 2; lit++)
 		for (uint32_t k = 0; k < count; k++)
-			for (uint32_t n = 0; n < list[k]->bvh.primitive_count; n++) {
-				const uint32_t number = list[k]->by_size[n];
-				if (emits(list[k], &list[k]->bvh.primitives[number]) == lit)
-					store(list[k], number, rank++, primitives, leaves);
-			}
+			rank = store_all(&list[k], lit, rank, primitives, leaves);
 	free(list);
 	return true;
 }

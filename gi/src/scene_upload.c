@@ -242,6 +242,25 @@ typedef struct carried {
 	uint32_t index, node_base, leaf_base;
 } carried;
 
+/* Is it where the scene before has it? */
+static bool is_placed(const scene_object *o)
+{
+	return o->committed && !o->moved;
+}
+
+static void place(scene_object *o, const gi_object_data *before, gi_object_data *data)
+{
+	if (!before) {
+		scene_place_object(o, data);
+		return;
+	}
+	data->row0 = before->row0;
+	data->row1 = before->row1;
+	data->row2 = before->row2;
+	data->sphere = before->sphere;
+	data->plane = before->plane;
+}
+
 /* Tops, and what all of it is as one source, in the world's frame. */
 static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 {
@@ -258,7 +277,7 @@ static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 	scene_place_sky(data);
 }
 
-static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
+static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *n = &g->next;
 	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
@@ -273,6 +292,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 			;
 		if (number < statics)
 			node = g->statics.nodes[along++].node;
+		const gi_object_data *placed = is_placed(o) ? &before->object_data[o->slot] : NULL;
 		o->slot = slot;
 		o->node_base = node;
 		o->vertex_base = vertex;
@@ -295,7 +315,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
 		data->ids = (gi_uvec4){o->leaf_id - leaf, o->node_id - node, 0, 0};
-		scene_place_object(o, data);
+		place(o, placed, data);
 		slot++;
 		node += o->hierarchy.node_count;
 		vertex += o->hierarchy.vertex_count;
@@ -387,7 +407,7 @@ static void carry_part(gpu_buffer *before, uint64_t from, gpu_buffer *now, uint6
 }
 
 /* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once as
- * lie in a row in both; new objects start from E (solver.c). */
+ * lie in a row in both, with the tops between them; new objects start from E (solver.c). */
 static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
 			    uint32_t old_count)
 {
@@ -398,10 +418,11 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 		uint64_t nodes = o->hierarchy.node_count, leaves = o->hierarchy.leaf_count;
 		for (next = k + 1; next < old_count; next++) {
 			const scene_object *also = &s->objects[old[next].index];
-			if (old[next].node_base != old[k].node_base + nodes || also->node_base != o->node_base + nodes ||
+			const uint32_t apart = also->node_base - o->node_base;
+			if (old[next].node_base - old[k].node_base != apart ||
 			    old[next].leaf_base != old[k].leaf_base + leaves || also->leaf_base != o->leaf_base + leaves)
 				break;
-			nodes += also->hierarchy.node_count;
+			nodes = (uint64_t)apart + also->hierarchy.node_count;
 			leaves += also->hierarchy.leaf_count;
 		}
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
@@ -497,9 +518,9 @@ static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k])) {
+		if (scene_is_alive(&s->objects[k]) && !is_placed(&s->objects[k])) {
 			gi_object_data scratch;
-			if (s->objects[k].committed && s->objects[k].moved)
+			if (s->objects[k].committed)
 				scene_leave_trail(&s->objects[k]);
 			scene_place_object(&s->objects[k], &scratch);
 		}
@@ -513,7 +534,7 @@ static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	gather_objects(gi, g, old, old_count);
+	gather_objects(gi, before, g, old, old_count);
 	s->wide_count = g->next.wide_count;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -626,15 +647,16 @@ gi_result scene_upload(gi_context *gi)
 	gathered g = {0};
 	uint32_t old_count = 0;
 	committed before = {gi->scene, gi->solver, gi->rows, gi->lamps, NULL};
-	carried *old = allocate(gi->scene.object_count, sizeof *old);
-	before.objects = allocate(gi->scene.object_count, sizeof *before.objects);
-	if (!old || !before.objects) {
-		free(old);
-		free(before.objects);
+	const uint32_t places = gi->scene.object_count;
+	gi_arena_measure(&gi->undo);
+	gi_arena_take(&gi->undo, places, sizeof(carried));
+	gi_arena_take(&gi->undo, places, sizeof(scene_object));
+	if (!gi_arena_reserve(&gi->undo))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	}
-	if (gi->scene.object_count)
-		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * gi->scene.object_count);
+	carried *old = gi_arena_take(&gi->undo, places, sizeof *old);
+	before.objects = gi_arena_take(&gi->undo, places, sizeof *before.objects);
+	if (places)
+		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * places);
 	gi->scene = (gi_scene){0};
 	keep_objects(&before.scene, &gi->scene);
 	solver_forget(&gi->solver);
@@ -651,8 +673,6 @@ gi_result scene_upload(gi_context *gi)
 		gi->solver.cold = gi->solver.cold || !old_count;
 		let_go(gi, &before);
 	}
-	free(old);
-	free(before.objects);
 	gathered_free(&g);
 	return result;
 }
