@@ -452,9 +452,18 @@ static gi_result refine_levels(const object_builder *b, const gi_object_def *def
 	const gi_log *log = b->log;
 	char message[256];
 	const uint32_t levels = levels_of(def);
-	if (!can_hold(b, leaves_at_level(cage, levels)))
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
-			       name, cage->face_count, levels);
+	uint32_t fitting = levels;
+	while (fitting && !can_hold(b, leaves_at_level(cage, fitting)))
+		fitting--;
+	if (!can_hold(b, leaves_at_level(cage, fitting)))
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': its %u faces are more leaves than rows can be made of: use a coarser cage",
+			       name, cage->face_count);
+	if (fitting < levels)
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': %u faces at level %u are %.3g leaves, more than rows can be made of: use "
+			       "level %u or less",
+			       name, cage->face_count, levels, leaves_at_level(cage, levels), fitting);
 	if (!gi_refine(cage, levels, refined, message, sizeof message))
 		return gi_fail(log, refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
 			       "object '%s': %s", name, message);

@@ -144,7 +144,8 @@ typedef struct gi_context_def {
 	uint32_t estimate_leaves;
 
 	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an
-	 * entry, are what comes near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY. All buffers together take
+	 * entry, are what comes near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY, told
+	 * by gi_commit or, of rows, by gi_update before a ray is traced. All buffers together take
 	 * about three times the largest. */
 	uint32_t max_buffer_mib;
 
@@ -348,7 +349,10 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
  * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
  * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
  * those of a context in which the scene was built at once, bit for bit, if objects were created in the same order there, those
- * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
+ * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it
+ * is black. Leaves, nodes and links get new numbers. B of what stays is kept; what came is lit by its own rows after an exact
+ * update, and by the row of the nearest leaf that faces its way while its own wait for a budget.
+ * Does not wait for the GPU. GI_ERROR_OUT_OF_MEMORY, before any work, where a buffer would be larger than the renderer binds;
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
 gi_result gi_commit(gi_context *gi);
 
@@ -472,7 +476,7 @@ typedef struct gi_report {
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
 	uint64_t uploaded_bytes; /* by gi_update */
-	uint64_t gpu_bytes;      /* all buffers of the context */
+	uint64_t gpu_bytes;      /* all buffers of the context, and those kept for the next commit */
 	float pass_ms[GI_PASS_COUNT]; /* GPU time of this update's passes, SHADOW and DRAW of the last gi_draw; 0 of those that
 				       * did not run, and without def.profile */
 	float update_ms;         /* CPU time inside gi_update, ms */
