@@ -72,7 +72,8 @@ static uint32_t estimate_leaves(const player *p)
 static bool open_gi(player *p)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(p->context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = p->context;
 	def.message = on_message;
 	def.progress = on_progress;
 	def.user = p;

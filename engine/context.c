@@ -203,9 +203,9 @@ engine_context_kind engine_context_get_kind(const engine_context *context)
 	return context->kind;
 }
 
-engine_gl_get_proc engine_context_get_proc_address(const engine_context *context)
+engine_gl_proc engine_context_find_gl(const char *name, void *context)
 {
-	return context->backend->get_proc;
+	return ((const engine_context *)context)->backend->get_proc(name);
 }
 
 const char *engine_context_describe(const engine_context *context)

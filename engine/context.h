@@ -99,8 +99,8 @@ bool engine_context_make_current(engine_context *context);
 /* Never AUTO: what creation settled on. */
 engine_context_kind engine_context_get_kind(const engine_context *context);
 
-/* Looks up GL functions of the current context of this kind; stays valid until the process ends. */
-engine_gl_get_proc engine_context_get_proc_address(const engine_context *context);
+/* Looks up a GL function of an engine_context, which must be current. */
+engine_gl_proc engine_context_find_gl(const char *name, void *context);
 
 /* GL_RENDERER and GL_VERSION in one line, e.g. for reports. Lives as long as the context. */
 const char *engine_context_describe(const engine_context *context);

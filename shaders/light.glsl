@@ -13,6 +13,7 @@ layout(location = 0) uniform ivec2 corner; // of the viewport, pixels
 layout(binding = GI_UNIT_DEPTH) uniform sampler2D depths;
 layout(binding = GI_UNIT_SO_FAR) uniform sampler2D so_far; // irradiance from the other lamps
 layout(location = 1) uniform bool first; // there are no others
+layout(location = 2) uniform float farthest; // depth where nothing is seen
 #endif
 
 layout(location = 0) out vec4 result;
@@ -26,7 +27,7 @@ void main()
 	vec3 irradiance = direct_irradiance(s.p, s.n);
 #ifdef LAST
 	float depth = texelFetch(depths, pixel, 0).x;
-	if (depth == 1.0)
+	if (depth == farthest)
 		discard; // nothing is seen
 	if (!first)
 		irradiance += texelFetch(so_far, pixel, 0).xyz;

@@ -72,7 +72,7 @@ gi_result budget_allocate(gi_context *gi)
 			continue;
 		result = gpu_buffer_allocate(g, buffer, sizes[k].bytes, NULL);
 		if (!result)
-			gpu_buffer_clear(buffer, 0, buffer->size, 0); /* no row was assessed */
+			gpu_buffer_clear(&gi->gpu, buffer, 0, buffer->size, 0); /* no row was assessed */
 	}
 	return result;
 }
@@ -180,7 +180,7 @@ enum { ASSESS = 0, ASSESS_GROUPS = 1, REFRESH = 2, REFRESH_GROUPS = 3 };
 
 static void run_stage(gi_context *gi, uint32_t stage)
 {
-	gpu_set_uint(gi->rations.choose_program, 0, stage);
+	gpu_set_uint(&gi->gpu, gi->rations.choose_program, 0, stage);
 	gpu_dispatch_groups(&gi->gpu, gi->rations.choose_program, 1);
 }
 
@@ -188,7 +188,7 @@ static void run_stage(gi_context *gi, uint32_t stage)
 static void enlist(gi_context *gi, uint32_t stage)
 {
 	run_stage(gi, stage);
-	gpu_set_uint(gi->rations.enlist_program, 0, stage / REFRESH);
+	gpu_set_uint(&gi->gpu, gi->rations.enlist_program, 0, stage / REFRESH);
 	gpu_dispatch(&gi->gpu, gi->rations.enlist_program, gi->scene.leaf_count);
 	run_stage(gi, stage + 1);
 }
@@ -198,8 +198,8 @@ void budget_choose(gi_context *gi)
 	gi_rations *r = &gi->rations;
 	gpu *g = &gi->gpu;
 	gpu_timer_begin(g, &gi->timers[GI_PASS_CHOOSE]);
-	gpu_buffer_clear(&r->shine, 0, r->shine.size, 0);
-	gpu_buffer_clear(&r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
+	gpu_buffer_clear(&gi->gpu, &r->shine, 0, r->shine.size, 0);
+	gpu_buffer_clear(&gi->gpu, &r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
 	gpu_dispatch_groups(g, r->shine_program, gi->scene.slot_count);
 	gpu_dispatch(g, r->survey_program, gi->scene.leaf_count);
 	enlist(gi, ASSESS);
@@ -213,9 +213,9 @@ void budget_choose(gi_context *gi)
 void budget_bound(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
 	for (uint32_t stage = 0; stage < 2; stage++) {
-		gpu_set_uint(r->stale_program, 0, stage);
+		gpu_set_uint(&gi->gpu, r->stale_program, 0, stage);
 		gpu_dispatch(&gi->gpu, r->stale_program, gi->scene.leaf_count);
 	}
 }
@@ -223,9 +223,9 @@ void budget_bound(gi_context *gi)
 void budget_bind(const gi_context *gi)
 {
 	const gi_rations *r = &gi->rations;
-	gpu_bind(GI_BIND_CHOICES, &r->choices);
-	gpu_bind(GI_BIND_PENDING, &r->pending);
-	gpu_bind(GI_BIND_SHINE, &r->shine);
+	gpu_bind(&gi->gpu, GI_BIND_CHOICES, &r->choices);
+	gpu_bind(&gi->gpu, GI_BIND_PENDING, &r->pending);
+	gpu_bind(&gi->gpu, GI_BIND_SHINE, &r->shine);
 }
 
 void budget_free(gi_context *gi)

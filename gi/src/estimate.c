@@ -91,10 +91,10 @@ static void bind(gi_context *gi)
 	scene_bind(gi);
 	rows_bind(gi);
 	solver_bind(gi);
-	gpu_bind(GI_BIND_ESTIMATE_ITEMS, &e->items);
-	gpu_bind(GI_BIND_ESTIMATE_SHARES, &e->shares);
-	gpu_bind(GI_BIND_ESTIMATE_CHANCES, &e->chances);
-	gpu_bind(GI_BIND_ESTIMATE_RESULTS, &e->results);
+	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_ITEMS, &e->items);
+	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_SHARES, &e->shares);
+	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_CHANCES, &e->chances);
+	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_RESULTS, &e->results);
 }
 
 static uint32_t salt_of(uint64_t frame, uint32_t first)
@@ -107,17 +107,17 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 	gi_estimate *e = &gi->estimate;
 	const uint32_t salt = salt_of(gi->frame_number, first);
 	const float area = (float)e->area;
-	gpu_set_uint(e->choose_program, 0, salt);
-	gpu_set_uint(e->choose_program, 1, first);
-	gpu_set_uint(e->choose_program, 2, count);
-	gpu_set_uint(e->choose_program, 3, gi->def.estimate_leaves);
+	gpu_set_uint(&gi->gpu, e->choose_program, 0, salt);
+	gpu_set_uint(&gi->gpu, e->choose_program, 1, first);
+	gpu_set_uint(&gi->gpu, e->choose_program, 2, count);
+	gpu_set_uint(&gi->gpu, e->choose_program, 3, gi->def.estimate_leaves);
 	gpu_dispatch(&gi->gpu, e->choose_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
-	gpu_set_uint(e->trace_program, 0, salt ^ 0x68e31da4u);
-	gpu_set_uint(e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
+	gpu_set_uint(&gi->gpu, e->trace_program, 0, salt ^ 0x68e31da4u);
+	gpu_set_uint(&gi->gpu, e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
 	gpu_dispatch(&gi->gpu, e->trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
-	gpu_set_uint(e->sum_program, 0, first);
-	gpu_set_uint(e->sum_program, 1, count);
-	gpu_set_floats(e->sum_program, 2, 1, 1, &area);
+	gpu_set_uint(&gi->gpu, e->sum_program, 0, first);
+	gpu_set_uint(&gi->gpu, e->sum_program, 1, count);
+	gpu_set_floats(&gi->gpu, e->sum_program, 2, 1, 1, &area);
 	gpu_dispatch(&gi->gpu, e->sum_program, count);
 }
 
@@ -135,7 +135,7 @@ gi_result estimate_update(gi_context *gi)
 	bind(gi);
 	for (uint32_t first = 0; first < leaves; first += CHUNK)
 		look_at(gi, first, leaves - first < CHUNK ? leaves - first : CHUNK);
-	gpu_set_uint(gi->estimate.mean_program, 0, leaves);
+	gpu_set_uint(&gi->gpu, gi->estimate.mean_program, 0, leaves);
 	gpu_dispatch_groups(&gi->gpu, gi->estimate.mean_program, 1);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
 	scene_bind(gi);

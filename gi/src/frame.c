@@ -102,7 +102,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	uint32_t state[GI_STATE_WORDS];
 	uint64_t frame;
 	bool fresh = false;
-	while (gpu_readback_take(&gi->readback, wait, state, &frame)) {
+	while (gpu_readback_take(&gi->gpu, &gi->readback, wait, state, &frame)) {
 		fill_report(gi, state, frame);
 		fresh = true;
 		if (frame <= gi->rows_frame)
@@ -117,8 +117,8 @@ static void collect_reports(gi_context *gi, bool wait)
 		gi->wanted_all = gi->issued[frame % GPU_READBACK_RING].rebuilt;
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)
-		gpu_timer_poll(&gi->timers[k], wait);
-	gpu_timer_poll(&gi->rations.assess_timer, wait);
+		gpu_timer_poll(&gi->gpu, &gi->timers[k], wait);
+	gpu_timer_poll(&gi->gpu, &gi->rations.assess_timer, wait);
 	if (fresh) {
 		fill_passes(gi);
 		budget_learn(gi);
@@ -192,7 +192,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		return result;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rebuilt = c.rows && gi->frame.update.w & GI_UPDATE_REBUILD;
-	gpu_readback_queue(&gi->readback, &gi->state, gi->frame_number);
+	gpu_readback_queue(&gi->gpu, &gi->readback, &gi->state, gi->frame_number);
 	gi->issued_frame = gi->frame_number;
 	changes_done(gi);
 	return GI_OK;
@@ -309,7 +309,7 @@ gi_result gi_finish(gi_context *gi)
 		return gi_fail_null(gi, "");
 	if (gi_check_current(gi, "gi_finish"))
 		return GI_ERROR_WRONG_CONTEXT;
-	gpu_finish();
+	gpu_finish(&gi->gpu);
 	collect_reports(gi, true);
 	return grow_until_it_fits(gi);
 }

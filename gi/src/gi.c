@@ -1,12 +1,18 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
 #include "context.h"
+#include "statics.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
+
+uint32_t gi_version(void)
+{
+	return GI_VERSION;
+}
 
 const char *gi_result_text(gi_result result)
 {
@@ -142,7 +148,7 @@ static void free_programs(gi_context *gi)
 
 static gi_result start_context(gi_context *gi)
 {
-	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address);
+	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
 		result = begin_programs(gi);
 	if (!result)
@@ -152,7 +158,7 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = rows_init(gi);
 	if (!result)
-		gpu_buffer_clear(&gi->state, 0, gi->state.size, 0);
+		gpu_buffer_clear(&gi->gpu, &gi->state, 0, gi->state.size, 0);
 	return result;
 }
 
@@ -294,7 +300,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
-		gi->scene.regroup = gi->scene.regroup || (o->committed && o->mobility == GI_MOBILITY_STATIC);
+		gi->scene.regroup = gi->scene.regroup || (o->committed && statics_hold(&gi->scene, o->mobility));
 	}
 	o->arrives = o->committed && !hidden && (o->arrives || o->hidden);
 	o->hidden = hidden;
@@ -333,6 +339,20 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 	if (o->committed)
 		o->mobility = GI_MOBILITY_MOVABLE;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
+	return GI_OK;
+}
+
+gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_mobility");
+	if ((unsigned)mobility > GI_MOBILITY_STATIC)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s': mobility %d is none of gi_mobility",
+			       o->name, (int)mobility);
+	o->mobility = mobility;
 	return GI_OK;
 }
 

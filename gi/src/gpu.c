@@ -2,7 +2,7 @@
 
 #include "clock.h"
 
-#include <glad/gl.h>
+#include <gi_gl.h>
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -74,11 +74,6 @@ void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *f
 	log->progress(what, done, total, log->user);
 }
 
-static gi_result no_memory(const gpu *g)
-{
-	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-}
-
 /* ---- start ---- */
 
 /* What the shaders of gi take of a device. OpenGL promises less of the first two, and as much of the others. */
@@ -97,20 +92,20 @@ static gi_result check_limits(gpu *g)
 	};
 	for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
 		GLint has = 0;
-		glGetIntegerv(needs[k].name, &has);
+		g->gl->GetIntegerv(needs[k].name, &has);
 		if (has < needs[k].least)
 			return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
 				       "this device has %d %s and %d are needed: update its driver or use another", has,
 				       needs[k].what, needs[k].least);
 	}
 	GLint viewport[2] = {0}, texture = 0;
-	glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-	glGetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+	g->gl->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+	g->gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
 	const GLint side = viewport[0] < viewport[1] ? viewport[0] : viewport[1];
 	g->most_pixels = (uint32_t)(side < texture ? side : texture);
 	GLint64 bytes = 0, texels = 0;
-	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-	glGetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+	g->gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+	g->gl->GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
 	g->texture_bytes = (uint64_t)(TEXEL_BYTES * texels);
 	const uint64_t whole = (uint64_t)bytes / TEXEL_BYTES * TEXEL_BYTES; /* NVIDIA promises a byte less than 2 GiB */
 	g->block_bytes = whole < g->texture_bytes ? whole : g->texture_bytes;
@@ -126,17 +121,17 @@ static int mark_label(const gpu *g, char label[MARK_LABEL])
 static void mark_context(gpu *g)
 {
 	char label[MARK_LABEL];
-	glCreateVertexArrays(1, &g->mark);
-	glObjectLabel(GL_VERTEX_ARRAY, g->mark, mark_label(g, label), label);
+	g->gl->CreateVertexArrays(1, &g->mark);
+	g->gl->ObjectLabel(GL_VERTEX_ARRAY, g->mark, mark_label(g, label), label);
 }
 
 bool gpu_is_current(const gpu *g)
 {
 	char label[MARK_LABEL], found[MARK_LABEL] = "";
 	/* Without a current context OpenGL's functions do nothing and return 0. */
-	if (!glGetString(GL_VERSION) || !glIsVertexArray(g->mark))
+	if (!g->gl->GetString(GL_VERSION) || !g->gl->IsVertexArray(g->mark))
 		return false;
-	glGetObjectLabel(GL_VERTEX_ARRAY, g->mark, sizeof found, NULL, found);
+	g->gl->GetObjectLabel(GL_VERTEX_ARRAY, g->mark, sizeof found, NULL, found);
 	mark_label(g, label);
 	return strcmp(label, found) == 0;
 }
@@ -144,38 +139,21 @@ bool gpu_is_current(const gpu *g)
 void gpu_close(gpu *g)
 {
 	if (g->mark && !g->lost)
-		glDeleteVertexArrays(1, &g->mark);
+		g->gl->DeleteVertexArrays(1, &g->mark);
+	gpu_free_functions(g);
 	free(g->shader_directory);
 	*g = (gpu){0};
 }
 
-/* All contexts of a program share the functions: they are loaded only where they are all there. */
-static gi_result load_functions(const gpu *g, gi_get_proc_address_fn *get_proc_address)
+gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address, void *user)
 {
-	const PFNGLGETSTRINGPROC get_string = (PFNGLGETSTRINGPROC)get_proc_address("glGetString");
-	const char *text = get_string ? (const char *)get_string(GL_VERSION) : NULL;
-	int major = 0, minor = 0;
-	if (!text || sscanf(text, "%d.%d", &major, &minor) != 2)
-		return gi_fail(&g->log, GI_ERROR_NO_OPENGL_45,
-			       "no OpenGL context is current: make a 4.5 core context current first");
-	if (10 * major + minor < 45)
-		return gi_fail(
-		    &g->log, GI_ERROR_NO_OPENGL_45,
-		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
-		    major, minor);
-	/* What can go wrong now is the list of extensions. */
-	return gladLoadGL((GLADloadfunc)get_proc_address) ? GI_OK : no_memory(g);
-}
-
-gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
-{
-	gi_result result = load_functions(g, get_proc_address);
+	gi_result result = gpu_load_functions(g, get_proc_address, user);
 	if (!result)
 		result = check_limits(g);
 	if (result)
 		return result;
 	mark_context(g);
-	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)glGetString(GL_RENDERER));
+	snprintf(g->renderer, sizeof g->renderer, "%s", (const char *)g->gl->GetString(GL_RENDERER));
 	static const char *const software[] = {"llvmpipe", "softpipe", "SWR"};
 	for (size_t k = 0; k < sizeof software / sizeof *software; k++)
 		g->software = g->software || strstr(g->renderer, software[k]);
@@ -187,10 +165,26 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address)
 /* ---- buffers ---- */
 
 /* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
-static void make_texture(gpu_buffer *buffer)
+static void make_texture(const gpu *g, gpu_buffer *buffer)
 {
-	glCreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texture);
-	glTextureBuffer(buffer->texture, GL_RGBA32UI, buffer->name);
+	g->gl->CreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texture);
+	g->gl->TextureBuffer(buffer->texture, GL_RGBA32UI, buffer->name);
+}
+
+/* Where a deleted buffer was bound by index, Mesa (22.3) empties the general binding too, which is the host's. */
+static void delete_buffer(const gpu *g, GLuint name)
+{
+	static const GLenum targets[2] = {GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER},
+			    bindings[2] = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_UNIFORM_BUFFER_BINDING};
+	GLint before[2] = {0}, after = 0;
+	for (int k = 0; k < 2; k++)
+		g->gl->GetIntegerv(bindings[k], &before[k]);
+	g->gl->DeleteBuffers(1, &name);
+	for (int k = 0; k < 2; k++) {
+		g->gl->GetIntegerv(bindings[k], &after);
+		if (after != before[k] && before[k] != (GLint)name)
+			g->gl->BindBuffer(targets[k], (GLuint)before[k]);
+	}
 }
 
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
@@ -198,28 +192,29 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 	if (!buffer->name)
 		return;
 	if (buffer->texture && !g->lost)
-		glDeleteTextures(1, &buffer->texture);
+		g->gl->DeleteTextures(1, &buffer->texture);
 	if (!g->lost)
-		glDeleteBuffers(1, &buffer->name);
+		delete_buffer(g, buffer->name);
 	g->buffer_bytes -= buffer->capacity;
 	*buffer = (gpu_buffer){0};
 }
 
-/* OpenGL has no other way to say that memory is short. */
-static void forget_errors(void)
+void gpu_forget_errors(const gpu *g)
 {
 	/* A context that was lost reports errors for ever. */
-	for (int k = 0; k < 64 && glGetError() != GL_NO_ERROR; k++)
+	for (int k = 0; k < 64 && g->gl->GetError() != GL_NO_ERROR; k++)
 		;
 }
 
-/* The memory behind a new name. False when there is none; the name is the caller's to delete. */
-static bool make_storage(gpu_buffer *buffer, const void *data)
+/* The memory behind a new name. False when there is none; the name is the caller's to delete. The buffer is asked, not
+ * OpenGL's errors, which may be the host's. */
+static bool make_storage(const gpu *g, gpu_buffer *buffer, const void *data)
 {
-	forget_errors();
-	glCreateBuffers(1, &buffer->name);
-	glNamedBufferStorage(buffer->name, (GLsizeiptr)buffer->capacity, data, GL_DYNAMIC_STORAGE_BIT);
-	return glGetError() == GL_NO_ERROR;
+	GLint64 size = 0;
+	g->gl->CreateBuffers(1, &buffer->name);
+	g->gl->NamedBufferStorage(buffer->name, (GLsizeiptr)buffer->capacity, data, GL_DYNAMIC_STORAGE_BIT);
+	g->gl->GetNamedBufferParameteri64v(buffer->name, GL_BUFFER_SIZE, &size);
+	return size == (GLint64)buffer->capacity;
 }
 
 /* Does a storage block reach farther than the device promises? A shader writes the first word beyond. */
@@ -231,18 +226,20 @@ static bool reaches_beyond(gpu *g)
 	if (gpu_programs_compute(g, &(gpu_program_file){"block_trial.comp", &program}, 1))
 		return false;
 	GLint bound = 0;
-	glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
-	if (make_storage(&tried, NULL)) {
-		gpu_buffer_clear(&tried, g->block_bytes, TEXEL_BYTES, 0);
-		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tried.name);
-		gpu_set_uint(program, 0, (uint32_t)(g->block_bytes / sizeof found));
-		gpu_set_uint(program, 1, TRIAL);
+	g->gl->GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &bound);
+	const bool made = make_storage(g, &tried, NULL);
+	if (made) {
+		gpu_buffer_clear(g, &tried, g->block_bytes, TEXEL_BYTES, 0);
+		g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 1, &tried.name);
+		gpu_set_uint(g, program, 0, (uint32_t)(g->block_bytes / sizeof found));
+		gpu_set_uint(g, program, 1, TRIAL);
 		gpu_dispatch_groups(g, program, 1);
-		gpu_buffer_read(&tried, g->block_bytes, sizeof found, &found);
-		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, (GLuint)bound);
+		gpu_buffer_read(g, &tried, g->block_bytes, sizeof found, &found);
+		g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 1, &(const GLuint){(GLuint)bound});
 	}
-	glDeleteBuffers(1, &tried.name);
-	forget_errors();
+	g->gl->DeleteBuffers(1, &tried.name);
+	if (!made)
+		gpu_forget_errors(g);
 	gpu_program_free(g, &program);
 	return found == TRIAL;
 }
@@ -295,16 +292,16 @@ static gi_result check_size(gpu *g, uint64_t size)
 static gi_result make_buffer(gpu *g, gpu_buffer *buffer, uint64_t size, uint64_t capacity, const void *data)
 {
 	gpu_buffer fresh = {.size = whole_texels(size), .capacity = capacity};
-	if (!make_storage(&fresh, capacity == size ? data : NULL)) {
-		glDeleteBuffers(1, &fresh.name);
-		forget_errors();
+	if (!make_storage(g, &fresh, capacity == size ? data : NULL)) {
+		g->gl->DeleteBuffers(1, &fresh.name);
+		gpu_forget_errors(g);
 		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", capacity);
 	}
 	if (capacity != size && size && data)
-		glNamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
+		g->gl->NamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
 	if (data)
 		g->uploaded_bytes += size;
-	make_texture(&fresh);
+	make_texture(g, &fresh);
 	gpu_buffer_free(g, buffer);
 	*buffer = fresh;
 	g->buffer_bytes += capacity;
@@ -369,51 +366,75 @@ void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t siz
 {
 	if (!size)
 		return;
-	glNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, data);
+	g->gl->NamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, data);
 	g->uploaded_bytes += size;
 }
 
-void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word)
+/* Mesa (22.3) turns the bytes of cleared words round where a host has that set for its uploads. Returns what was set.
+ */
+static GLint unswap(const gpu *g)
 {
-	glClearNamedBufferSubData(buffer->name, GL_R32UI, (GLintptr)offset, (GLsizeiptr)size, GL_RED_INTEGER,
-				  GL_UNSIGNED_INT, &word);
+	GLint swapped = 0;
+	g->gl->GetIntegerv(GL_UNPACK_SWAP_BYTES, &swapped);
+	if (swapped)
+		g->gl->PixelStorei(GL_UNPACK_SWAP_BYTES, GL_FALSE);
+	return swapped;
 }
 
-void gpu_buffer_fill(gpu_buffer *buffer, const uint32_t words[4])
+static void swap_again(const gpu *g, GLint swapped)
 {
-	glClearNamedBufferSubData(buffer->name, GL_RGBA32UI, 0, (GLsizeiptr)buffer->size, GL_RGBA_INTEGER,
-				  GL_UNSIGNED_INT, words);
+	if (swapped)
+		g->gl->PixelStorei(GL_UNPACK_SWAP_BYTES, swapped);
 }
 
-void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size)
+void gpu_buffer_clear(const gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word)
 {
-	glCopyNamedBufferSubData(from->name, to->name, (GLintptr)from_offset, (GLintptr)to_offset, (GLsizeiptr)size);
+	const GLint swapped = word ? unswap(g) : 0;
+	g->gl->ClearNamedBufferSubData(buffer->name, GL_R32UI, (GLintptr)offset, (GLsizeiptr)size, GL_RED_INTEGER,
+				       GL_UNSIGNED_INT, &word);
+	swap_again(g, swapped);
 }
 
-void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out)
+void gpu_buffer_fill(const gpu *g, gpu_buffer *buffer, const uint32_t words[4])
 {
-	glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+	const GLint swapped = unswap(g);
+	g->gl->ClearNamedBufferSubData(buffer->name, GL_RGBA32UI, 0, (GLsizeiptr)buffer->size, GL_RGBA_INTEGER,
+				       GL_UNSIGNED_INT, words);
+	swap_again(g, swapped);
+}
+
+void gpu_buffer_copy(const gpu *g, gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset,
+		     uint64_t size)
+{
+	g->gl->CopyNamedBufferSubData(from->name, to->name, (GLintptr)from_offset, (GLintptr)to_offset,
+				      (GLsizeiptr)size);
+}
+
+void gpu_buffer_read(const gpu *g, const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out)
+{
+	g->gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 	if (size)
-		glGetNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, out);
+		g->gl->GetNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)size, out);
 }
 
-void gpu_bind(uint32_t binding, const gpu_buffer *buffer)
+void gpu_bind(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 {
-	glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->name);
-	glBindTextureUnit(GPU_FIRST_TEXEL_UNIT + binding, buffer->texture);
+	g->gl->BindBuffersBase(GL_SHADER_STORAGE_BUFFER, binding, 1,
+			       &buffer->name); /* leaves the general binding alone */
+	g->gl->BindTextureUnit(GPU_FIRST_TEXEL_UNIT + binding, buffer->texture);
 }
 
-void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer)
+void gpu_bind_uniforms(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 {
-	glBindBufferBase(GL_UNIFORM_BUFFER, binding, buffer->name);
+	g->gl->BindBuffersBase(GL_UNIFORM_BUFFER, binding, 1, &buffer->name);
 }
 
 /* ---- dispatches ---- */
 
-static void order_after(void)
+static void order_after(const gpu *g)
 {
-	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
-			GL_BUFFER_UPDATE_BARRIER_BIT);
+	g->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
+			     GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)
@@ -422,9 +443,9 @@ void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)
 		return;
 	/* thread_number() of dispatch.glsl undoes the fold. */
 	uint64_t x = groups < 32768 ? groups : 32768;
-	glUseProgram(program);
-	glDispatchCompute((GLuint)x, (GLuint)((groups + x - 1) / x), 1);
-	order_after();
+	g->gl->UseProgram(program);
+	g->gl->DispatchCompute((GLuint)x, (GLuint)((groups + x - 1) / x), 1);
+	order_after(g);
 	g->dispatches++;
 }
 
@@ -435,10 +456,10 @@ void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads)
 
 void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset)
 {
-	glUseProgram(program);
-	glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->name);
-	glDispatchComputeIndirect((GLintptr)offset);
-	order_after();
+	g->gl->UseProgram(program);
+	g->gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->name);
+	g->gl->DispatchComputeIndirect((GLintptr)offset);
+	order_after(g);
 	g->dispatches++;
 }
 
@@ -455,16 +476,16 @@ void gpu_timer_begin(gpu *g, gpu_timer *timer)
 	if (!g->profile)
 		return;
 	if (g->software) {
-		glFinish();
+		g->gl->Finish();
 		timer->began_ms = gi_clock_ms();
 		return;
 	}
-	if (!timer->query[0])
-		glCreateQueries(GL_TIME_ELAPSED, GPU_TIMER_RING, timer->query);
+	if (!timer->query[0][0])
+		g->gl->CreateQueries(GL_TIMESTAMP, 2 * GPU_TIMER_RING, timer->query[0]);
 	if (timer->pending == GPU_TIMER_RING)
 		timer->pending--; /* nobody asked: the oldest is lost */
 	note_time(g, timer, -1);
-	glBeginQuery(GL_TIME_ELAPSED, timer->query[timer->next]);
+	g->gl->QueryCounter(timer->query[timer->next][0], GL_TIMESTAMP);
 }
 
 void gpu_timer_end(gpu *g, gpu_timer *timer)
@@ -472,28 +493,29 @@ void gpu_timer_end(gpu *g, gpu_timer *timer)
 	if (!g->profile)
 		return;
 	if (g->software) {
-		glFinish();
+		g->gl->Finish();
 		note_time(g, timer, (float)(gi_clock_ms() - timer->began_ms));
 		timer->next = (timer->next + 1) % GPU_TIMER_RING;
 		return;
 	}
-	glEndQuery(GL_TIME_ELAPSED);
+	g->gl->QueryCounter(timer->query[timer->next][1], GL_TIMESTAMP);
 	timer->next = (timer->next + 1) % GPU_TIMER_RING;
 	timer->pending++;
 }
 
-void gpu_timer_poll(gpu_timer *timer, bool wait)
+void gpu_timer_poll(const gpu *g, gpu_timer *timer, bool wait)
 {
 	while (timer->pending) {
 		const uint32_t oldest = (timer->next + GPU_TIMER_RING - timer->pending) % GPU_TIMER_RING;
-		const GLuint query = timer->query[oldest];
+		const GLuint *query = timer->query[oldest];
 		GLuint ready = 0;
-		glGetQueryObjectuiv(query, GL_QUERY_RESULT_AVAILABLE, &ready);
+		g->gl->GetQueryObjectuiv(query[1], GL_QUERY_RESULT_AVAILABLE, &ready);
 		if (!ready && !wait)
 			return;
-		GLuint64 ns = 0;
-		glGetQueryObjectui64v(query, GL_QUERY_RESULT, &ns);
-		timer->ms[oldest] = (float)((double)ns * 1e-6);
+		GLuint64 from = 0, to = 0;
+		g->gl->GetQueryObjectui64v(query[0], GL_QUERY_RESULT, &from);
+		g->gl->GetQueryObjectui64v(query[1], GL_QUERY_RESULT, &to);
+		timer->ms[oldest] = (float)((double)(to - from) * 1e-6);
 		timer->pending--;
 	}
 }
@@ -525,8 +547,8 @@ uint64_t gpu_timer_newest(const gpu_timer *timer)
 
 void gpu_timer_free(const gpu *g, gpu_timer *timer)
 {
-	if (timer->query[0] && !g->lost)
-		glDeleteQueries(GPU_TIMER_RING, timer->query);
+	if (timer->query[0][0] && !g->lost)
+		g->gl->DeleteQueries(2 * GPU_TIMER_RING, timer->query[0]);
 	*timer = (gpu_timer){0};
 }
 
@@ -537,65 +559,65 @@ gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
 	*r = (gpu_readback){.slot_bytes = bytes, .buffer.size = (uint64_t)bytes * GPU_READBACK_RING};
 	r->buffer.capacity = r->buffer.size;
 	GLbitfield access = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-	glCreateBuffers(1, &r->buffer.name);
-	glNamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);
-	r->mapped = glMapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
+	g->gl->CreateBuffers(1, &r->buffer.name);
+	g->gl->NamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);
+	r->mapped = g->gl->MapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
 	g->buffer_bytes += r->buffer.size;
 	if (!r->mapped)
-		forget_errors();
+		gpu_forget_errors(g);
 	return r->mapped ? GI_OK : gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "a read-back buffer could not be mapped");
 }
 
-static void drop_fence(gpu_readback *r, uint32_t slot)
+static void drop_fence(const gpu *g, gpu_readback *r, uint32_t slot)
 {
 	if (r->fence[slot])
-		glDeleteSync((GLsync)r->fence[slot]);
+		g->gl->DeleteSync((GLsync)r->fence[slot]);
 	r->fence[slot] = NULL;
 }
 
 void gpu_readback_free(gpu *g, gpu_readback *r)
 {
 	for (uint32_t k = 0; k < GPU_READBACK_RING && !g->lost; k++)
-		drop_fence(r, k);
+		drop_fence(g, r, k);
 	if (r->mapped && !g->lost)
-		glUnmapNamedBuffer(r->buffer.name);
+		g->gl->UnmapNamedBuffer(r->buffer.name);
 	gpu_buffer_free(g, &r->buffer);
 	*r = (gpu_readback){0};
 }
 
-void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag)
+void gpu_readback_queue(const gpu *g, gpu_readback *r, gpu_buffer *from, uint64_t tag)
 {
 	if (r->pending == GPU_READBACK_RING) {
-		drop_fence(r, r->oldest);
+		drop_fence(g, r, r->oldest);
 		r->oldest = (r->oldest + 1) % GPU_READBACK_RING;
 		r->pending--;
 	}
-	gpu_buffer_copy(from, 0, &r->buffer, (uint64_t)r->next * r->slot_bytes, r->slot_bytes);
-	glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
-	r->fence[r->next] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+	gpu_buffer_copy(g, from, 0, &r->buffer, (uint64_t)r->next * r->slot_bytes, r->slot_bytes);
+	g->gl->MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+	r->fence[r->next] = g->gl->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
 	r->tag[r->next] = tag;
 	r->next = (r->next + 1) % GPU_READBACK_RING;
 	r->pending++;
 }
 
-bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag)
+bool gpu_readback_take(const gpu *g, gpu_readback *r, bool wait, void *out, uint64_t *tag)
 {
 	if (!r->pending)
 		return false;
 	uint32_t slot = r->oldest;
 	GLenum state =
-	    glClientWaitSync((GLsync)r->fence[slot], GL_SYNC_FLUSH_COMMANDS_BIT, wait ? GL_TIMEOUT_IGNORED : 0);
+	    g->gl->ClientWaitSync((GLsync)r->fence[slot], GL_SYNC_FLUSH_COMMANDS_BIT, wait ? GL_TIMEOUT_IGNORED : 0);
 	if (state == GL_TIMEOUT_EXPIRED)
 		return false;
 	memcpy(out, (const char *)r->mapped + (size_t)slot * r->slot_bytes, r->slot_bytes);
 	*tag = r->tag[slot];
-	drop_fence(r, slot);
+	drop_fence(g, r, slot);
 	r->oldest = (slot + 1) % GPU_READBACK_RING;
 	r->pending--;
 	return true;
 }
 
-void gpu_finish(void)
+void gpu_finish(const gpu *g)
 {
-	glFinish();
+	g->gl->Finish();
 }

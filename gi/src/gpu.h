@@ -5,6 +5,7 @@
 #ifndef GI_GPU_H
 #define GI_GPU_H
 
+#include "compiler.h"
 #include "gi/gi.h"
 #include "gi_shared.h"
 
@@ -18,14 +19,13 @@ typedef struct gi_log {
 } gi_log;
 
 /* Formats one line, hands it to the host and returns `result`. */
-__attribute__((format(printf, 3, 4))) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
+GI_FORMAT(3, 4) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
 
 /* Hands the host one line about something that is no error. */
-__attribute__((format(printf, 2, 3))) void gi_warn(const gi_log *log, const char *format, ...);
+GI_FORMAT(2, 3) void gi_warn(const gi_log *log, const char *format, ...);
 
 /* Tells the host, if it wants to know, that step `done` of `total` begins. */
-__attribute__((format(printf, 4, 5))) void gi_progress(const gi_log *log, uint32_t done, uint32_t total,
-							const char *format, ...);
+GI_FORMAT(4, 5) void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...);
 
 typedef struct gpu_buffer {
 	uint32_t name;
@@ -40,7 +40,7 @@ enum { GPU_BINDINGS = GI_BIND_COUNT, GPU_FIRST_TEXEL_UNIT = GI_TEXEL_UNIT };
 enum { GPU_TIMER_RING = 4 };
 
 typedef struct gpu_timer {
-	uint32_t query[GPU_TIMER_RING];
+	uint32_t query[GPU_TIMER_RING][2]; /* time stamps, so that a host may measure around them */
 	uint64_t tag[GPU_TIMER_RING]; /* gpu.tag of each measurement; 0: none */
 	float ms[GPU_TIMER_RING];     /* below 0: not finished */
 	uint32_t next, pending;       /* ring position, queries not yet read */
@@ -49,6 +49,7 @@ typedef struct gpu_timer {
 
 typedef struct gpu {
 	gi_log log;
+	struct GladGLContext *gl;     /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
 	char *shader_directory;       /* NULL: built in */
 	uint32_t mark;                /* an object that only the OpenGL context has that all the others are in */
 	bool lost;                    /* that context is not current when all is freed: its objects are left to it */
@@ -69,12 +70,19 @@ typedef struct gpu {
 	char renderer[160];
 } gpu;
 
+/* OpenGL's functions as the driver of the current context has them: a program may have contexts of several drivers. */
+gi_result gpu_load_functions(gpu *g, gi_get_proc_address_fn *get_proc_address, void *user);
+void gpu_free_functions(gpu *g);
+
 /* Loads OpenGL's functions and asks for its limits. */
-gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address);
+gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address, void *user);
 void gpu_close(gpu *g);
 
 /* Is the OpenGL context current that gpu_init was called in? One that shares objects with it is another. */
 bool gpu_is_current(const gpu *g);
+
+/* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
+void gpu_forget_errors(const gpu *g);
 
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
@@ -93,16 +101,17 @@ gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_
 void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding);
 void gpu_spares_free(gpu *g);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
-void gpu_buffer_clear(gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
+void gpu_buffer_clear(const gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
 /* All of it, a multiple of 16 bytes, to copies of four words. */
-void gpu_buffer_fill(gpu_buffer *buffer, const uint32_t words[4]);
-void gpu_buffer_copy(gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset, uint64_t size);
+void gpu_buffer_fill(const gpu *g, gpu_buffer *buffer, const uint32_t words[4]);
+void gpu_buffer_copy(const gpu *g, gpu_buffer *from, uint64_t from_offset, gpu_buffer *to, uint64_t to_offset,
+		     uint64_t size);
 /* Waits for the GPU. */
-void gpu_buffer_read(const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);
+void gpu_buffer_read(const gpu *g, const gpu_buffer *buffer, uint64_t offset, uint64_t size, void *out);
 /* For writing as a storage block at `binding`, for reading as a buffer texture at GPU_FIRST_TEXEL_UNIT + binding; below
  * GPU_BINDINGS. */
-void gpu_bind(uint32_t binding, const gpu_buffer *buffer);
-void gpu_bind_uniforms(uint32_t binding, const gpu_buffer *buffer);
+void gpu_bind(const gpu *g, uint32_t binding, const gpu_buffer *buffer);
+void gpu_bind_uniforms(const gpu *g, uint32_t binding, const gpu_buffer *buffer);
 
 /* Programs from files of shaders/, #include lines resolved. *program is 0 on failure; the compiler's log went to the
  * host. */
@@ -121,9 +130,9 @@ void gpu_program_free(const gpu *g, uint32_t *program);
 gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count);
 void gpu_programs_free(const gpu *g, const gpu_program_file *files, size_t count);
-void gpu_set_uint(uint32_t program, int location, uint32_t value);
-void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values);
-void gpu_set_matrices(uint32_t program, int location, int count, const float *values);
+void gpu_set_uint(const gpu *g, uint32_t program, int location, uint32_t value);
+void gpu_set_floats(const gpu *g, uint32_t program, int location, int components, int count, const float *values);
+void gpu_set_matrices(const gpu *g, uint32_t program, int location, int count, const float *values);
 
 /* One thread per item; nothing for no items. Ends with a barrier for what it wrote, whichever way it is read next: as a
  * storage block, a buffer texture, group counts or by a copy. */
@@ -136,7 +145,7 @@ void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments
 void gpu_timer_begin(gpu *g, gpu_timer *timer);
 void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */
-void gpu_timer_poll(gpu_timer *timer, bool wait);
+void gpu_timer_poll(const gpu *g, gpu_timer *timer, bool wait);
 void gpu_timer_free(const gpu *g, gpu_timer *timer);
 /* What was measured under this tag, all of it together; 0 when none was, or it is not finished. */
 float gpu_timer_ms(const gpu_timer *timer, uint64_t tag);
@@ -157,10 +166,10 @@ typedef struct gpu_readback {
 gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes);
 void gpu_readback_free(gpu *g, gpu_readback *r);
 /* Queues a copy; the oldest unread one is dropped when the ring is full. */
-void gpu_readback_queue(gpu_readback *r, gpu_buffer *from, uint64_t tag);
+void gpu_readback_queue(const gpu *g, gpu_readback *r, gpu_buffer *from, uint64_t tag);
 /* Takes the oldest finished copy. False when none is; `wait` waits for the oldest queued one. */
-bool gpu_readback_take(gpu_readback *r, bool wait, void *out, uint64_t *tag);
+bool gpu_readback_take(const gpu *g, gpu_readback *r, bool wait, void *out, uint64_t *tag);
 
-void gpu_finish(void);
+void gpu_finish(const gpu *g);
 
 #endif

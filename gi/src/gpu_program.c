@@ -3,7 +3,7 @@
 
 #include "shader_source.h"
 
-#include <glad/gl.h>
+#include <gi_gl.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,28 +124,28 @@ static gi_result attach_shader(const gpu *g, GLuint program, GLenum kind, const 
 		free(source.data);
 		return result;
 	}
-	GLuint shader = glCreateShader(kind);
+	GLuint shader = g->gl->CreateShader(kind);
 	const char *text = source.data;
-	glShaderSource(shader, 1, &text, NULL);
+	g->gl->ShaderSource(shader, 1, &text, NULL);
 	free(source.data);
-	glCompileShader(shader);
-	glAttachShader(program, shader);
-	glDeleteShader(shader); /* goes with the program */
+	g->gl->CompileShader(shader);
+	g->gl->AttachShader(program, shader);
+	g->gl->DeleteShader(shader); /* goes with the program */
 	return GI_OK;
 }
 
 /* vertex_file NULL: a compute shader. */
 static gi_result begin_program(const gpu *g, const char *vertex_file, const char *file, uint32_t *out)
 {
-	GLuint program = glCreateProgram();
+	GLuint program = g->gl->CreateProgram();
 	gi_result result = vertex_file ? attach_shader(g, program, GL_VERTEX_SHADER, vertex_file) : GI_OK;
 	if (!result)
 		result = attach_shader(g, program, vertex_file ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER, file);
 	if (result) {
-		glDeleteProgram(program);
+		g->gl->DeleteProgram(program);
 		return result;
 	}
-	glLinkProgram(program);
+	g->gl->LinkProgram(program);
 	*out = program;
 	return GI_OK;
 }
@@ -160,11 +160,11 @@ static int first_line(const char *log)
 static bool check_shader(const gpu *g, GLuint shader, const char *file)
 {
 	GLint ok = 0;
-	glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+	g->gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
 	if (ok)
 		return true;
 	char log[800] = "";
-	glGetShaderInfoLog(shader, sizeof log, NULL, log);
+	g->gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
 	gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not compile: %.*s", file, first_line(log), log);
 	return false;
 }
@@ -173,21 +173,21 @@ static bool check_shader(const gpu *g, GLuint shader, const char *file)
 static gi_result end_program(const gpu *g, const char *vertex_file, const char *file, uint32_t program)
 {
 	GLint ok = 0;
-	glGetProgramiv(program, GL_LINK_STATUS, &ok);
+	g->gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
 	if (ok)
 		return GI_OK;
 	GLuint shaders[2];
 	GLsizei count = 0;
 	bool compiled = true;
-	glGetAttachedShaders(program, 2, &count, shaders);
+	g->gl->GetAttachedShaders(program, 2, &count, shaders);
 	for (GLsizei k = 0; k < count; k++) {
 		GLint kind = 0;
-		glGetShaderiv(shaders[k], GL_SHADER_TYPE, &kind);
+		g->gl->GetShaderiv(shaders[k], GL_SHADER_TYPE, &kind);
 		compiled = check_shader(g, shaders[k], kind == GL_VERTEX_SHADER ? vertex_file : file) && compiled;
 	}
 	if (compiled) {
 		char log[800] = "";
-		glGetProgramInfoLog(program, sizeof log, NULL, log);
+		g->gl->GetProgramInfoLog(program, sizeof log, NULL, log);
 		gi_fail(&g->log, GI_ERROR_SHADER, "shader %s does not link: %.*s", file, first_line(log), log);
 	}
 	return GI_ERROR_SHADER;
@@ -242,33 +242,33 @@ gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment
 void gpu_program_free(const gpu *g, uint32_t *program)
 {
 	if (*program && !g->lost)
-		glDeleteProgram(*program);
+		g->gl->DeleteProgram(*program);
 	*program = 0;
 }
 
-void gpu_set_uint(uint32_t program, int location, uint32_t value)
+void gpu_set_uint(const gpu *g, uint32_t program, int location, uint32_t value)
 {
-	glProgramUniform1ui(program, location, value);
+	g->gl->ProgramUniform1ui(program, location, value);
 }
 
-void gpu_set_floats(uint32_t program, int location, int components, int count, const float *values)
+void gpu_set_floats(const gpu *g, uint32_t program, int location, int components, int count, const float *values)
 {
 	switch (components) {
 	case 1:
-		glProgramUniform1fv(program, location, count, values);
+		g->gl->ProgramUniform1fv(program, location, count, values);
 		break;
 	case 2:
-		glProgramUniform2fv(program, location, count, values);
+		g->gl->ProgramUniform2fv(program, location, count, values);
 		break;
 	case 3:
-		glProgramUniform3fv(program, location, count, values);
+		g->gl->ProgramUniform3fv(program, location, count, values);
 		break;
 	default:
-		glProgramUniform4fv(program, location, count, values);
+		g->gl->ProgramUniform4fv(program, location, count, values);
 	}
 }
 
-void gpu_set_matrices(uint32_t program, int location, int count, const float *values)
+void gpu_set_matrices(const gpu *g, uint32_t program, int location, int count, const float *values)
 {
-	glProgramUniformMatrix4fv(program, location, count, GL_FALSE, values);
+	g->gl->ProgramUniformMatrix4fv(program, location, count, GL_FALSE, values);
 }

@@ -1,5 +1,6 @@
 #include "lamp.h"
 
+#include "compiler.h"
 #include "context.h"
 #include "vec3d.h"
 
@@ -218,7 +219,7 @@ static bool cut_object(const scene_object *o, candidates *out)
 		return false;
 	join_neighbours(out);
 	while (any_curved(out) && out->count < CURVED_POLYGONS) {
-		static _Thread_local candidates finer; /* too large for a stack */
+		static GI_THREAD_LOCAL candidates finer; /* too large for a stack */
 		split_curved(o, out, &finer);
 		if (finer.overflow || finer.count > GI_LAMP_MAX || finer.count == out->count)
 			break;
@@ -269,7 +270,7 @@ static uint32_t next_emitter(const gi_context *gi, double *power, uint32_t after
 
 static void take_object(const gi_context *gi, gi_lamps *next, uint32_t slot)
 {
-	static _Thread_local candidates cut;
+	static GI_THREAD_LOCAL candidates cut;
 	if (!cut_object(&gi->scene.objects[gi->scene.slots[slot]], &cut) ||
 	    next->count + cut.count > gi->def.pixel_lamps)
 		return;

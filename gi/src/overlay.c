@@ -84,28 +84,28 @@ static void eye_of(const gi_view *view, float eye[4])
 	eye[3] = parallel ? 0.0f : 1.0f;
 }
 
-gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view,
-		       const float clip_from_world[16])
+gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
 {
 	if (!overlays->edges.array || !overlays->program) {
 		gi_result result = build(gi, overlays);
 		if (result)
 			return result;
 	}
+	const gpu_convention convention = {view->clip_upper_left, view->clip_zero_to_one, view->depth_reversed};
 	float eye[4];
 	eye_of(view, eye);
 	rows_bind(gi);
-	gpu_set_matrices(overlays->program, 0, 1, clip_from_world);
-	gpu_set_uint(overlays->program, 1, (uint32_t)view->overlay);
-	gpu_set_floats(overlays->program, 2, 4, 1, eye);
-	gpu_set_uint(overlays->program, 3, gi->issued_frame != gi->frame_number);
+	gpu_set_matrices(&gi->gpu, overlays->program, 0, 1, clip_from_world);
+	gpu_set_uint(&gi->gpu, overlays->program, 1, (uint32_t)view->overlay);
+	gpu_set_floats(&gi->gpu, overlays->program, 2, 4, 1, eye);
+	gpu_set_uint(&gi->gpu, overlays->program, 3, gi->issued_frame != gi->frame_number);
 	if (view->overlay != GI_OVERLAY_WIREFRAME) {
-		gpu_mesh_draw(&overlays->faces, overlays->program);
+		gpu_mesh_draw(&gi->gpu, &overlays->faces, overlays->program);
 		return GI_OK;
 	}
-	gpu_draw_multiplied(true);
-	gpu_mesh_draw_lines(&overlays->edges, overlays->program);
-	gpu_draw_multiplied(false);
+	gpu_draw_multiplied(&gi->gpu, true, convention);
+	gpu_mesh_draw_lines(&gi->gpu, &overlays->edges, overlays->program);
+	gpu_draw_multiplied(&gi->gpu, false, convention);
 	return GI_OK;
 }
 

@@ -251,14 +251,14 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	const gi_paths *p = gi->paths;
 	scene_bind(gi);
 	rows_bind(gi); /* for the frame's trees; the rest goes to others */
-	gpu_bind(GI_BIND_PATH_SLOTS, &p->slots);
-	gpu_bind(GI_BIND_PATH_GOING, &p->going);
-	gpu_bind(GI_BIND_PATH_LIGHTS, &p->lights);
-	gpu_bind(GI_BIND_PATH_SOBOL, &p->sobol);
-	gpu_set_uint(p->program, 5, seed);
-	gpu_set_uint(p->program, 6, s->light_count);
-	gpu_set_floats(p->program, 7, 4, 1, s->sky_and_lift);
-	gpu_set_floats(p->program, 8, 1, 1, &s->density);
+	gpu_bind(&gi->gpu, GI_BIND_PATH_SLOTS, &p->slots);
+	gpu_bind(&gi->gpu, GI_BIND_PATH_GOING, &p->going);
+	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &p->lights);
+	gpu_bind(&gi->gpu, GI_BIND_PATH_SOBOL, &p->sobol);
+	gpu_set_uint(&gi->gpu, p->program, 5, seed);
+	gpu_set_uint(&gi->gpu, p->program, 6, s->light_count);
+	gpu_set_floats(&gi->gpu, p->program, 7, 4, 1, s->sky_and_lift);
+	gpu_set_floats(&gi->gpu, p->program, 8, 1, 1, &s->density);
 }
 
 /* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
@@ -269,14 +269,14 @@ static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, doubl
 	gi_paths *p = gi->paths;
 	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, count = slots_of(b);
 	for (int k = 0; k < 5; k++)
-		gpu_set_uint(p->program, k, values[k]);
-	gpu_buffer_fill(&p->slots, minus_one);
+		gpu_set_uint(&gi->gpu, p->program, k, values[k]);
+	gpu_buffer_fill(&gi->gpu, &p->slots, minus_one);
 	for (uint32_t going = 1; going;) {
-		gpu_buffer_clear(&p->going, 0, sizeof going, 0);
+		gpu_buffer_clear(&gi->gpu, &p->going, 0, sizeof going, 0);
 		gpu_dispatch(&gi->gpu, p->program, count);
-		gpu_buffer_read(&p->going, 0, sizeof going, &going);
+		gpu_buffer_read(&gi->gpu, &p->going, 0, sizeof going, &going);
 	}
-	gpu_buffer_read(&p->slots, 0, sizeof *slots * count, slots);
+	gpu_buffer_read(&gi->gpu, &p->slots, 0, sizeof *slots * count, slots);
 	for (uint32_t t = 0; t < count; t++) {
 		double *total = totals + 3 * (size_t)(b->first_leaf + t % b->leaves);
 		total[0] += slots[t].sum.x;

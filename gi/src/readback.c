@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *read_buffer(const gpu_buffer *buffer, uint64_t bytes)
+static void *read_buffer(const gi_context *gi, const gpu_buffer *buffer, uint64_t bytes)
 {
 	void *data = malloc(bytes + 1);
 	if (data)
-		gpu_buffer_read(buffer, 0, bytes, data);
+		gpu_buffer_read(&gi->gpu, buffer, 0, bytes, data);
 	return data;
 }
 
@@ -58,8 +58,8 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count, const gi_uvec4 *headers)
 {
 	const gi_rows *r = &gi->rows;
-	gi_vec4 *b = read_buffer(&gi->solver.radiosity, sizeof *b * gi->scene.node_count);
-	uint32_t *links = read_buffer(&r->links, r->links.size);
+	gi_vec4 *b = read_buffer(gi, &gi->solver.radiosity, sizeof *b * gi->scene.node_count);
+	uint32_t *links = read_buffer(gi, &r->links, r->links.size);
 	for (uint32_t leaf = 0; b && links && leaf < count; leaf++) {
 		const uint32_t first = headers[leaf].x, n = headers[leaf].y & GI_BLOCK_COUNT_MASK;
 		double h[3] = {0};
@@ -91,9 +91,9 @@ gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uin
 	if (!leaves || !s->leaf_count)
 		return GI_OK;
 	leaf_arrays a = {
-	    .vertices = read_buffer(&s->vertices_world_gpu, sizeof(gi_vec4) * s->vertex_count),
-	    .radiosity = read_buffer(&gi->solver.leaf_radiosity, sizeof(gi_vec4) * s->leaf_count),
-	    .headers = read_buffer(&gi->rows.headers, sizeof(gi_uvec4) * s->leaf_count),
+	    .vertices = read_buffer(gi, &s->vertices_world_gpu, sizeof(gi_vec4) * s->vertex_count),
+	    .radiosity = read_buffer(gi, &gi->solver.leaf_radiosity, sizeof(gi_vec4) * s->leaf_count),
+	    .headers = read_buffer(gi, &gi->rows.headers, sizeof(gi_uvec4) * s->leaf_count),
 	};
 	const uint32_t wanted = capacity < s->leaf_count ? capacity : s->leaf_count;
 	if (!a.vertices || !a.radiosity || !a.headers) {
@@ -148,15 +148,20 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	const uint64_t segments = (uint64_t)s->leaf_count * scene_source_count(s);
 	if (!segments)
 		return GI_OK;
-	gi_uvec4 *segment = read_buffer(&gi->rows.segments, sizeof *segment * segments);
-	gi_uvec4 *pool = entries ? read_buffer(&gi->rows.entries, gi->rows.entries.size) : NULL;
-	if (!segment || (entries && !pool))
+	gi_uvec4 *segment = read_buffer(gi, &gi->rows.segments, sizeof *segment * segments);
+	gi_uvec4 *pool = read_buffer(gi, &gi->rows.entries, gi->rows.entries.size);
+	if (!segment || !pool)
 		result = no_memory(gi);
 	for (uint64_t k = 0; !result && k < segments; k++) {
 		const uint32_t n = segment[k].y & GI_BLOCK_COUNT_MASK;
-		for (uint32_t e = 0; e < n; e++, (*count)++)
+		for (uint32_t e = 0; e < n; e++) {
+			const gi_uvec4 entry = pool[segment[k].x + e];
+			if (entry.w & GI_ENTRY_GONE)
+				continue;
 			if (entries && *count < capacity)
-				entries[*count] = entry_of(s, pool[segment[k].x + e]);
+				entries[*count] = entry_of(s, entry);
+			(*count)++;
+		}
 	}
 	free(segment);
 	free(pool);
@@ -173,8 +178,8 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 	const gi_scene *s = &gi->scene;
 	if (!s->leaf_count)
 		return GI_OK;
-	gi_uvec4 *headers = read_buffer(&gi->rows.headers, sizeof *headers * s->leaf_count);
-	uint32_t *pool = links ? read_buffer(&gi->rows.links, gi->rows.links.size) : NULL;
+	gi_uvec4 *headers = read_buffer(gi, &gi->rows.headers, sizeof *headers * s->leaf_count);
+	uint32_t *pool = links ? read_buffer(gi, &gi->rows.links, gi->rows.links.size) : NULL;
 	if (!headers || (links && !pool))
 		result = no_memory(gi);
 	for (uint32_t leaf = 0; !result && leaf < s->leaf_count; leaf++) {
@@ -199,9 +204,9 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 static gi_result sum_links(gi_context *gi, const scene_object *from, double *sums, double *area)
 {
 	const gi_scene *s = &gi->scene;
-	gi_uvec4 *headers = read_buffer(&gi->rows.headers, sizeof *headers * s->leaf_count);
-	uint32_t *pool = read_buffer(&gi->rows.links, gi->rows.links.size);
-	gi_uvec4 *leaves = read_buffer(&s->leaves_gpu, sizeof *leaves * s->leaf_count);
+	gi_uvec4 *headers = read_buffer(gi, &gi->rows.headers, sizeof *headers * s->leaf_count);
+	uint32_t *pool = read_buffer(gi, &gi->rows.links, gi->rows.links.size);
+	gi_uvec4 *leaves = read_buffer(gi, &s->leaves_gpu, sizeof *leaves * s->leaf_count);
 	const bool ok = headers && pool && leaves;
 	for (uint32_t k = 0; ok && k < from->hierarchy.leaf_count; k++) {
 		const gi_uvec4 header = headers[from->leaf_base + k];

@@ -91,23 +91,24 @@ void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_b
 	const uint64_t word = sizeof(uint32_t), lists = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
 	const uint32_t limit = (uint32_t)to_limit;
 	uint64_t from_at = lists, to_at = lists;
-	gpu_buffer_copy(from, 0, to, 0, word * GI_POOL_PENDING_LIST);
+	gpu_buffer_copy(&gi->gpu, from, 0, to, 0, word * GI_POOL_PENDING_LIST);
 	gpu_buffer_upload(&gi->gpu, to, word * GI_POOL_LIMIT, sizeof limit, &limit);
 	for (uint32_t c = 0; c < GI_BLOCK_CLASSES; c++) {
 		const uint64_t size = (uint64_t)GI_BLOCK_SMALLEST << c;
 		if (from_limit / size)
-			gpu_buffer_copy(from, word * from_at, to, word * to_at, word * (from_limit / size));
+			gpu_buffer_copy(&gi->gpu, from, word * from_at, to, word * to_at, word * (from_limit / size));
 		from_at += from_limit / size;
 		to_at += to_limit / size;
 	}
 }
 
 /* No block: class 255, and any offset; a row sum of 0, which leaves that see nothing keep. */
-static void clear_rows(gi_rows *r)
+static void clear_rows(gi_context *gi)
 {
+	gi_rows *r = &gi->rows;
 	const uint32_t no_row[4] = {0, GI_BLOCK_NO_CLASS << 24, r->update, 0};
-	gpu_buffer_clear(&r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
-	gpu_buffer_fill(&r->headers, no_row);
+	gpu_buffer_clear(&gi->gpu, &r->segments, 0, r->segments.size, GI_BLOCK_NO_CLASS << 24);
+	gpu_buffer_fill(&gi->gpu, &r->headers, no_row);
 }
 
 /* Of a table or pool, where so many are wanted. */
@@ -161,7 +162,7 @@ gi_result rows_allocate_tables(gi_context *gi)
 	if (!result)
 		result = gpu_buffer_renew(g, &r->touched, GI_BIND_TOUCHED, sizeof(uint32_t) * leaves, NULL);
 	if (!result)
-		clear_rows(r);
+		clear_rows(gi);
 	return result;
 }
 
@@ -254,6 +255,43 @@ static bool slot_relit(const gi_context *gi, uint32_t slot)
 	return gi->scene.object_data[slot].changed.y > gi->rows.current;
 }
 
+/* Is there one in [first, end)? */
+static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, uint32_t end)
+{
+	uint32_t low = 0, high = count;
+	while (low < high) {
+		const uint32_t middle = low + (high - low) / 2;
+		if (sorted[middle] < first)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < count && sorted[low] < end;
+}
+
+/* Tops change with what is below them. The topmost one need not see one that left: it may be another top of before. */
+static void number_tops(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	const uint32_t update = gi->rows.update;
+	uint32_t count = 0;
+	for (uint32_t slot = 0; slot < s->first_source; slot++) {
+		const gi_uvec4 changed = s->object_data[slot].changed;
+		if (changed.x == update || changed.y == update)
+			s->changed_slots[count++] = slot;
+	}
+	for (uint32_t k = 0; count && k < s->top_count; k++) {
+		scene_top *top = &s->tops[k];
+		if (!holds_any(s->changed_slots, count, top->first_slot, top->end_slot))
+			continue;
+		top->changed = s->topology[top->node].corners.y = update;
+		gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node,
+				  sizeof(gi_node_topology), &s->topology[top->node]);
+	}
+	const uint32_t newest = s->tops[0].changed > s->statics_update ? s->tops[0].changed : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){newest, newest, 0, 0};
+}
+
 static void number_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
@@ -267,12 +305,9 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
-		s->statics_changed = s->statics_changed || (o->grouped && (o->moved || o->relit));
 	}
-	if (s->statics_slot == GI_NONE)
-		return;
-	s->statics_update = s->statics_changed ? update : s->statics_update;
-	s->object_data[s->statics_slot].changed = (gi_uvec4){s->statics_update, s->statics_update, 0, 0};
+	if (s->statics_slot != GI_NONE)
+		number_tops(gi);
 }
 
 /* Does the cut of `source` for leaves of `receiver` have to be done again? */
@@ -529,35 +564,35 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 
 void rows_clear_counts(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
 }
 
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&r->touched, 0, r->touched.size, 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &r->touched, 0, r->touched.size, 0);
 	if (!r->rebuild) {
-		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
-		gpu_buffer_clear(&r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		return;
 	}
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
 	reset_pool(gi, &r->entry_pool, r->entry_limit);
 	reset_pool(gi, &r->link_pool, r->link_limit);
-	clear_rows(r);
+	clear_rows(gi);
 }
 
 static void prepare(gi_context *gi, uint32_t stage)
 {
-	gpu_set_uint(gi->rows.prepare_program, 0, stage);
+	gpu_set_uint(&gi->gpu, gi->rows.prepare_program, 0, stage);
 	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
 }
 
@@ -681,7 +716,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	trace(gi);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
 	rows_recycle(gi);
-	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
+	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)
 		r->current = r->update;
 	forget_trails(gi);
@@ -702,19 +737,19 @@ gi_result rows_relight(gi_context *gi)
 void rows_bind(const gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
-	gpu_bind_uniforms(GI_BIND_FRAME, &r->frame);
-	gpu_bind(GI_BIND_SEGMENTS, &r->segments);
-	gpu_bind(GI_BIND_ENTRIES, &r->entries);
-	gpu_bind(GI_BIND_TARGETS, &r->targets);
-	gpu_bind(GI_BIND_ENTRY_POOL, &r->entry_pool);
-	gpu_bind(GI_BIND_QUEUE, &r->queue);
-	gpu_bind(GI_BIND_ROWS, &r->headers);
-	gpu_bind(GI_BIND_LINKS, &r->links);
-	gpu_bind(GI_BIND_LINK_POOL, &r->link_pool);
-	gpu_bind(GI_BIND_TOUCHED, &r->touched);
-	gpu_bind(GI_BIND_RUNS, &r->runs);
-	gpu_bind(GI_BIND_SUSPECTS, &r->suspects);
-	gpu_bind(GI_BIND_STATE, &gi->state);
+	gpu_bind_uniforms(&gi->gpu, GI_BIND_FRAME, &r->frame);
+	gpu_bind(&gi->gpu, GI_BIND_SEGMENTS, &r->segments);
+	gpu_bind(&gi->gpu, GI_BIND_ENTRIES, &r->entries);
+	gpu_bind(&gi->gpu, GI_BIND_TARGETS, &r->targets);
+	gpu_bind(&gi->gpu, GI_BIND_ENTRY_POOL, &r->entry_pool);
+	gpu_bind(&gi->gpu, GI_BIND_QUEUE, &r->queue);
+	gpu_bind(&gi->gpu, GI_BIND_ROWS, &r->headers);
+	gpu_bind(&gi->gpu, GI_BIND_LINKS, &r->links);
+	gpu_bind(&gi->gpu, GI_BIND_LINK_POOL, &r->link_pool);
+	gpu_bind(&gi->gpu, GI_BIND_TOUCHED, &r->touched);
+	gpu_bind(&gi->gpu, GI_BIND_RUNS, &r->runs);
+	gpu_bind(&gi->gpu, GI_BIND_SUSPECTS, &r->suspects);
+	gpu_bind(&gi->gpu, GI_BIND_STATE, &gi->state);
 	budget_bind(gi);
 }
 

@@ -29,17 +29,17 @@ static gi_result make_room(gi_context *gi, const gi_rows *before, const rows_mov
 	return rows_allocate_pools(gi);
 }
 
-static void copy_all(gpu_buffer *from, gpu_buffer *to)
+static void copy_all(const gi_context *gi, gpu_buffer *from, gpu_buffer *to)
 {
-	gpu_buffer_copy(from, 0, to, 0, from->size);
+	gpu_buffer_copy(&gi->gpu, from, 0, to, 0, from->size);
 }
 
 static void fill_room(gi_context *gi, gi_rows *before)
 {
 	gi_rows *r = &gi->rows;
-	copy_all(&before->entries, &r->entries);
-	copy_all(&before->targets, &r->targets);
-	copy_all(&before->links, &r->links);
+	copy_all(gi, &before->entries, &r->entries);
+	copy_all(gi, &before->targets, &r->targets);
+	copy_all(gi, &before->links, &r->links);
 	rows_copy_pool(gi, &before->entry_pool, before->entry_limit, &r->entry_pool, r->entry_limit);
 	rows_copy_pool(gi, &before->link_pool, before->link_limit, &r->link_pool, r->link_limit);
 }
@@ -72,38 +72,43 @@ static void renumber(gi_context *gi, uint32_t first, uint32_t end, uint32_t bloc
 	const uint32_t most = blocks ? (uint32_t)fmax(1, GI_POOL_PENDING_MAX / (double)blocks) : UINT32_MAX;
 	for (; first < end; first += most < end - first ? most : end - first) {
 		const uint32_t count = most < end - first ? most : end - first;
-		gpu_buffer_clear(&r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
-		gpu_buffer_clear(&r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
-		gpu_set_uint(r->renumber_program, 0, first);
-		gpu_set_uint(r->renumber_program, 1, count);
+		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
+		gpu_set_uint(&gi->gpu, r->renumber_program, 0, first);
+		gpu_set_uint(&gi->gpu, r->renumber_program, 1, count);
 		gpu_dispatch(&gi->gpu, r->renumber_program, count);
 		if (blocks)
 			rows_recycle(gi);
 	}
 }
 
-static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const rows_moves *m)
+static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const gpu_buffer *nodes,
+			 const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	bool blockers = false, nodes = false;
+	bool blockers = false, shifted = false;
 	uint32_t gone = 0; /* columns */
 	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
 		gone += slot >= m->first_source && (went(m, slot) || m->list[slot].now.x < gi->scene.first_source);
 		lost = lost || went(m, slot);
-		nodes = nodes || (!went(m, slot) && m->list[slot].now.z);
+		shifted = shifted || (!went(m, slot) && m->list[slot].now.z);
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
 	rows_bind(gi);
-	gpu_bind(GI_BIND_OLD_SEGMENTS, &before->segments);
-	gpu_bind(GI_BIND_OLD_ROWS, &before->headers);
-	gpu_bind(GI_BIND_MOVES, moves);
-	gpu_set_uint(r->renumber_program, 2, m->count);
-	gpu_set_uint(r->renumber_program, 3, gi->scene.slot_count);
-	gpu_set_uint(r->renumber_program, 4, blockers);
-	gpu_set_uint(r->renumber_program, 5, m->first_source);
-	gpu_set_uint(r->renumber_program, 6, gi->scene.first_source);
-	gpu_set_uint(r->renumber_program, 7, nodes);
+	gpu_bind(&gi->gpu, GI_BIND_OLD_SEGMENTS, &before->segments);
+	gpu_bind(&gi->gpu, GI_BIND_OLD_ROWS, &before->headers);
+	gpu_bind(&gi->gpu, GI_BIND_MOVES, moves);
+	gpu_bind(&gi->gpu, GI_BIND_NODE_MOVES, nodes);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 2, m->count);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 3, gi->scene.slot_count);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 4, blockers);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 5, m->first_source);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 6, gi->scene.first_source);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 7, m->statics_slot);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 8,
+		     gi->scene.statics_slot == GI_NONE ? 0 : gi->scene.object_data[gi->scene.statics_slot].nodes.y);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 9, shifted);
 	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
 		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
 			;
@@ -118,23 +123,27 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	gpu_buffer moves = {0};
+	gpu_buffer moves = {0}, nodes = {0};
 	bool larger = false;
 	gi_result result = rows_allocate_tables(gi);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &moves, sizeof *m->list * m->count, m->list);
 	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &nodes, sizeof *m->nodes * m->node_count, m->nodes);
+	if (!result)
 		result = make_room(gi, before, m, &larger);
 	if (result) {
 		gpu_buffer_free(&gi->gpu, &moves);
+		gpu_buffer_free(&gi->gpu, &nodes);
 		return result;
 	}
 	if (larger)
 		fill_room(gi, before);
 	else
 		take_pools(r, before);
-	renumber_all(gi, before, &moves, m);
+	renumber_all(gi, before, &moves, &nodes, m);
 	gpu_buffer_free(&gi->gpu, &moves);
+	gpu_buffer_free(&gi->gpu, &nodes);
 	r->kept = true;
 	return GI_OK;
 }

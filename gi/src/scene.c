@@ -301,7 +301,7 @@ gi_result scene_upload_changes(gi_context *gi)
 
 void scene_bind(const gi_context *gi)
 {
-#define BIND(name, buffer) gpu_bind(GI_BIND_##name, &gi->scene.buffer);
+#define BIND(name, buffer) gpu_bind(&gi->gpu, GI_BIND_##name, &gi->scene.buffer);
 	BUFFERS(BIND)
 #undef BIND
 }

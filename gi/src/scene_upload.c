@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* Objects' are far below. */
-static const uint32_t FIRST_SKY_ID = 0xFFFF0000u, FIRST_TOP_ID = 0xC0000000u;
+static const uint32_t FIRST_SKY_ID = 0xFFFF0000u;
 
 /* Does one closed room hold all other objects? */
 static bool one_encloses_all(const gi_context *gi)
@@ -137,6 +137,7 @@ static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 	n->tlas = gi_arena_take(stays, n->tlas_count, sizeof *n->tlas);
 	n->tlas_packed = gi_arena_take(stays, 2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
 	n->tops = gi_arena_take(stays, n->top_count, sizeof *n->tops);
+	n->changed_slots = gi_arena_take(stays, n->first_source, sizeof *n->changed_slots);
 	g->rest = gi_arena_take(passes, n->node_count, sizeof *g->rest);
 	g->spread = gi_arena_take(passes, n->node_count, sizeof *g->spread);
 	g->vertices = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices);
@@ -164,6 +165,7 @@ static bool allocate_all(gi_context *gi, gathered *g)
 	lay_out(g, &n->arrays, &gi->passing);
 	/* Not all of these is written below. */
 	memset(n->object_data, 0, sizeof *n->object_data * n->slot_count);
+	memset(n->changed_slots, 0, sizeof *n->changed_slots * n->first_source);
 	memset(n->tlas_packed, 0, sizeof *n->tlas_packed * 2 * n->tlas_count);
 	memset(g->spread, 0, sizeof *g->spread * n->node_count);
 	return true;
@@ -268,12 +270,14 @@ static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 	const static_tree *t = &g->statics;
 	for (uint32_t k = 0, top = 0; k < t->count; k++)
 		if (t->nodes[k].top)
-			n->tops[top++] = (scene_top){t->nodes[k].node, t->nodes[k].first_slot, t->nodes[k].end_slot};
+			n->tops[top++] = (scene_top){.node = t->nodes[k].node,
+						     .first_slot = t->nodes[k].first_slot,
+						     .end_slot = t->nodes[k].end_slot,
+						     .id = t->nodes[k].id};
 	gi_object_data *data = &n->object_data[slot];
 	n->slots[slot] = GI_NONE;
 	data->nodes = (gi_uvec4){0, t->node_count, 0, leaf_count};
 	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_STATICS, 0};
-	data->ids = (gi_uvec4){0, FIRST_TOP_ID, 0, 0};
 	scene_place_sky(data);
 }
 
@@ -400,10 +404,10 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 }
 
 /* One part of a buffer of nodes' or leaves' light: elements [from, from + count) go to `to`. */
-static void carry_part(gpu_buffer *before, uint64_t from, gpu_buffer *now, uint64_t to, uint64_t count)
+static void carry_part(const gpu *g, gpu_buffer *before, uint64_t from, gpu_buffer *now, uint64_t to, uint64_t count)
 {
 	const uint64_t vec = sizeof(gi_vec4);
-	gpu_buffer_copy(before, vec * from, now, vec * to, vec * count);
+	gpu_buffer_copy(g, before, vec * from, now, vec * to, vec * count);
 }
 
 /* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once as
@@ -426,11 +430,11 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 			leaves += also->hierarchy.leaf_count;
 		}
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			carry_part(&before->radiosity, p * scene->node_count + old[k].node_base, &gi->solver.radiosity,
+			carry_part(&gi->gpu, &before->radiosity, p * scene->node_count + old[k].node_base, &gi->solver.radiosity,
 				   p * s->node_count + o->node_base, nodes);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
-			carry_part(&before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
+			carry_part(&gi->gpu, &before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
 				   &gi->solver.leaf_radiosity, p * s->leaf_count + o->leaf_base, leaves);
 		}
 	}
@@ -448,8 +452,7 @@ static void keep_objects(const gi_scene *from, gi_scene *to)
 	to->object_count = from->object_count;
 	to->first_free = from->first_free;
 	to->created_count = from->created_count;
-	to->statics_update = from->statics_update;
-	to->statics_changed = from->statics_changed;
+	to->automatic_static = from->automatic_static;
 	to->next_leaf_id = from->next_leaf_id;
 	to->next_node_id = from->next_node_id;
 	to->ever_committed = from->ever_committed;
@@ -511,9 +514,28 @@ static gi_result check_sizes(gi_context *gi, const gathered *g)
 			   : "");
 }
 
+/* Are the static ones those of before, in the same order? */
+static bool same_statics(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	return true;
+}
+
+/* Everything of a context that a commit makes anew. */
+typedef struct committed {
+	gi_scene scene;
+	gi_solver solver;
+	gi_rows rows;
+	gi_lamps lamps;
+	scene_object *objects; /* with their places */
+} committed;
+
 /* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
-static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *g, carried *old,
-			     uint32_t *old_count)
+static gi_result upload_scene(gi_context *gi, const committed *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
@@ -534,8 +556,10 @@ static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	gather_objects(gi, before, g, old, old_count);
+	gather_objects(gi, &before->scene, g, old, old_count);
 	s->wide_count = g->next.wide_count;
+	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
+	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
@@ -543,22 +567,28 @@ static gi_result upload_scene(gi_context *gi, const gi_scene *before, gathered *
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
-	take_exitance(gi, before, old, *old_count);
+	take_exitance(gi, &before->scene, old, *old_count);
 	for (uint32_t k = 0; k < s->top_count; k++)
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
 	return upload_gathered(gi, g);
 }
 
-/* Are the static ones those of before, in the same order? */
-static bool same_statics(const gi_scene *old, const gi_scene *now)
+/* Nodes of objects that stay, and tops with the same objects below them. */
+static void follow_nodes(const gi_scene *old, const gi_scene *now, rows_moves *m)
 {
-	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
-		return false;
-	for (uint32_t slot = 0; slot < old->first_source; slot++)
-		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
-			return false;
-	return true;
+	for (uint32_t n = 0; n < m->node_count; n++)
+		m->nodes[n] = GI_NONE;
+	for (uint32_t slot = 0; slot < m->count; slot++) {
+		const gi_move *move = &m->list[slot];
+		if (slot == old->statics_slot || move->now.x == GI_NONE)
+			continue;
+		for (uint32_t n = move->before.z; n < move->before.w; n++)
+			m->nodes[n] = n + move->now.z;
+	}
+	for (uint32_t k = 0; k < now->top_count; k++)
+		if (now->tops[k].before != GI_NONE)
+			m->nodes[now->tops[k].before] = now->tops[k].node;
 }
 
 /* What became of the old scene's objects. False: out of memory. */
@@ -567,26 +597,29 @@ static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves 
 	*m = (rows_moves){.list = allocate(old->slot_count, sizeof *m->list),
 			  .count = old->slot_count,
 			  .leaf_count = old->leaf_count,
-			  .first_source = old->first_source};
-	const bool same = same_statics(old, now);
-	for (uint32_t slot = 0; m->list && slot < m->count; slot++) {
+			  .first_source = old->first_source,
+			  .nodes = allocate(old->node_count, sizeof *m->nodes),
+			  .node_count = old->node_count,
+			  .statics_slot = same_statics(old, now) ? GI_NONE : old->statics_slot};
+	if (!m->list || !m->nodes)
+		return false;
+	for (uint32_t slot = 0; slot < m->count; slot++) {
 		const gi_uvec4 nodes = old->object_data[slot].nodes;
 		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
 		uint32_t to = o ? (scene_is_alive(o) ? o->slot : GI_NONE) : now->sky_slot;
 		gi_move *move = &m->list[slot];
 		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
 		if (slot == old->statics_slot) {
-			to = same ? now->statics_slot : GI_NONE;
-			/* Leaves and the nodes that links name are their objects'. */
-			move->before.x = nodes.w;
-			move->before.z = nodes.y;
+			to = now->statics_slot;
+			move->before.x = nodes.w; /* leaves are their objects' */
 		}
 		if (to == GI_NONE)
 			continue;
 		const gi_uvec4 next = now->object_data[to].nodes;
 		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
 	}
-	return m->list;
+	follow_nodes(old, now, m);
+	return true;
 }
 
 /* Where little stays, building all rows at once, in pools made for them, is less work. */
@@ -605,23 +638,16 @@ static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
 	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
 			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
 	rows_moves m = {0};
-	if (usable && !follow_objects(old, now, &m))
+	if (usable && !follow_objects(old, now, &m)) {
+		free(m.list);
+		free(m.nodes);
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	}
 	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
-	if (!result && !same_statics(old, now))
-		gi->scene.statics_changed = true;
 	free(m.list);
+	free(m.nodes);
 	return result;
 }
-
-/* Everything of a context that a commit makes anew. */
-typedef struct committed {
-	gi_scene scene;
-	gi_solver solver;
-	gi_rows rows;
-	gi_lamps lamps;
-	scene_object *objects; /* with their places */
-} committed;
 
 static void put_back(gi_context *gi, const committed *before)
 {
@@ -661,7 +687,7 @@ gi_result scene_upload(gi_context *gi)
 	keep_objects(&before.scene, &gi->scene);
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
-	gi_result result = upload_scene(gi, &before.scene, &g, old, &old_count);
+	gi_result result = upload_scene(gi, &before, &g, old, &old_count);
 	if (!result)
 		result = solver_allocate(gi);
 	if (!result)

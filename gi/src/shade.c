@@ -219,6 +219,11 @@ static void combine(const gi_view *view, float out[16])
 		}
 }
 
+static gpu_convention convention_of(const gi_view *view)
+{
+	return (gpu_convention){view->clip_upper_left, view->clip_zero_to_one, view->depth_reversed};
+}
+
 static bool is_heat_map(const gi_view *view)
 {
 	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
@@ -230,27 +235,31 @@ static gi_result want_program(gi_context *gi, program which)
 	return *program ? GI_OK : gpu_program_draw(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
 }
 
-static void draw_surfaces(const gi_shade *shade, program which, const gi_view *view, const float clip_from_world[16])
+static void draw_surfaces(const gi_context *gi, program which, const gi_view *view, const float clip_from_world[16])
 {
+	const gi_shade *shade = gi->shade;
 	const uint32_t program = shade->programs[which];
-	gpu_set_matrices(program, 0, 1, clip_from_world);
-	gpu_set_uint(program, 1, (uint32_t)view->mode);
-	gpu_mesh_draw(&shade->mesh, program);
+	gpu_set_matrices(&gi->gpu, program, 0, 1, clip_from_world);
+	gpu_set_uint(&gi->gpu, program, 1, (uint32_t)view->mode);
+	gpu_mesh_draw(&gi->gpu, &shade->mesh, program);
 }
 
 /* One lamp's pass over a rectangle of the picture, whose corner is where the framebuffer has it. */
-static void draw_rect(const gi_shade *shade, program which, uint32_t lamp, const int corner[2], int x0, int y0, int x1,
-		      int y1)
+static void draw_rect(const gi_context *gi, program which, uint32_t lamp, float farthest, const int corner[2], int x0,
+		      int y0, int x1, int y1)
 {
+	const gi_shade *shade = gi->shade;
 	if (x0 >= x1 || y0 >= y1)
 		return;
 	const uint32_t program = shade->programs[which];
 	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
-	gpu_set_corner(program, 0, corner);
-	if (which == PROGRAM_LAST || which == PROGRAM_LAST_SHADOWS)
-		gpu_set_uint(program, 1, lamp == 0);
-	gpu_draw_scissor(lower, upper);
-	gpu_mesh_draw(&shade->screen, program);
+	gpu_set_corner(&gi->gpu, program, 0, corner);
+	if (which == PROGRAM_LAST || which == PROGRAM_LAST_SHADOWS) {
+		gpu_set_uint(&gi->gpu, program, 1, lamp == 0);
+		gpu_set_floats(&gi->gpu, program, 2, 1, 1, &farthest);
+	}
+	gpu_draw_scissor(&gi->gpu, lower, upper);
+	gpu_mesh_draw(&gi->gpu, &shade->screen, program);
 }
 
 /* Where it may be hidden, and the rest around. */
@@ -260,27 +269,32 @@ static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_vie
 	gi_shade *shade = gi->shade;
 	const uint32_t size[2] = {view->width, view->height};
 	const int width = (int)view->width, height = (int)view->height;
-	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, clip_from_world, size);
+	const float farthest = view->depth_reversed ? 0 : 1;
+	float window_from_world[16]; /* y as pixels are counted */
+	for (int k = 0; k < 16; k++)
+		window_from_world[k] = view->clip_upper_left && k % 4 == 1 ? -clip_from_world[k] : clip_from_world[k];
+	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, window_from_world, size);
 	if (r.upper[0] <= r.lower[0] || r.upper[1] <= r.lower[1])
 		r = (screen_rect){{0, 0}, {0, 0}};
-	gpu_bind_uniform_range(GI_BIND_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp), sizeof(gi_lamp));
-	draw_rect(shade, which + 1, lamp, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
-	draw_rect(shade, which, lamp, corner, 0, 0, width, r.lower[1]);
-	draw_rect(shade, which, lamp, corner, 0, r.upper[1], width, height);
-	draw_rect(shade, which, lamp, corner, 0, r.lower[1], r.lower[0], r.upper[1]);
-	draw_rect(shade, which, lamp, corner, r.upper[0], r.lower[1], width, r.upper[1]);
-	gpu_draw_unscissored();
+	gpu_bind_uniform_range(&gi->gpu, GI_BIND_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp),
+			       sizeof(gi_lamp));
+	draw_rect(gi, which + 1, lamp, farthest, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
+	draw_rect(gi, which, lamp, farthest, corner, 0, 0, width, r.lower[1]);
+	draw_rect(gi, which, lamp, farthest, corner, 0, r.upper[1], width, height);
+	draw_rect(gi, which, lamp, farthest, corner, 0, r.lower[1], r.lower[0], r.upper[1]);
+	draw_rect(gi, which, lamp, farthest, corner, r.upper[0], r.lower[1], width, r.upper[1]);
+	gpu_draw_unscissored(&gi->gpu);
 }
 
 static void bind_surfaces(gi_context *gi)
 {
 	gi_shade *shade = gi->shade;
-	gpu_depth_maps_bind(&shade->shadow.maps, GI_UNIT_MAPS);
-	gpu_bind_texture(GI_UNIT_PLACE, shade->surfaces.color[0]);
-	gpu_bind_texture(GI_UNIT_LOOK, shade->surfaces.color[1]);
-	gpu_bind_texture(GI_UNIT_DEPTH, shade->surfaces.depth);
-	gpu_bind_texture(GI_UNIT_SO_FAR, shade->so_far.color[0]);
-	gpu_bind_texture(GI_UNIT_MASKS, shade->shadow.mask_words.texture);
+	gpu_depth_maps_bind(&gi->gpu, &shade->shadow.maps, GI_UNIT_MAPS);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_PLACE, shade->surfaces.color[0]);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_LOOK, shade->surfaces.color[1]);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_DEPTH, shade->surfaces.depth);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_SO_FAR, shade->so_far.color[0]);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_MASKS, shade->shadow.mask_words.texture);
 }
 
 /* All lamps but the last, into a picture of their own. */
@@ -288,12 +302,12 @@ static void add_lamps(gi_context *gi, uint32_t count, const gi_view *view, const
 {
 	static const int corner[2] = {0, 0};
 	const gi_shade *shade = gi->shade;
-	gpu_target_begin(&shade->so_far);
+	gpu_draw_to_target(&gi->gpu, &shade->so_far, convention_of(view));
 	for (uint32_t k = 0; k < count; k++) {
-		gpu_draw_added(k > 0);
+		gpu_draw_added(&gi->gpu, k > 0);
 		draw_lamp(gi, PROGRAM_MORE, k, view, clip_from_world, corner);
 	}
-	gpu_draw_added(false);
+	gpu_draw_added(&gi->gpu, false);
 }
 
 static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
@@ -326,16 +340,17 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 	if (result)
 		return result;
 	if (!lamps) {
-		draw_surfaces(shade, PROGRAM_OWN, view, clip_from_world);
+		draw_surfaces(gi, PROGRAM_OWN, view, clip_from_world);
 		return GI_OK;
 	}
-	gpu_target_begin(&shade->surfaces);
-	draw_surfaces(shade, PROGRAM_SURFACE, view, clip_from_world);
+	gpu_draw_to_target(&gi->gpu, &shade->surfaces, convention_of(view));
+	draw_surfaces(gi, PROGRAM_SURFACE, view, clip_from_world);
 	bind_surfaces(gi);
 	if (lamps > 1)
 		add_lamps(gi, lamps - 1, view, clip_from_world);
-	gpu_draw_to_host(state, view->width, view->height);
-	draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, clip_from_world, state->viewport);
+	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
+	const int corner[2] = {(int)floorf(state->viewport[0]), (int)floorf(state->viewport[1])};
+	draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, clip_from_world, corner);
 	return GI_OK;
 }
 
@@ -345,7 +360,8 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	float clip_from_world[16];
 	combine(view, clip_from_world);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
-	gpu_draw_to_host(state, view->width, view->height);
+	gpu_draw_convention(&gi->gpu, convention_of(view));
+	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (!is_heat_map(view))
 		result = draw_lit(gi, view, state, clip_from_world);
 	if (!result && view->overlay != GI_OVERLAY_NONE)
@@ -386,6 +402,9 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
 	if (gi_check_current(gi, "gi_draw"))
 		return GI_ERROR_WRONG_CONTEXT;
+	if (!gpu_host_is_complete(&gi->gpu))
+		return gi_fail(&gi->gpu.log, GI_ERROR_FRAMEBUFFER,
+			       "gi_draw: the framebuffer that is bound for drawing is not complete");
 	gi->gpu.tag = ++gi->picture_number;
 	if (!gi->scene.leaf_count)
 		return GI_OK;
@@ -393,13 +412,13 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 	if (result)
 		return result;
 	gpu_draw_state state;
-	gpu_draw_begin(&state);
+	gpu_draw_begin(&gi->gpu, &state);
 	scene_bind(gi);
 	solver_bind(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
 		result = shadow_update(gi, &gi->shade->shadow);
 	if (!result)
 		result = draw_picture(gi, view, &state);
-	gpu_draw_end(&state);
+	gpu_draw_end(&gi->gpu, &state);
 	return result;
 }

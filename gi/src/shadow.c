@@ -181,30 +181,31 @@ static gpu_cull cull_of(const gi_caster *c, const gi_lamp *l)
 }
 
 /* The casters but `hole` and those outside. */
-static void draw_casters(const gi_shadow *shadow, const gi_lamp *lamp, uint32_t hole, const float planes[16])
+static void draw_casters(const gi_context *gi, const gi_shadow *shadow, const gi_lamp *lamp, uint32_t hole,
+			 const float planes[16])
 {
 	for (uint32_t k = 0; k < shadow->casters.count; k++) {
 		const gi_caster *c = &shadow->casters.list[k];
 		if (k == hole || c->first_range == c->end_range || is_outside(c->box, planes))
 			continue;
-		gpu_draw_cull(cull_of(c, lamp));
-		gpu_mesh_draw_ranges(&shadow->casters.mesh, shadow->program, shadow->casters.ranges + c->first_range,
-				     c->end_range - c->first_range);
+		gpu_draw_cull(&gi->gpu, cull_of(c, lamp));
+		gpu_mesh_draw_ranges(&gi->gpu, &shadow->casters.mesh, shadow->program,
+				     shadow->casters.ranges + c->first_range, c->end_range - c->first_range);
 	}
 }
 
-static void draw_maps(const gi_shadow *shadow, const lamp_polygon *polygon, const gi_lamp *lamp)
+static void draw_maps(const gi_context *gi, const gi_shadow *shadow, const lamp_polygon *polygon, const gi_lamp *lamp)
 {
 	const uint32_t hole = own_shadow(polygon, shadow);
 	const bool hemisphere = lamp->map.y > 0;
 	for (uint32_t k = 0; k < lamp->range.y; k++) {
 		const uint32_t layer = lamp->range.x + k;
-		gpu_depth_maps_begin_layer(&shadow->maps, layer, !hemisphere);
+		gpu_depth_maps_begin_layer(&gi->gpu, &shadow->maps, layer, !hemisphere);
 		for (int sector = 0; sector < (hemisphere ? 4 : 1); sector++) {
 			float matrices[2][16];
 			sector_matrices(lamp, lamp->samples[k], sector, matrices[0], matrices[1]);
-			gpu_set_matrices(shadow->program, 0, 2, matrices[0]);
-			draw_casters(shadow, lamp, hole, matrices[1]);
+			gpu_set_matrices(&gi->gpu, shadow->program, 0, 2, matrices[0]);
+			draw_casters(gi, shadow, lamp, hole, matrices[1]);
 		}
 	}
 }
@@ -249,11 +250,11 @@ static void place_lamps(const gi_context *gi, gi_shadow *shadow)
 
 static void draw_all_maps(const gi_context *gi, const gi_shadow *shadow)
 {
-	gpu_draw_clip(true);
+	gpu_draw_clip(&gi->gpu, true);
 	for (uint32_t k = 0; k < shadow->lamp_count; k++)
-		draw_maps(shadow, &gi->lamps.polygon[k], &shadow->lamps[k]);
-	gpu_draw_clip(false);
-	gpu_draw_cull(GPU_CULL_BACKS);
+		draw_maps(gi, shadow, &gi->lamps.polygon[k], &shadow->lamps[k]);
+	gpu_draw_clip(&gi->gpu, false);
+	gpu_draw_cull(&gi->gpu, GPU_CULL_BACKS);
 }
 
 static gi_result redraw(gi_context *gi, gi_shadow *shadow)

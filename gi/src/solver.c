@@ -82,8 +82,8 @@ gi_result solver_allocate(gi_context *gi)
 		result = gpu_buffer_renew(&gi->gpu, &s->light, GI_BIND_LIGHT, vec * scene->light_count, NULL);
 	if (result)
 		return result;
-	gpu_buffer_clear(&s->leaf_indirect, 0, s->leaf_indirect.size, 0);
-	gpu_buffer_clear(&s->light, 0, s->light.size, 0);
+	gpu_buffer_clear(&gi->gpu, &s->leaf_indirect, 0, s->leaf_indirect.size, 0);
+	gpu_buffer_clear(&gi->gpu, &s->light, 0, s->light.size, 0);
 	return GI_OK;
 }
 
@@ -117,9 +117,10 @@ static bool is_lit(const gi_scene *s)
 /* What is emitted into each row, of the rows that this update refreshed or of all, and the bounds that follow. */
 static void gather_emitted(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
-	gpu_set_uint(gi->solver.emitted_program, 0, (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+	gpu_set_uint(&gi->gpu, gi->solver.emitted_program, 0,
+		     (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
 }
 
@@ -133,10 +134,10 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 		gather_emitted(gi);
 	if (cold)
 		gpu_dispatch(&gi->gpu, s->start_program, gi->scene.node_count);
-	gpu_set_uint(s->check_program, CHECK_STAGE, stage);
-	gpu_set_uint(s->check_program, CHECK_MAX_SWEEPS, sweeps);
+	gpu_set_uint(&gi->gpu, s->check_program, CHECK_STAGE, stage);
+	gpu_set_uint(&gi->gpu, s->check_program, CHECK_MAX_SWEEPS, sweeps);
 	gpu_dispatch_groups(&gi->gpu, s->check_program, 1);
-	gpu_set_uint(s->check_program, CHECK_STAGE, STAGE_SWEPT);
+	gpu_set_uint(&gi->gpu, s->check_program, CHECK_STAGE, STAGE_SWEPT);
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS; k++)
 		sweep(gi, k < WEIGHED_SWEEPS && stage == STAGE_BEGIN);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
@@ -162,10 +163,10 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 void solver_bind(const gi_context *gi)
 {
 	const gi_solver *s = &gi->solver;
-	gpu_bind(GI_BIND_RADIOSITY, &s->radiosity);
-	gpu_bind(GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
-	gpu_bind(GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
-	gpu_bind(GI_BIND_LIGHT, &s->light);
+	gpu_bind(&gi->gpu, GI_BIND_RADIOSITY, &s->radiosity);
+	gpu_bind(&gi->gpu, GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
+	gpu_bind(&gi->gpu, GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
+	gpu_bind(&gi->gpu, GI_BIND_LIGHT, &s->light);
 }
 
 void solver_forget(gi_solver *s)

@@ -24,7 +24,8 @@ typedef struct budget_run {
 static gi_context *open_default(engine_context *context, const scene_kind *kind)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = context;
 	def.sky = kind->sky;
 	gi_context *gi;
 	check(gi_context_create(&def, &gi));

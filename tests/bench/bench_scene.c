@@ -59,7 +59,8 @@ engine_target *bench_open_target(int size)
 gi_context *bench_open(engine_context *context, const bench_settings *s)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = context;
 	def.row_tolerance = s->row_tolerance;
 	def.emitter_refinement = s->emitter_refinement;
 	def.near_samples = s->near_samples;

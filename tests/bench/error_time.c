@@ -77,7 +77,8 @@ enum { FRAME_KINDS = sizeof frame_kinds / sizeof *frame_kinds };
 static gi_context *open_gi(const session *s, float row_tolerance, uint32_t estimate_leaves, gi_object *mover)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(s->context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = s->context;
 	def.row_tolerance = row_tolerance;
 	def.emitter_refinement = s->options->emitter_refinement;
 	def.near_samples = 1;

@@ -91,7 +91,8 @@ typedef struct figures {
 static gi_context *open_gi(engine_context *context, const options *o, const scene_kind *kind, gi_object *mover)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = context;
 	def.row_tolerance = o->row_tolerance;
 	def.near_samples = 1;
 	def.sky = kind->sky;

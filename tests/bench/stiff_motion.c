@@ -74,7 +74,8 @@ static gi_object add_box(gi_context *gi, const float lower[3], const float upper
 static room open_room(const options *o, engine_context *context, float rho)
 {
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = context;
 	def.row_tolerance = 0.1f;
 	def.solve_tolerance = o->tolerance;
 	def.max_sweeps = o->sweeps;

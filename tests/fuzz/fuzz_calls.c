@@ -436,7 +436,8 @@ static void ignore_message(gi_result result, const char *message, void *user)
 static void open_context(gi_context_def def)
 {
 	gi_context *made = NULL;
-	def.get_proc_address = engine_context_get_proc_address(window);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = window;
 	def.message = ignore_message;
 	gi_result result = gi_context_create(&def, &made);
 	check(result);

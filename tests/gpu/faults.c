@@ -92,9 +92,9 @@ static void storage_3d(GLuint texture, GLsizei levels, GLenum format, GLsizei wi
 	real_storage_3d(texture, fails(FAULT_GPU) ? 0 : levels, format, width, height, depth);
 }
 
-static gi_proc get_proc_address(const char *name)
+static gi_proc get_proc_address(const char *name, void *user)
 {
-	const gi_proc real = real_get_proc_address(name);
+	const gi_proc real = real_get_proc_address(name, user);
 	if (strcmp(name, "glNamedBufferStorage") == 0) {
 		real_buffer_storage = (PFNGLNAMEDBUFFERSTORAGEPROC)real;
 		return (gi_proc)buffer_storage;

@@ -61,7 +61,8 @@ gi_context_def harness_def(void)
 {
 	harness_require_context();
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = context;
 	def.message = keep_message;
 	def.shader_directory = getenv("RELUME_SHADERS");
 	last_message[0] = 0;
@@ -103,4 +104,9 @@ gi_report harness_update(gi_context *gi)
 	if (gi_update(gi, NULL) || gi_finish(gi) || gi_get_report(gi, &report))
 		fail_msg("update: %s", last_message);
 	return report;
+}
+
+uint32_t harness_paths(uint32_t all)
+{
+	return getenv("RELUME_LONG") ? all : all / 4;
 }

@@ -188,9 +188,10 @@ static void context_definitions(void **state)
 
 /* ---- environment ---- */
 
-static gi_proc find_nothing(const char *name)
+static gi_proc find_nothing(const char *name, void *user)
 {
 	(void)name;
+	(void)user;
 	return NULL;
 }
 
@@ -202,11 +203,11 @@ static const unsigned char *old_version(unsigned name)
 
 static gi_get_proc_address_fn *real_get_proc_address;
 
-static gi_proc find_old_opengl(const char *name)
+static gi_proc find_old_opengl(const char *name, void *user)
 {
 	if (strcmp(name, "glGetString") == 0)
 		return (gi_proc)old_version;
-	return real_get_proc_address(name);
+	return real_get_proc_address(name, user);
 }
 
 static void environment(void **state)

@@ -46,7 +46,8 @@ static home open_home(void)
 		skip();
 	}
 	gi_context_def gi = gi_context_def_default();
-	gi.get_proc_address = engine_context_get_proc_address(h.context);
+	gi.get_proc_address = engine_context_find_gl;
+	gi.get_proc_user = h.context;
 	gi.message = hear;
 	gi.row_tolerance = .1f;
 	assert_gi(gi_context_create(&gi, &h.gi));
@@ -191,7 +192,8 @@ static void two_share_a_context(void **state)
 	(void)state;
 	home a = open_home();
 	gi_context_def def = gi_context_def_default();
-	def.get_proc_address = engine_context_get_proc_address(a.context);
+	def.get_proc_address = engine_context_find_gl;
+	def.get_proc_user = a.context;
 	def.message = hear;
 	gi_context *second;
 	gi_leaf before[LEAVES];

@@ -89,9 +89,9 @@ static const GLubyte *get_string(GLenum name)
 	return name == GL_RENDERER ? (const GLubyte *)"some GPU" : real_get_string(name);
 }
 
-static gi_proc get_proc_address(const char *name)
+static gi_proc get_proc_address(const char *name, void *user)
 {
-	const gi_proc real = real_get_proc_address(name);
+	const gi_proc real = real_get_proc_address(name, user);
 	if (strcmp(name, "glGetString") != 0)
 		return real;
 	real_get_string = (PFNGLGETSTRINGPROC)real;

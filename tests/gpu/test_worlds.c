@@ -1,8 +1,8 @@
 /* Worlds whose objects come and go: rows that were kept from commit to commit are those of a context in which the scene
  * of now was built at once, to the bit.
  *
- * Random frames of a Cornell box or a closed room: objects are created, destroyed, hidden, shown, moved, lit and put
- * out, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit.
+ * Random frames of a Cornell box or a closed room, in which there may be a crowd that stays: objects are created, destroyed,
+ * hidden, shown, moved, lit and put out, become static or movable, updates have budgets or none. Now and then a context is made that gets the scene of now in its only commit.
  * Objects have the same places and ids there, for samples are drawn by them.
  */
 #include "moving_scene.h"
@@ -17,7 +17,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST = 1024, AT_ONCE = 12, KINDS = 5 };
+enum { MOST = 8192, AT_ONCE = 12, KINDS = 5 };
+
+/* With the walls and about half of the things as many as make GI_MOBILITY_AUTOMATIC static. */
+enum { CROWD = GI_AUTOMATIC_OBJECTS - 9 };
 
 typedef struct thing {
 	int kind;
@@ -37,6 +40,7 @@ typedef struct claim {
 typedef struct world {
 	gi_context *gi;
 	bool room; /* closed: no sky */
+	bool crowd;
 	thing things[MOST];
 	uint32_t count;
 	claim claims[MOST];
@@ -107,12 +111,32 @@ static gi_material material_of(bool emits)
 	return m;
 }
 
+static gi_mobility mobility_of(void)
+{
+	static const gi_mobility choice[] = {GI_MOBILITY_STATIC, GI_MOBILITY_STATIC, GI_MOBILITY_AUTOMATIC,
+					     GI_MOBILITY_MOVABLE};
+	return choice[chance_of(4)];
+}
+
 /* ---- worlds ---- */
+
+static void add_crowd(gi_context *gi)
+{
+	engine_mesh mesh;
+	for (int k = 0; k < CROWD; k++) {
+		const float x = -2.6f + .4f * (float)(k % 14), z = -2.6f + .3f * (float)(k / 14);
+		assert_true(shape_box((float[]){x, .002f, z}, (float[]){x + .1f, .05f + .01f * (float)(k % 9), z + .1f}, 1,
+				      false, &mesh));
+		harness_add(gi, &(harness_object){.name = "one of a crowd", .rho = {.3f, .4f, .5f}}, &mesh);
+	}
+}
 
 static void build_walls(world *w, const gi_context_def *def)
 {
 	w->gi = harness_context(def);
 	engine_mesh mesh;
+	if (w->crowd)
+		add_crowd(w->gi);
 	if (w->room) {
 		assert_true(shape_box((float[]){-2.75f, 0, -2.75f}, (float[]){2.75f, 5.5f, 2.75f}, 4, true, &mesh));
 		harness_add(w->gi, &(harness_object){.name = "room", .rho = {.6f, .6f, .6f}}, &mesh);
@@ -188,7 +212,7 @@ static void come(world *w)
 	thing *t = &w->things[w->count++];
 	*t = (thing){.kind = (int)chance_of(KINDS), .alive = true};
 	t->material = material_of(chance_of(4) == 0);
-	t->mobility = chance_of(4) ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
+	t->mobility = mobility_of();
 	t->pose = pose_of(t->kind);
 	create(w->gi, t);
 	note_claim(w, t);
@@ -204,7 +228,7 @@ static void go(world *w, thing *t)
 static bool something_happens(world *w)
 {
 	thing *t = pick(w);
-	const uint32_t what = chance_of(10);
+	const uint32_t what = chance_of(11);
 	if (!t || (what < 2 && alive_of(w) < AT_ONCE)) {
 		come(w);
 		return true;
@@ -219,7 +243,10 @@ static bool something_happens(world *w)
 	} else if (what == 6) {
 		t->material = material_of(chance_of(2) == 0);
 		assert_gi(gi_set_material(w->gi, t->object, 0, t->material));
-	} else if (t->mobility != GI_MOBILITY_STATIC || chance_of(6) == 0) {
+	} else if (what == 10) {
+		t->mobility = mobility_of();
+		assert_gi(gi_set_mobility(w->gi, t->object, t->mobility));
+	} else if (t->mobility == GI_MOBILITY_MOVABLE || chance_of(4) == 0) {
 		t->pose = pose_of(t->kind);
 		assert_gi(gi_set_pose(w->gi, t->object, t->pose));
 		assert_gi(gi_get_pose(w->gi, t->object, &t->pose));
@@ -314,7 +341,7 @@ static gi_context_def world_def(bool room)
 	return def;
 }
 
-static void run(bool room, uint32_t seed)
+static void run(bool room, bool crowd, uint32_t seed)
 {
 	static world w;
 	const gi_context_def def = world_def(room);
@@ -326,6 +353,7 @@ static void run(bool room, uint32_t seed)
 	seed_motion(seed);
 	memset(&w, 0, sizeof w);
 	w.room = room;
+	w.crowd = crowd;
 	measure_kinds(&def);
 	build_walls(&w, &def);
 	for (int k = 0; k < 8; k++)
@@ -334,7 +362,7 @@ static void run(bool room, uint32_t seed)
 	harness_update(w.gi);
 	for (uint32_t frame = 1; frame <= frames; frame++) {
 		char when[64];
-		snprintf(when, sizeof when, "%s, frame %u", room ? "room" : "box", frame);
+		snprintf(when, sizeof when, "%s, frame %u", crowd ? "crowd" : room ? "room" : "box", frame);
 		bool others = false;
 		for (uint32_t k = 0; k <= chance_of(3); k++)
 			others = something_happens(&w) || others;
@@ -356,7 +384,7 @@ static void run(bool room, uint32_t seed)
 	}
 	printf("  %s: %u frames, %u things, %u commits; %u times built at once, %.0f entries, %.1f static things, "
 	       "%.0f common entries; cut anew %.1f %% a frame\n",
-	       room ? "room" : "box", frames, w.count, f.commits, f.compared, f.entries / f.compared,
+	       crowd ? "crowd" : room ? "room" : "box", frames, w.count, f.commits, f.compared, f.entries / f.compared,
 	       (double)static_things / f.compared, (double)f.common / f.compared, 100 * f.fresh / f.kept_entries);
 	assert_true(f.common > 0);
 	gi_context_destroy(w.gi);
@@ -365,13 +393,20 @@ static void run(bool room, uint32_t seed)
 static void in_a_box(void **state)
 {
 	(void)state;
-	run(false, 5);
+	run(false, false, 5);
 }
 
 static void in_a_room(void **state)
 {
 	(void)state;
-	run(true, 17);
+	run(true, false, 17);
+}
+
+/* Now and then there are enough objects that stay for those that are not said to move to be static. */
+static void in_a_crowd(void **state)
+{
+	(void)state;
+	run(true, true, 29);
 }
 
 /* One thing more and one less, again and again: nothing is built that was there, and memory is flat to the byte. */
@@ -568,14 +603,59 @@ static void the_light_of_static_things(void **state)
 	assert_true(errors[1] < 1.1 * errors[0]);
 }
 
+/* One of many static things comes, is lit, put out, hidden, shown and goes: rows keep what they have of nodes without it,
+ * and are those of a rebuild. */
+static void one_of_many_static_things(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"comes", "is lit", "is put out", "is hidden", "is shown", "goes", "comes again"};
+	const gi_material dull = {.rho = {.5f, .5f, .5f}}, lit = {.rho = {.5f, .5f, .5f}, .exitance = {3, 2, 1}};
+	const gi_pose pose = {{6.1f, .005f, 4.9f}, {0, .6f, 0, .8f}};
+	gi_context *gi = open_hall(GI_MOBILITY_STATIC, .1f);
+	const gi_report full = harness_update(gi);
+	gi_object box = {0};
+	engine_mesh mesh;
+	for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+		if (k == 0 || k == 6) {
+			assert_true(
+			    shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, .9f, .25f}, 1, false, &mesh));
+			box = add_static(gi, "one more", &mesh, GI_MOBILITY_STATIC, pose, dull);
+		}
+		if (k == 1 || k == 2)
+			assert_gi(gi_set_material(gi, box, 0, k == 1 ? lit : dull));
+		if (k == 3 || k == 4)
+			assert_gi(gi_set_hidden(gi, box, k == 3));
+		if (k == 5)
+			assert_gi(gi_destroy_object(gi, box));
+		assert_gi(gi_commit(gi));
+		const gi_report r = harness_update(gi);
+		const double fresh = (double)r.new_entries / r.leaves;
+		printf("  one %s: of %.1f entries a leaf %.2f are cut anew\n", names[k], (double)r.entries / r.leaves, fresh);
+		assert_true(r.new_entries > 0);
+		/* A lamp is cut finer, and so is what it is one with. */
+		assert_true(fresh < (k == 1 ? .2 : .1) * (double)full.entries / full.leaves);
+		snapshot kept = snapshot_take(gi);
+		gi_invalidate(gi);
+		assert_gi(gi_update(gi, NULL));
+		assert_gi(gi_finish(gi));
+		snapshot anew = snapshot_take(gi);
+		snapshot_expect_same_rows(&kept, &anew, names[k]);
+		snapshot_free(&kept);
+		snapshot_free(&anew);
+	}
+	gi_context_destroy(gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(in_a_box),
 	    cmocka_unit_test(in_a_room),
+	    cmocka_unit_test(in_a_crowd),
 	    cmocka_unit_test(one_more_one_less),
 	    cmocka_unit_test(under_a_budget),
 	    cmocka_unit_test(the_light_of_static_things),
+	    cmocka_unit_test(one_of_many_static_things),
 	};
 	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
 }

@@ -11,18 +11,20 @@
  * How to use it:
  *
  *     gi_context_def def = gi_context_def_default();
- *     def.get_proc_address = (gi_get_proc_address_fn *)glfwGetProcAddress; // an OpenGL 4.5 context is current
+ *     def.get_proc_address = find_gl; // calls glfwGetProcAddress or the like; an OpenGL 4.5 context is current
  *     gi_context *gi = NULL;
  *     gi_result result = gi_context_create(&def, &gi);
  *     ... gi_create_object() for everything, gi_commit() once ...
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
- * Rules. One thread at a time per context, the OpenGL context it was created in current; gi_prepare_object takes none and
- * runs on any thread. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36, uniform buffer
- * bindings 0 and 1, texture units 0..43, the GL_DISPATCH_INDIRECT_BUFFER binding; gi_draw() also depth test (left on),
- * culling and viewport. Framebuffer bindings are restored. Matrices are column-major float[16] as OpenGL and cglm have them, clip
- * space z in [-1,1]. Lengths are metres, but any unit does if it is the same everywhere;
+ * Rules. One thread at a time per context, the OpenGL context it was created in current; gi_prepare_object
+ * takes none and runs on any thread. The library leaves these
+ * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36 and uniform buffer
+ * bindings 0 and 1 (the indexed ones), texture units 0..43 with their samplers, the GL_DISPATCH_INDIRECT_BUFFER binding.
+ * It takes nothing for granted: drawing state is set and given back, whatever it was. Calls are not made between
+ * glBeginConditionalRender or glBeginTransformFeedback and their ends. Errors that the host left in glGetError stay
+ * there, but for calls that end with GI_ERROR_OUT_OF_MEMORY. Matrices are column-major float[16] as OpenGL and cglm have
+ * them, clip space as gi_view says. Lengths are metres, but any unit does if it is the same everywhere;
  * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
  * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
  *
@@ -42,12 +44,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Before what the library exports. GI_SHARED: it is a DLL; CMake's gi::gi_shared sets it. */
+#if defined(_WIN32) && defined(GI_BUILDING)
+#define GI_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(GI_SHARED)
+#define GI_API __declspec(dllimport)
+#elif defined(__GNUC__) && defined(GI_BUILDING)
+#define GI_API __attribute__((visibility("default")))
+#else
+#define GI_API
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 #define GI_VERSION_MAJOR 0
 #define GI_VERSION_MINOR 1
+#define GI_VERSION_PATCH 0
+#define GI_VERSION (GI_VERSION_MAJOR * 10000 + GI_VERSION_MINOR * 100 + GI_VERSION_PATCH)
+
+/* GI_VERSION of the library that the program runs with, which may be another than that of this header. */
+GI_API uint32_t gi_version(void);
 
 /* ---- results ---------------------------------------------------------------------------------------------------- */
 
@@ -64,13 +82,14 @@ extern "C" {
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
 	X(GI_ERROR_SHADER, "a shader did not compile")                                                                 \
 	X(GI_ERROR_OUT_OF_MEMORY, "out of memory")                                                                     \
-	X(GI_ERROR_WRONG_CONTEXT, "the OpenGL context of the gi_context is not current")
+	X(GI_ERROR_WRONG_CONTEXT, "the OpenGL context of the gi_context is not current")                               \
+	X(GI_ERROR_FRAMEBUFFER, "the bound framebuffer cannot be drawn into")
 
 #define GI_RESULT_ENUM(name, text) name,
 typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
 
 /* The text of the table above; never NULL. */
-const char *gi_result_text(gi_result result);
+GI_API const char *gi_result_text(gi_result result);
 
 /* Receives one line, without a newline, for every error and warning (GI_OK). The text is gone when the callback returns. */
 typedef void gi_message_fn(gi_result result, const char *message, void *user);
@@ -96,7 +115,8 @@ typedef struct gi_object {
 /* ---- context ------------------------------------------------------------------------------------------------------ */
 
 typedef void (*gi_proc)(void);
-typedef gi_proc gi_get_proc_address_fn(const char *name);
+/* Finds an OpenGL function; NULL: there is none of this name. */
+typedef gi_proc gi_get_proc_address_fn(const char *name, void *user);
 
 /* Whether a row also looks at what lies beyond all objects. */
 typedef enum gi_sky {
@@ -106,7 +126,9 @@ typedef enum gi_sky {
 } gi_sky;
 
 typedef struct gi_context_def {
-	gi_get_proc_address_fn *get_proc_address; /* required: finds OpenGL functions */
+	/* Required. Asked by gi_context_create alone; each context keeps the functions that it was given. */
+	gi_get_proc_address_fn *get_proc_address;
+	void *get_proc_user;                      /* handed to get_proc_address */
 	gi_message_fn *message;                   /* default NULL: messages go to stderr */
 	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
 	void *user;                               /* handed to message and progress */
@@ -153,7 +175,7 @@ typedef struct gi_context_def {
 	uint32_t internal; /* set by gi_context_def_default */
 } gi_context_def;
 
-gi_context_def gi_context_def_default(void);
+GI_API gi_context_def gi_context_def_default(void);
 
 /* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their own
  * do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
@@ -163,11 +185,11 @@ gi_context_def gi_context_def_default(void);
  * each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its part to the
  * first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading screen. Drivers keep
  * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
-gi_result gi_context_create(const gi_context_def *def, gi_context **out);
+GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
-void gi_context_destroy(gi_context *gi);
+GI_API void gi_context_destroy(gi_context *gi);
 
 /* ---- objects ------------------------------------------------------------------------------------------------------ */
 
@@ -182,7 +204,7 @@ typedef struct gi_pose {
 	float rotation[4]; /* quaternion x y z w; normalised by the library, must not be zero */
 } gi_pose;
 
-gi_pose gi_pose_identity(void);
+GI_API gi_pose gi_pose_identity(void);
 
 typedef enum gi_scheme {
 	GI_SCHEME_BILINEAR, /* keeps the cage's shape (default) */
@@ -203,13 +225,22 @@ typedef struct gi_leaf_cut {
 	bool parts; /* another surface stands on it: what is drawn does not blend the light of its sides; default false */
 } gi_leaf_cut;
 
-/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
+/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. Static objects
+ * hang below common nodes: from afar many of them are one, so that rows grow with the logarithm of their number. Every row
+ * that faces a movable object has entries for it alone, so that it may move at the price of those.
+ *
+ * A static object may move, come, go, be hidden or relit all the same, which costs what a moving one costs; once it was
+ * given another pose after a commit it is movable. The update after such a move, or after one was hidden or shown, commits
+ * by itself: that takes time with the size of the scene. */
 typedef enum gi_mobility {
-	GI_MOBILITY_MOVABLE, /* every row that it faces has entries for it alone (default) */
-	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Where one comes, goes, is hidden,
-			      * shown or relit, what rows have of all static objects is built anew; once it is moved after a
-			      * commit it is movable. The update after such a change commits by itself */
+	GI_MOBILITY_AUTOMATIC, /* static until it is first moved, where there are many objects (default) */
+	GI_MOBILITY_MOVABLE,
+	GI_MOBILITY_STATIC,
 } gi_mobility;
+
+/* Where there are at least so many objects that are static or never moved, hidden ones too, GI_MOBILITY_AUTOMATIC is static;
+ * with fewer common nodes save little, and it is movable. gi_commit counts. */
+#define GI_AUTOMATIC_OBJECTS 64
 
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
@@ -247,7 +278,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
-	gi_mobility mobility;
+	gi_mobility mobility; /* default automatic */
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
 	float scale[3]; /* default 1 1 1; not zero, not negative */
@@ -263,12 +294,12 @@ typedef struct gi_object_def {
 	uint32_t internal;
 } gi_object_def;
 
-gi_object_def gi_object_def_default(void);
+GI_API gi_object_def gi_object_def_default(void);
 
 /* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. Faces with the corners of
  * an earlier one in the same order round, wherever their list begins, are left out, with a warning that counts them: by
  * position, or by number where there are creases. */
-gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
+GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 
 /* An object built ahead, without a context: what takes time of a creation, refinement, hierarchy, trees and what is drawn
  * (1.2 s for a cage of 100,000 triangles), behind the host's back. */
@@ -278,15 +309,16 @@ typedef struct gi_prepared_object gi_prepared_object;
  * They share nothing: what the definition points to is only read, so that several threads may be given the same one, and
  * is the caller's again when the call returns. Errors and messages as of gi_create_object, on the thread that calls, to
  * `message` with `user`; NULL: to stderr. On failure *out is NULL. The object belongs to no thread: one at a time may use it. */
-gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out);
+GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+				   gi_prepared_object **out);
 
 /* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used. Takes
  * *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY where it has
  * more leaves than this context's renderer holds, which nobody knew before. */
-gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
+GI_API gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
 
 /* Of one that no context took; on any thread. NULL is fine. */
-void gi_free_prepared_object(gi_prepared_object *prepared);
+GI_API void gi_free_prepared_object(gi_prepared_object *prepared);
 
 /* How fine a whole scene is cut, where the host has no sizes of its own. */
 typedef struct gi_leaf_choice_def {
@@ -300,7 +332,7 @@ typedef struct gi_leaf_choice_def {
 	uint32_t internal;
 } gi_leaf_choice_def;
 
-gi_leaf_choice_def gi_leaf_choice_def_default(void);
+GI_API gi_leaf_choice_def gi_leaf_choice_def_default(void);
 
 /* What was chosen. */
 typedef struct gi_leaf_choice {
@@ -320,30 +352,32 @@ typedef struct gi_leaf_choice {
  * Create the objects next, then gi_free_leaf_choice. GI_ERROR_INVALID_ARGUMENT, before any work, with a line that says
  * how many leaves there would be and which size fits, where they are more than most_leaves; whatever gi_create_object
  * would say of a definition. On failure *out is zero and the definitions are as they were. */
-gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
+GI_API gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
 			   gi_leaf_choice *out);
 
 /* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
-void gi_free_leaf_choice(gi_leaf_choice *choice);
+GI_API void gi_free_leaf_choice(gi_leaf_choice *choice);
 
 /* From the next gi_update on the object is not there, as if it were hidden; the next gi_commit gives its place away. */
-gi_result gi_destroy_object(gi_context *gi, gi_object object);
+GI_API gi_result gi_destroy_object(gi_context *gi, gi_object object);
 
-bool gi_object_is_valid(const gi_context *gi, gi_object object);
+GI_API bool gi_object_is_valid(const gi_context *gi, gi_object object);
 
 /* Values, free to change every frame; they take effect in the next gi_update. Rows follow by themselves. */
-gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
-gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
-gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
+GI_API gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
+GI_API gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
+GI_API gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
  * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
  * automatically does not look at it: a room encloses the others while it is hidden too.) */
-gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
-gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
+GI_API gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
+GI_API gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 
-/* What it is now: a static object that was given another pose after a commit is movable. */
-gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
+/* From the next gi_commit on, e.g. static where something that was carried is put down for good. */
+GI_API gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility);
+/* What it is now: GI_MOBILITY_MOVABLE if it was given another pose after a commit. */
+GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
 
 /* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
  * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
@@ -354,7 +388,7 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
  * update, and by the row of the nearest leaf that faces its way while its own wait for a budget.
  * Does not wait for the GPU. GI_ERROR_OUT_OF_MEMORY, before any work, where a buffer would be larger than the renderer binds;
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
-gi_result gi_commit(gi_context *gi);
+GI_API gi_result gi_commit(gi_context *gi);
 
 /* ---- frames ------------------------------------------------------------------------------------------------------- */
 
@@ -380,17 +414,17 @@ typedef struct gi_budget {
 /* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
  * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. Objects created since the last gi_commit
  * take no part yet. GI_ERROR_NOT_COMMITTED before the first one. */
-gi_result gi_update(gi_context *gi, const gi_budget *budget);
+GI_API gi_result gi_update(gi_context *gi, const gi_budget *budget);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
-void gi_invalidate(gi_context *gi);
+GI_API void gi_invalidate(gi_context *gi);
 
 /* Makes the next solve start from B = E (a cold start). */
-void gi_reset_radiosity(gi_context *gi);
+GI_API void gi_reset_radiosity(gi_context *gi);
 
 /* Waits for the GPU; afterwards gi_get_report is about the last gi_update. For tests, benchmarks and loading screens.
  */
-gi_result gi_finish(gi_context *gi);
+GI_API gi_result gi_finish(gi_context *gi);
 
 /* Why the solve ended: > 0 usable, 0 not run, < 0 failed. */
 typedef enum gi_outcome {
@@ -425,7 +459,7 @@ typedef enum gi_pass {
 	GI_PASS_COUNT
 } gi_pass;
 
-const char *gi_pass_name(gi_pass pass);
+GI_API const char *gi_pass_name(gi_pass pass);
 
 /* One frame in figures. Reports come when the GPU is done with them, a frame or two late unless gi_finish waits. */
 typedef struct gi_report {
@@ -483,7 +517,7 @@ typedef struct gi_report {
 } gi_report;
 
 /* The newest finished report; all zero but for sizes before the first. */
-gi_result gi_get_report(gi_context *gi, gi_report *out);
+GI_API gi_result gi_get_report(gi_context *gi, gi_report *out);
 
 /* ---- picture ------------------------------------------------------------------------------------------------------- */
 
@@ -507,9 +541,16 @@ typedef struct gi_view {
 	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
 	gi_mode mode;
 	gi_overlay overlay;
+
+	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked at.
+	 * All false by default. */
+	bool clip_upper_left;  /* y points down in the framebuffer */
+	bool clip_zero_to_one; /* z is in [0,1], not [-1,1] */
+	bool depth_reversed;   /* the nearer of two depths is the larger one: cleared to 0, compared with GL_GREATER. Depths
+				* are written as with glDepthRange(0, 1): a host that reverses that negates z instead */
 } gi_view;
 
-gi_view gi_view_default(void);
+GI_API gi_view gi_view_default(void);
 
 /* Draws the committed objects into the bound framebuffer: linear radiance (W/m2/sr) in RGB, alpha 1; needs a depth
  * attachment. Does not clear: the host clears colour and depth and draws its own things before or after. Direct light
@@ -520,7 +561,7 @@ gi_view gi_view_default(void);
  * beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are drawn again
  * only after something moved. Surfaces go through textures of the viewport's size before they reach the framebuffer: one
  * that is multisampled gets the same value in all samples of a pixel. */
-gi_result gi_draw(gi_context *gi, const gi_view *view);
+GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit; GI_ERROR_NOT_COMMITTED before
  * the first. All std430. */
@@ -530,7 +571,7 @@ typedef struct gi_buffers {
 	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
 } gi_buffers;
 
-gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
+GI_API gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
 
 /* ---- read-back (waits for the GPU) ----------------------------------------------------------------------------------- */
 
@@ -547,7 +588,7 @@ typedef struct gi_leaf {
 /* Copies up to `capacity` leaves; *count is how many there are, 0 on error. leaves may be NULL to ask for the count.
  * Between a gi_commit and the first gi_update after it corners are those of the committed poses, B is what the next solve
  * starts from, and objects that came have no rows: irradiance and row_sum are 0. */
-gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
+GI_API gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
 /* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +
  * leaf_count). */
@@ -560,7 +601,7 @@ typedef struct gi_entry {
 } gi_entry;
 
 /* Copies up to `capacity` entries in no particular order. entries may be NULL to ask for the count. */
-gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
+GI_API gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
 
 /* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is the leaf where one of the
  * entry's rays ended, or the patch of sky. */
@@ -570,14 +611,20 @@ typedef struct gi_link {
 	float weight; /* F V after the row was closed */
 } gi_link;
 
-gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);
+GI_API gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);
 
 /* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row
- * sum). */
-gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
+ * sum).
+ *
+ * It is read off the rows. Where `to` is static (gi_mobility) and so small or far that rows have it below a node with
+ * others, one of those, drawn at random by what they show, stands for all of them: the sum over all objects is what it
+ * would be, but a single small one is hit or missed by each leaf of `from`. The result is right on average over such
+ * objects, and off by up to the form factor of the node, about row_tolerance, over the root of the number of leaves of `from`. Set
+ * `to` to GI_MOBILITY_MOVABLE and commit where it matters. */
+GI_API gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
 
 /* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
-gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out);
+GI_API gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out);
 
 /* ---- ground truth ----------------------------------------------------------------------------------------------------- */
 
@@ -586,7 +633,7 @@ typedef struct gi_path_options {
 	uint32_t seed;  /* another seed gives an independent result; default 1 */
 } gi_path_options;
 
-gi_path_options gi_path_options_default(void);
+GI_API gi_path_options gi_path_options_default(void);
 
 /* What the leaves' irradiance should be: path tracing on the GPU, with the rays of the rows but without rows, cuts,
  * closing or solve, so that what it finds is free of their errors. Use it to see how far a row_tolerance is from the
@@ -606,7 +653,7 @@ gi_path_options gi_path_options_default(void);
  *
  * For loading screens and tests, not for frames: waits for the GPU, after dispatches short enough for a desktop to stay
  * alive, a second for about 200,000 paths on two cores without a GPU. The first call compiles a shader. */
-gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *irradiance, uint32_t capacity,
+GI_API gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *irradiance, uint32_t capacity,
 			 uint32_t *count);
 
 #ifdef __cplusplus
