@@ -3,6 +3,7 @@
  */
 #include "snapshot.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -189,7 +190,11 @@ static void pools_grow_once(void **state)
 		const bool above = k % 2;
 		assert_true(
 		    shape_quad((float[]){x, above ? 1.5f : 1, z}, above ? side : up, above ? up : side, 1, 1, &mesh));
-		harness_add(gi, &(harness_object){.name = "scale", .rho = {.5f, .5f, .5f}, .exitance = {1}}, &mesh);
+		gi_object_def scale = scene_mesh_def(&mesh);
+		scale.mobility = GI_MOBILITY_MOVABLE; /* each an entry of every row that it faces */
+		gi_object object;
+		assert_gi(gi_create_object(gi, &scale, &object));
+		engine_mesh_free(&mesh);
 	}
 	assert_gi(gi_commit(gi));
 	begun.cuts = begun.traces = 0;
