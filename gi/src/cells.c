@@ -6,8 +6,8 @@
 /* Cells are 2^32 to 2^-20 units wide: coordinates are below 2^30, and what is smaller is parted at that size. */
 enum { COARSEST = 32, FINEST = -20, LEVELS = COARSEST - FINEST, WORDS = 4 };
 
-/* The way to a box from the coarsest cell, a bit a turn: 0 and three halves for each cell that it goes down, then 1 and the
- * halves that its centre is in from there on; its tie is the last word's half. */
+/* The way to a box from the coarsest cell, a bit a turn: 0 and three halves for each cell that it goes down, then 1 and
+ * the halves that its centre is in from there on; its tie is the last word's half. */
 typedef struct cells_key {
 	uint64_t word[WORDS];
 	uint32_t box;

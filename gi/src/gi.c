@@ -350,8 +350,8 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 	if (!o)
 		return stale(gi, "gi_set_mobility");
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s': mobility %d is none of gi_mobility",
-			       o->name, (int)mobility);
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
 	o->mobility = mobility;
 	return GI_OK;
 }

@@ -99,7 +99,7 @@ static uint32_t slot_before(const gi_scene *now, const scene_object *were, uint3
 {
 	const uint32_t k = now->slots[slot];
 	return were[k].committed && were[k].grouped && were[k].generation == now->objects[k].generation ? were[k].slot
-													 : GI_NONE;
+													: GI_NONE;
 }
 
 /* Tops of before lie in the order of their first objects, larger ones first. */
@@ -123,8 +123,7 @@ void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were
 	uint32_t *begins = now->changed_slots, *last = NULL; /* of runs of objects that lay side by side before, too */
 	for (uint32_t slot = 0; slot < now->first_source; slot++) {
 		const uint32_t before = slot_before(now, were, slot);
-		const bool goes_on =
-		    last && before != GI_NONE && slot_before(now, were, slot - 1) + 1 == before;
+		const bool goes_on = last && before != GI_NONE && slot_before(now, were, slot - 1) + 1 == before;
 		begins[slot] = goes_on ? *last : slot;
 		last = before == GI_NONE ? NULL : &begins[slot];
 	}
@@ -132,8 +131,7 @@ void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were
 		scene_top *top = &now->tops[k];
 		const uint32_t first = slot_before(now, were, top->first_slot);
 		const bool same = begins[top->end_slot - 1] <= top->first_slot;
-		const scene_top *before =
-		    same ? find_top(was, first, first + (top->end_slot - top->first_slot)) : NULL;
+		const scene_top *before = same ? find_top(was, first, first + (top->end_slot - top->first_slot)) : NULL;
 		top->before = before ? before->node : GI_NONE;
 		top->changed = before ? before->changed : update;
 	}
@@ -235,7 +233,8 @@ static sum join(const sum *a, const sum *b)
 }
 
 /* Balls and cones a hair wider than rounding needs; from a right angle on any direction goes. */
-static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geometry *g, gi_node_spread *spread, gi_node_topology *t)
+static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geometry *g, gi_node_spread *spread,
+		  gi_node_topology *t)
 {
 	const double cosine = cos(s->cone) - 1e-6;
 	g->sphere = (gi_vec4){(float)s->centre.x, (float)s->centre.y, (float)s->centre.z,

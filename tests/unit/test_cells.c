@@ -1,6 +1,6 @@
-/* The tree over boxes on fixed cells: a node is a function of the boxes below it. So one box more or less leaves all nodes
- * without it as they were, wherever they come in the list, and the order of the others. Boxes of many sizes, also some in
- * one place, at several scales and far away.
+/* The tree over boxes on fixed cells: a node is a function of the boxes below it. So one box more or less leaves all
+ * nodes without it as they were, wherever they come in the list, and the order of the others. Boxes of many sizes, also
+ * some in one place, at several scales and far away.
  */
 #include "cells.h"
 
