@@ -520,6 +520,15 @@ gi_move load_move(uint n)
 }
 #endif
 
+#ifdef READ_LOANS
+TEXELS(GI_BIND_LOANS) loan_texels;
+uvec2 load_loan(uint n)
+{
+	uvec4 two = texel(loan_texels, n / 2u);
+	return (n & 1u) == 0u ? two.xy : two.zw;
+}
+#endif
+
 #ifdef READ_NODE_MOVES
 TEXELS(GI_BIND_NODE_MOVES) node_move_texels;
 uint load_node_move(uint n)

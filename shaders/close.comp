@@ -220,7 +220,7 @@ float write_links(uint leaf, uint at, correction c, float scale)
 void main()
 {
 	uint k = spread_number(state[GI_STATE_CHANGED_ROWS]);
-	if (k >= state[GI_STATE_CHANGED_ROWS])
+	if (k >= state[GI_STATE_CHANGED_ROWS] || state[GI_STATE_OVERFLOW] != 0u)
 		return;
 	uint leaf = load_touched(2u * frame.counts.x + k);
 

@@ -396,6 +396,7 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 105u
 #define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
+#define GI_STATE_WANTED 99u            /* sixteens of elements that a pool that was full lacked */
 #define GI_STATE_WORDS 132u
 
 /* GI_STATE_VERDICT. */
@@ -495,6 +496,9 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
 #define GI_BIND_NODE_MOVES GI_BIND_SUSPECTS    /* uint per node before */
+
+/* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
+#define GI_BIND_LOANS GI_BIND_WIDE_NODES
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

@@ -29,6 +29,7 @@ layout(location = 5) uniform uint old_first; // the first source before
 layout(location = 6) uniform uint new_first; // and now
 layout(location = 7) uniform uint old_statics; // the static ones as a source before, GI_NONE: none whose nodes moved
 layout(location = 8) uniform uint end_static;  // end of their nodes now
+layout(location = 9) uniform uint shifted;    // 1: nodes of objects that stay have other numbers
 
 // The object before that a leaf was of.
 uint slot_of(uint leaf)
@@ -100,11 +101,15 @@ struct loss {
 	bool seen; // some of them: the row is another now
 };
 
+// Entries that the row had. One without any may have links all the same: it borrowed them (lend.comp).
+uint had = 0u;
+
 loss move_segments(uint leaf, gi_move mine)
 {
 	loss went = loss(0u, false);
 	for (uint s = old_first; s < old_slots; s++) {
 		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
+		had += segment.y & GI_BLOCK_COUNT_MASK;
 		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
@@ -147,7 +152,8 @@ void main()
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	loss went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
-		stay = move_links(row);
+		// Links to what went are of segments that went with it.
+		stay = shifted != 0u || old_statics != GI_NONE || went.entries > 0u || had == 0u ? move_links(row) : links_before;
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
 		row.w |= went.seen || stay < links_before ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;

@@ -51,7 +51,8 @@ gi_result budget_allocate(gi_context *gi)
 		const gpu_program_file programs[] = {
 		    {"shine.comp", &r->shine_program},   {"survey.comp", &r->survey_program},
 		    {"assess.comp", &r->assess_program}, {"choose.comp", &r->choose_program},
-		    {"enlist.comp", &r->enlist_program}, {"stale.comp", &r->stale_program}};
+		    {"enlist.comp", &r->enlist_program}, {"stale.comp", &r->stale_program},
+		    {"lend.comp", &r->lend_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -234,7 +235,8 @@ void budget_free(gi_context *gi)
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,
-				&r->choose_program, &r->enlist_program, &r->stale_program};
+				&r->choose_program, &r->enlist_program, &r->stale_program,
+				&r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 }

@@ -2,7 +2,8 @@
  *
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: hierarchy.c, refine.cpp, split.c,
+ *     -> handles.c                                the list of objects
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: object.c, hierarchy.c, refine.cpp, split.c,
  *                                                 bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
  *        -> budget.c           which rows an update refreshes, what the others may be off by
@@ -15,6 +16,7 @@
 #ifndef GI_CONTEXT_H
 #define GI_CONTEXT_H
 
+#include "arena.h"
 #include "bvh.h"
 #include "costs.h"
 #include "gpu.h"
@@ -38,6 +40,7 @@ typedef struct scene_object {
 	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
 	bool hidden;         /* by the host */
+	bool arrives;        /* it came or is shown again, since the last update: it has no rows yet */
 	gi_mobility mobility;
 	bool grouped;        /* one of the static objects that are one source (statics.h) */
 	bool was_grouped;    /* before the last commit */
@@ -50,6 +53,7 @@ typedef struct scene_object {
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
 	gi_skin skin;
+	uint32_t *by_size; /* numbers of its primitives (rank.h) */
 
 	/* Place in the uploaded scene. */
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
@@ -75,7 +79,8 @@ typedef struct scene_top {
 
 typedef struct gi_scene {
 	scene_object *objects; /* by handle index */
-	uint32_t object_count; /* places, dead ones too */
+	uint32_t object_count; /* places, dead ones too; there is room for the next power of two */
+	uint32_t first_free;   /* no place below it is */
 	uint64_t created_count; /* objects ever created */
 	uint32_t next_leaf_id, next_node_id;
 	bool ever_committed;
@@ -93,6 +98,7 @@ typedef struct gi_scene {
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
+	gi_arena arrays; /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */
 	gi_node_topology *topology;  /* node_count, as uploaded */
 	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
@@ -139,7 +145,8 @@ typedef struct gi_rations {
 	gi_budget last;    /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	gpu_buffer choices, pending, shine;
-	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program;
+	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
+		lend_program;
 } gi_rations;
 
 /* ---- solver ---- */
@@ -173,6 +180,9 @@ struct gi_context {
 	gi_rows rows;
 	gi_rations rations;
 	gi_solver solver;
+	gi_arena spare_arrays; /* of the scene before, for the next one */
+	gi_arena passing;      /* what a step of a commit takes, one after the other */
+	gi_arena undo;         /* what it needs to the end */
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
@@ -184,6 +194,8 @@ struct gi_context {
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
 	bool truncated;    /* a report said that a pool was full */
+	uint64_t wanted;   /* how many elements it lacked */
+	bool wanted_all;   /* and all rows were built: with those they fit */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
 	uint64_t rows_frame;                 /* last one before a commit that made all rows anew: reports up to it are of others */
@@ -195,6 +207,7 @@ struct gi_context {
 		uint64_t uploaded_bytes;
 		float update_ms;
 		uint32_t rows_update; /* number of the rows' update that it ended with */
+		bool rebuilt;         /* which built all of them */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 
@@ -203,13 +216,31 @@ gi_result gi_fail_null(const gi_context *gi, const char *what);
 /* GI_ERROR_WRONG_CONTEXT, and a line, unless the OpenGL context is current that gi was created in. */
 gi_result gi_check_current(const gi_context *gi, const char *function);
 
-/* object.c */
+/* handles.c */
+struct gi_prepared_object {
+	scene_object object;
+};
+
 gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
-void scene_free_object(scene_object *object);
+/* On any thread. */
+gi_result scene_prepare_object(const gi_log *log, const gi_object_def *def, gi_prepared_object **out);
+/* Frees it where all went well. */
+gi_result scene_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out);
+void scene_free_place(gi_scene *scene, scene_object *object); /* the object too */
 scene_object *scene_find(const gi_context *gi, gi_object handle);
 gi_object scene_handle(const gi_context *gi, uint32_t index);
+
+/* object.c: nothing of it writes to what threads share. */
+/* For whom an object is built: a context whose renderer has to hold it, or NULL, on any thread. */
+typedef struct object_builder {
+	const gi_log *log;
+	gi_context *gi;
+} object_builder;
+
+gi_result scene_build_object(const object_builder *builder, const gi_object_def *def, scene_object *out);
+void scene_free_object(scene_object *object);
 bool scene_emits(const gi_material *material);
-bool scene_material_is_valid(const gi_context *gi, const gi_material *material, const char *object, uint32_t index);
+bool scene_material_is_valid(const gi_log *log, const gi_material *material, const char *object, uint32_t index);
 /* Lengths and places of objects, metres, and exitance, W/m2, are at most this: B and area times B stay in the range of
  * floats with every rho below 1, and so do the products of three lengths that rays take. */
 #define SCENE_MAX_LENGTH 1e9f
@@ -217,13 +248,13 @@ bool scene_material_is_valid(const gi_context *gi, const gi_material *material, 
 /* Products of three lengths end here at the lower end. */
 #define SCENE_MIN_AREA 1e-24f
 /* Whether the library takes the definition, but for what refining it shows. */
-gi_result scene_check_def(const gi_context *gi, const gi_object_def *def);
+gi_result scene_check_def(const gi_log *log, const gi_object_def *def);
 /* About how many leaves an object would have; or exactly, by splitting its faces, false: memory ran out. */
 double scene_estimate_leaves(const gi_object_def *def);
 bool scene_count_leaves(const gi_object_def *def, uint64_t *count);
 /* A size in two digits, not less than it. */
 double scene_rounded_size(double size);
-bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object);
+bool scene_normalise_pose(const gi_log *log, gi_pose *pose, const char *object);
 
 /* scene.c */
 bool scene_is_alive(const scene_object *object);
@@ -239,12 +270,15 @@ void scene_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *uppe
 void scene_place_sky(gi_object_data *data);
 gi_material_data scene_material_data(const scene_object *object, uint32_t material);
 void scene_update_exitance(gi_context *gi, scene_object *object);
+/* Of a node's flags, those that this sets. */
+#define SCENE_EMITTER_BITS (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
 /* Materials that changed; what emits is weighed again, which may relight others. */
 gi_result scene_upload_materials(gi_context *gi);
 gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
+void scene_retire(gi_context *gi, gi_scene *scene);  /* likewise, but their memory is kept for the next commit */
 void scene_free(gi_context *gi);
 
 /* emitters.c: how much finer what emits is cut. */
@@ -272,7 +306,9 @@ enum { ROWS_PROGRAMS = 14 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots);
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources);
+/* Of a scene's table of segments, or of the fewest entries that there must be room for. */
+uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources);
 gi_result rows_allocate(gi_context *gi);
 /* What became of the objects of the scene before, slot by slot. */
 typedef struct rows_moves {
@@ -300,6 +336,7 @@ void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 void rows_bind(const gi_context *gi);
 void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
 void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
+void rows_retire(gi_context *gi, gi_rows *rows);      /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);
 
 /* budget.c */
@@ -329,6 +366,7 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget);
 void solver_bind(const gi_context *gi);
 void solver_forget(gi_solver *solver);
 void solver_release(gi_context *gi, gi_solver *solver);
+void solver_retire(gi_context *gi, gi_solver *solver);
 
 /* estimate.c */
 gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */

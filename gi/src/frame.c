@@ -111,8 +111,11 @@ static void collect_reports(gi_context *gi, bool wait)
 		take_waiting(gi, state, frame);
 		const gi_outcome outcome = gi->report.outcome;
 		gi->solver.unconverged = outcome != GI_OUTCOME_CONVERGED && outcome != GI_OUTCOME_ROUNDING;
-		if (gi->report.outcome == GI_OUTCOME_TRUNCATED)
-			gi->truncated = true;
+		if (gi->report.outcome != GI_OUTCOME_TRUNCATED)
+			continue;
+		gi->truncated = true;
+		gi->wanted = 16 * (uint64_t)state[GI_STATE_WANTED];
+		gi->wanted_all = gi->issued[frame % GPU_READBACK_RING].rebuilt;
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_poll(&gi->gpu, &gi->timers[k], wait);
@@ -167,7 +170,7 @@ static void changes_done(gi_context *gi)
 	gi->solve_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = false;
+		o->moved = o->relit = o->material_changed = o->arrives = false;
 	}
 }
 
@@ -191,6 +194,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	if (result)
 		return result;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;
+	gi->issued[gi->frame_number % GPU_READBACK_RING].rebuilt = c.rows && gi->frame.update.w & GI_UPDATE_REBUILD;
 	gpu_readback_queue(&gi->gpu, &gi->readback, &gi->state, gi->frame_number);
 	gi->issued_frame = gi->frame_number;
 	changes_done(gi);

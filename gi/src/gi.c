@@ -233,6 +233,7 @@ void gi_context_destroy(gi_context *gi)
 	free_programs(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
+	gpu_spares_free(&gi->gpu);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
 	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
@@ -274,6 +275,30 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 	return scene_create_object(gi, def, out);
 }
 
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out)
+{
+	const gi_log log = {.message = message, .user = user};
+	if (out)
+		*out = NULL;
+	if (!def || !out)
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_prepare_object: def and out must not be NULL");
+	if (def->internal != OBJECT_COOKIE)
+		return gi_fail(&log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
+	return scene_prepare_object(&log, def, out);
+}
+
+gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out)
+{
+	if (out)
+		*out = (gi_object){0};
+	if (!gi || !prepared || !*prepared || !out)
+		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
+	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	if (!result)
+		*prepared = NULL;
+	return result;
+}
+
 static gi_result stale(const gi_context *gi, const char *function)
 {
 	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
@@ -298,7 +323,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 	o->moved = o->relit = o->material_changed = true;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
-		scene_free_object(o);
+		scene_free_place(&gi->scene, o);
 	return GI_OK;
 }
 
@@ -313,6 +338,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		o->moved = o->relit = o->material_changed = true;
 		gi->scene.regroup = gi->scene.regroup || (o->committed && statics_hold(&gi->scene, o->mobility));
 	}
+	o->arrives = o->committed && !hidden && (o->arrives || o->hidden);
 	o->hidden = hidden;
 	return GI_OK;
 }
@@ -340,7 +366,7 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 	scene_object *o = scene_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
-	if (!scene_normalise_pose(gi, &pose, o->name))
+	if (!scene_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	if (memcmp(&pose, &o->pose, sizeof pose) == 0)
 		return GI_OK;
@@ -415,7 +441,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
-	if (!scene_material_is_valid(gi, &value, o->name, material))
+	if (!scene_material_is_valid(&gi->gpu.log, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)
@@ -448,6 +474,7 @@ static void note_changes(gi_context *gi)
 		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
 		o->was_grouped = o->grouped;
 		o->committed = alive;
+		o->arrives = kept && (o->arrives || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
 		o->material_changed = kept && (o->material_changed || came);
@@ -459,7 +486,7 @@ static void forget_dead_objects(gi_context *gi)
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
 		if (!(o->generation & 1) && o->committed)
-			scene_free_object(o);
+			scene_free_place(&gi->scene, o);
 	}
 }
 

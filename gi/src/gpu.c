@@ -195,7 +195,7 @@ void gpu_buffer_free(gpu *g, gpu_buffer *buffer)
 		g->gl->DeleteTextures(1, &buffer->texture);
 	if (!g->lost)
 		delete_buffer(g, buffer->name);
-	g->buffer_bytes -= buffer->size;
+	g->buffer_bytes -= buffer->capacity;
 	*buffer = (gpu_buffer){0};
 }
 
@@ -212,16 +212,16 @@ static bool make_storage(const gpu *g, gpu_buffer *buffer, const void *data)
 {
 	GLint64 size = 0;
 	g->gl->CreateBuffers(1, &buffer->name);
-	g->gl->NamedBufferStorage(buffer->name, (GLsizeiptr)buffer->size, data, GL_DYNAMIC_STORAGE_BIT);
+	g->gl->NamedBufferStorage(buffer->name, (GLsizeiptr)buffer->capacity, data, GL_DYNAMIC_STORAGE_BIT);
 	g->gl->GetNamedBufferParameteri64v(buffer->name, GL_BUFFER_SIZE, &size);
-	return size == (GLint64)buffer->size;
+	return size == (GLint64)buffer->capacity;
 }
 
 /* Does a storage block reach farther than the device promises? A shader writes the first word beyond. */
 static bool reaches_beyond(gpu *g)
 {
 	static const uint32_t TRIAL = 0x52454c55u;
-	gpu_buffer tried = {.size = g->block_bytes + TEXEL_BYTES};
+	gpu_buffer tried = {.capacity = g->block_bytes + TEXEL_BYTES};
 	uint32_t found = 0, program = 0;
 	if (gpu_programs_compute(g, &(gpu_program_file){"block_trial.comp", &program}, 1))
 		return false;
@@ -261,31 +261,105 @@ uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted)
 	return g->host_limit && g->host_limit < limit ? g->host_limit : limit;
 }
 
-gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
+/* Whole texels, and one at least: a binding of no bytes is an error, and empty scenes are not. */
+static uint64_t whole_texels(uint64_t size)
 {
-	/* Whole texels, and one at least: a binding of no bytes is an error, and empty scenes are not. */
-	uint64_t padded = size ? (size + TEXEL_BYTES - 1) / TEXEL_BYTES * TEXEL_BYTES : TEXEL_BYTES;
-	const uint64_t limit = gpu_buffer_limit(g, padded);
-	if (padded > limit)
-		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
-			       "a buffer of %" PRIu64 " MiB is more than the %" PRIu64
-			       " MiB this renderer binds at once: raise row_tolerance or leaf_size",
-			       padded >> 20, limit >> 20);
-	gpu_buffer fresh = {.size = padded};
-	if (!make_storage(g, &fresh, padded == size ? data : NULL)) {
+	return size ? (size + TEXEL_BYTES - 1) / TEXEL_BYTES * TEXEL_BYTES : TEXEL_BYTES;
+}
+
+const char *gpu_limit_text(const gpu *g, uint64_t limit)
+{
+	static _Thread_local char text[96];
+	const bool hosts = g->host_limit && limit >= g->host_limit;
+	snprintf(text, sizeof text, "%s %" PRIu64 " MiB%s",
+		 hosts ? "gi_context_def.max_buffer_mib allows" : "this renderer binds", limit >> 20,
+		 hosts ? "" : " at once");
+	return text;
+}
+
+static gi_result check_size(gpu *g, uint64_t size)
+{
+	const uint64_t limit = gpu_buffer_limit(g, size);
+	if (size <= limit)
+		return GI_OK;
+	return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY,
+		       "a buffer of %" PRIu64 " MiB is needed and %s: fewer or larger leaves take less, and coarser "
+		       "meshes where these are drawn",
+		       (size >> 20) + 1, gpu_limit_text(g, limit));
+}
+
+/* Of a size that was checked. */
+static gi_result make_buffer(gpu *g, gpu_buffer *buffer, uint64_t size, uint64_t capacity, const void *data)
+{
+	gpu_buffer fresh = {.size = whole_texels(size), .capacity = capacity};
+	if (!make_storage(g, &fresh, capacity == size ? data : NULL)) {
 		g->gl->DeleteBuffers(1, &fresh.name);
 		gpu_forget_errors(g);
-		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", padded);
+		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", capacity);
 	}
-	if (padded != size && size && data)
+	if (capacity != size && size && data)
 		g->gl->NamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
 	if (data)
 		g->uploaded_bytes += size;
 	make_texture(g, &fresh);
 	gpu_buffer_free(g, buffer);
 	*buffer = fresh;
-	g->buffer_bytes += padded;
+	g->buffer_bytes += capacity;
 	return GI_OK;
+}
+
+gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
+{
+	const gi_result result = check_size(g, whole_texels(size));
+	return result ? result : make_buffer(g, buffer, size, whole_texels(size), data);
+}
+
+/* Whatever is larger is not worth to be there twice. */
+static const uint64_t LARGEST_SPARE = 32 << 20;
+
+/* A spare that is wanted this much smaller goes, but small ones. */
+static bool is_fitting(const gpu_buffer *spare, uint64_t size)
+{
+	static const uint64_t SMALL = 65536;
+	return spare->name && spare->capacity >= size && spare->capacity <= 2 * size + SMALL;
+}
+
+gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data)
+{
+	gpu_buffer *spare = &g->spares[binding];
+	const uint64_t padded = whole_texels(size);
+	const gi_result result = check_size(g, padded);
+	if (result)
+		return result;
+	if (!is_fitting(spare, padded)) {
+		const uint64_t roomy = whole_texels(padded + padded / 8), limit = gpu_buffer_limit(g, roomy);
+		gpu_buffer_free(g, spare);
+		return make_buffer(g, buffer, size, roomy < limit ? roomy : padded, data);
+	}
+	gpu_buffer_free(g, buffer);
+	*buffer = *spare;
+	*spare = (gpu_buffer){0};
+	buffer->size = padded;
+	if (data)
+		gpu_buffer_upload(g, buffer, 0, size, data);
+	return GI_OK;
+}
+
+void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding)
+{
+	gpu_buffer_free(g, &g->spares[binding]);
+	if (buffer->capacity > LARGEST_SPARE) {
+		gpu_buffer_free(g, buffer);
+		return;
+	}
+	g->spares[binding] = *buffer;
+	*buffer = (gpu_buffer){0};
+}
+
+void gpu_spares_free(gpu *g)
+{
+	for (uint32_t k = 0; k < GPU_BINDINGS; k++)
+		gpu_buffer_free(g, &g->spares[k]);
 }
 
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data)
@@ -324,7 +398,8 @@ void gpu_buffer_clear(const gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_
 void gpu_buffer_fill(const gpu *g, gpu_buffer *buffer, const uint32_t words[4])
 {
 	const GLint swapped = unswap(g);
-	g->gl->ClearNamedBufferData(buffer->name, GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words);
+	g->gl->ClearNamedBufferSubData(buffer->name, GL_RGBA32UI, 0, (GLsizeiptr)buffer->size, GL_RGBA_INTEGER,
+				       GL_UNSIGNED_INT, words);
 	swap_again(g, swapped);
 }
 
@@ -453,12 +528,11 @@ static uint32_t timer_slot(const gpu_timer *timer, uint32_t back)
 
 float gpu_timer_ms(const gpu_timer *timer, uint64_t tag)
 {
-	for (uint32_t back = 1; back <= GPU_TIMER_RING; back++) {
-		const uint32_t slot = timer_slot(timer, back);
+	float sum = 0;
+	for (uint32_t slot = 0; slot < GPU_TIMER_RING; slot++)
 		if (tag && timer->tag[slot] == tag && timer->ms[slot] >= 0)
-			return timer->ms[slot];
-	}
-	return 0;
+			sum += timer->ms[slot];
+	return sum;
 }
 
 uint64_t gpu_timer_newest(const gpu_timer *timer)
@@ -483,6 +557,7 @@ void gpu_timer_free(const gpu *g, gpu_timer *timer)
 gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
 {
 	*r = (gpu_readback){.slot_bytes = bytes, .buffer.size = (uint64_t)bytes * GPU_READBACK_RING};
+	r->buffer.capacity = r->buffer.size;
 	GLbitfield access = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 	g->gl->CreateBuffers(1, &r->buffer.name);
 	g->gl->NamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);

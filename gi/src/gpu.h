@@ -31,6 +31,7 @@ typedef struct gpu_buffer {
 	uint32_t name;
 	uint32_t texture; /* the same bytes, as texels of four words */
 	uint64_t size;    /* bytes; at least 16 once created */
+	uint64_t capacity; /* that it has room for */
 } gpu_buffer;
 
 /* As shaders count them (gi_shared.h). */
@@ -64,7 +65,8 @@ typedef struct gpu {
 	uint64_t tag;            /* what timers measure now: number of the update or picture, from 1 */
 	uint32_t dispatches;     /* since the counters were last zeroed */
 	uint64_t uploaded_bytes; /* likewise */
-	uint64_t buffer_bytes;   /* of all live buffers */
+	uint64_t buffer_bytes;   /* of all live buffers, and of spares */
+	gpu_buffer spares[GPU_BINDINGS]; /* what gpu_buffer_retire kept */
 	char renderer[160];
 } gpu;
 
@@ -85,11 +87,19 @@ void gpu_forget_errors(const gpu *g);
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
 uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
+/* For messages, after what is needed: whose limit that is, and of how many bytes. Until the next call on this thread. */
+const char *gpu_limit_text(const gpu *g, uint64_t limit);
 
 /* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
  */
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
+/* The same for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
+ * binding, where that is enough and not far too much. */
+gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data);
+/* Keeps its memory for that; large ones are freed. */
+void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding);
+void gpu_spares_free(gpu *g);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);
 void gpu_buffer_clear(const gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t word);
 /* All of it, a multiple of 16 bytes, to copies of four words. */
@@ -137,7 +147,7 @@ void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */
 void gpu_timer_poll(const gpu *g, gpu_timer *timer, bool wait);
 void gpu_timer_free(const gpu *g, gpu_timer *timer);
-/* The last time that was measured under this tag; 0 when none was, or it is not finished. */
+/* What was measured under this tag, all of it together; 0 when none was, or it is not finished. */
 float gpu_timer_ms(const gpu_timer *timer, uint64_t tag);
 /* The newest tag that has a time; 0: none. */
 uint64_t gpu_timer_newest(const gpu_timer *timer);

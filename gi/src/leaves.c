@@ -319,7 +319,7 @@ static gi_result check(const gi_context *gi, const gi_leaf_choice_def *def, cons
 		    "leaf_size, finest (0..1], contact [0..1] or most_leaves of a leaf choice is out of range");
 	gi_result result = GI_OK;
 	for (uint32_t k = 0; !result && k < count; k++)
-		result = scene_check_def(gi, &objects[k]);
+		result = scene_check_def(&gi->gpu.log, &objects[k]);
 	return result;
 }
 

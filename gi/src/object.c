@@ -1,8 +1,11 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU.
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU and
+ * without a word about any context but what its renderer holds: several threads may build objects at once.
  */
 #include "context.h"
 #include "duplicates.h"
 #include "faces.h"
+#include "overlap.h"
+#include "rank.h"
 #include "split.h"
 
 #include <float.h>
@@ -29,18 +32,18 @@ static bool all_finite(const float *values, size_t count)
 	return all_within(values, count, FLT_MAX);
 }
 
-bool scene_material_is_valid(const gi_context *gi, const gi_material *m, const char *object, uint32_t index)
+bool scene_material_is_valid(const gi_log *log, const gi_material *m, const char *object, uint32_t index)
 {
 	for (int c = 0; c < 3; c++) {
 		if (!(m->rho[c] >= 0.0f && m->rho[c] < 1.0f)) {
-			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
+			gi_fail(log, GI_ERROR_INVALID_MATERIAL,
 				"object '%s', material %u: rho %g is outside [0,1): a closed scene that reflects "
 				"all light has no finite solution",
 				object, index, (double)m->rho[c]);
 			return false;
 		}
 		if (!(m->exitance[c] >= 0.0f && m->exitance[c] <= SCENE_MAX_EXITANCE)) {
-			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
+			gi_fail(log, GI_ERROR_INVALID_MATERIAL,
 				"object '%s', material %u: exitance %g W/m2 is outside [0, 1e12]", object, index,
 				(double)m->exitance[c]);
 			return false;
@@ -54,14 +57,14 @@ bool scene_emits(const gi_material *m)
 	return m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
 }
 
-bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *object)
+bool scene_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
 {
 	double length = 0;
 	for (int k = 0; k < 4; k++)
 		length += (double)pose->rotation[k] * pose->rotation[k];
 	length = sqrt(length);
 	if (!all_within(pose->position, 3, SCENE_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
-		gi_fail(&gi->gpu.log, GI_ERROR_INVALID_POSE,
+		gi_fail(log, GI_ERROR_INVALID_POSE,
 			"object '%s': the pose needs a position within 1e9 m of the origin and a rotation quaternion "
 			"that is not zero",
 			object);
@@ -247,9 +250,8 @@ static const char *broken_geometry(const gi_object_def *def)
 	return NULL;
 }
 
-static gi_result check_def(const gi_context *gi, const gi_object_def *def, const char *name)
+static gi_result check_def(const gi_log *log, const gi_object_def *def, const char *name)
 {
-	const gi_log *log = &gi->gpu.log;
 	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
 	    def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS || def->draw_levels > MAX_DRAW_LEVELS ||
 	    !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
@@ -264,7 +266,7 @@ static gi_result check_def(const gi_context *gi, const gi_object_def *def, const
 	if (broken)
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
 	for (uint32_t k = 0; k < def->material_count; k++)
-		if (!scene_material_is_valid(gi, &def->materials[k], name, k))
+		if (!scene_material_is_valid(log, &def->materials[k], name, k))
 			return GI_ERROR_INVALID_MATERIAL;
 	return GI_OK;
 }
@@ -278,6 +280,7 @@ void scene_free_object(scene_object *o)
 	free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
+	free(o->by_size);
 	gi_skin_free(&o->skin);
 	*o = (scene_object){.generation = o->generation,
 			    .leaf_id = o->leaf_id,
@@ -367,6 +370,23 @@ static bool is_too_large(const gi_hierarchy *h)
 	return !all_within(&h->lower.x, 3, SCENE_MAX_LENGTH) || !all_within(&h->upper.x, 3, SCENE_MAX_LENGTH);
 }
 
+/* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
+static bool is_plane(const gi_hierarchy *h)
+{
+	const gi_vec4 axis = h->geometry[0].axis, centre = h->geometry[0].sphere;
+	if (axis.w < 0.999999f)
+		return false;
+	for (uint32_t k = 0; k < h->vertex_count; k++) {
+		const gi_vec4 v = h->vertices[k];
+		const double height = (double)axis.x * ((double)v.x - centre.x) +
+				      (double)axis.y * ((double)v.y - centre.y) +
+				      (double)axis.z * ((double)v.z - centre.z);
+		if (fabs(height) > 1e-6 * centre.w)
+			return false;
+	}
+	return true;
+}
+
 /* Two sides that cover each other never show a back. */
 static void hide_backs(gi_hierarchy *h)
 {
@@ -374,12 +394,12 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
-gi_result scene_check_def(const gi_context *gi, const gi_object_def *def)
+gi_result scene_check_def(const gi_log *log, const gi_object_def *def)
 {
 	const char *name = def->name ? def->name : "unnamed";
 	gi_pose pose = def->pose;
-	gi_result result = check_def(gi, def, name);
-	if (!result && !scene_normalise_pose(gi, &pose, name))
+	gi_result result = check_def(log, def, name);
+	if (!result && !scene_normalise_pose(log, &pose, name))
 		result = GI_ERROR_INVALID_POSE;
 	return result;
 }
@@ -419,15 +439,32 @@ bool scene_count_leaves(const gi_object_def *def, uint64_t *count)
 	return true;
 }
 
-static gi_result refine_levels(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+/* Is a table of so many leaves within what the renderer binds? Away from any renderer: can it be at all? */
+static bool can_hold(const object_builder *b, double leaves)
+{
+	if (!(leaves <= GI_ENTRY_LEAF_MASK))
+		return false;
+	return !b->gi || rows_can_hold(b->gi, (uint64_t)leaves, 1);
+}
+
+static gi_result refine_levels(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 			       gi_refined *refined)
 {
-	const gi_log *log = &gi->gpu.log;
+	const gi_log *log = b->log;
 	char message[256];
 	const uint32_t levels = levels_of(def);
-	if (!rows_can_hold(gi, (uint64_t)leaves_at_level(cage, levels), 1))
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %u faces at level %u are too many leaves",
-			       name, cage->face_count, levels);
+	uint32_t fitting = levels;
+	while (fitting && !can_hold(b, leaves_at_level(cage, fitting)))
+		fitting--;
+	if (!can_hold(b, leaves_at_level(cage, fitting)))
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': its %u faces are more leaves than rows can be made of: use a coarser cage",
+			       name, cage->face_count);
+	if (fitting < levels)
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
+			       "object '%s': %u faces at level %u are %.3g leaves, more than rows can be made of: use "
+			       "level %u or less",
+			       name, cage->face_count, levels, leaves_at_level(cage, levels), fitting);
 	if (!gi_refine(cage, levels, refined, message, sizeof message))
 		return gi_fail(log, refined->out_of_memory ? GI_ERROR_OUT_OF_MEMORY : GI_ERROR_INVALID_GEOMETRY,
 			       "object '%s': %s", name, message);
@@ -459,10 +496,10 @@ double scene_rounded_size(double size)
 	return ceil(size / unit) * unit;
 }
 
-static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+static gi_result split_faces(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 			     gi_refined *refined)
 {
-	const gi_log *log = &gi->gpu.log;
+	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	float *sizes;
 	gi_leaf_cut *cuts;
@@ -470,7 +507,7 @@ static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_
 	gi_result result = GI_ERROR_OUT_OF_MEMORY;
 	if (make_split_def(def, &split, &sizes, &cuts)) {
 		const double leaves = gi_split_estimate(cage, &split);
-		if (!(leaves < 1e18) || !rows_can_hold(gi, (uint64_t)leaves, 1))
+		if (!can_hold(b, leaves))
 			result =
 			    gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
 				    "object '%s': leaves of %g would be about %.3g, more than this renderer holds: "
@@ -492,14 +529,14 @@ static gi_result split_faces(gi_context *gi, const gi_object_def *def, const gi_
 	return result;
 }
 
-static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
+static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 		       scene_object *o)
 {
-	const gi_log *log = &gi->gpu.log;
+	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	gi_refined refined;
 	gi_result result =
-	    is_split(def) ? split_faces(gi, def, cage, name, &refined) : refine_levels(gi, def, cage, name, &refined);
+	    is_split(def) ? split_faces(b, def, cage, name, &refined) : refine_levels(b, def, cage, name, &refined);
 	if (result)
 		return result;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
@@ -514,18 +551,23 @@ static gi_result build(gi_context *gi, const gi_object_def *def, const gi_refine
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);
-		if (!gi_bvh_build(&o->hierarchy, &o->bvh) || !copy_values(o, def, name) ||
+		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? rank_by_size(&o->bvh) : NULL;
+		if (!o->by_size || !copy_values(o, def, name) ||
 		    !build_skin(def, cage, &refined, refined.level_count - 1, o))
 			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	}
+	if (!result) {
+		o->plane = is_plane(&o->hierarchy);
+		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
 	}
 	gi_refined_free(&refined);
 	return result;
 }
 
 /* The same, of a definition that may hold faces twice. */
-static gi_result make(gi_context *gi, const gi_object_def *def, const char *name, scene_object *o)
+static gi_result make(const object_builder *b, const gi_object_def *def, const char *name, scene_object *o)
 {
-	const gi_log *log = &gi->gpu.log;
+	const gi_log *log = b->log;
 	gi_unique_faces unique;
 	if (!gi_unique_faces_make(def, &unique))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
@@ -538,23 +580,10 @@ static gi_result make(gi_context *gi, const gi_object_def *def, const char *name
 	if (def->double_sided && !make_two_sided(&unique.def, &cage, &own))
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
-		result = build(gi, &unique.def, &cage, name, o);
+		result = build(b, &unique.def, &cage, name, o);
 	own_cage_free(&own);
 	gi_unique_faces_free(&unique);
 	return result;
-}
-
-static uint32_t free_place(gi_scene *scene)
-{
-	for (uint32_t k = 0; k < scene->object_count; k++)
-		if (!(scene->objects[k].generation & 1) && !scene->objects[k].committed)
-			return k;
-	scene_object *grown = realloc(scene->objects, sizeof *grown * (scene->object_count + 1));
-	if (!grown)
-		return GI_NONE;
-	scene->objects = grown;
-	grown[scene->object_count] = (scene_object){0};
-	return scene->object_count++;
 }
 
 /* What messages, which are one line, have room for; whole characters of UTF-8. */
@@ -569,62 +598,25 @@ static void clip_name(const char *name, char out[NAME_BYTES])
 	out[length] = '\0';
 }
 
-/* Where everything is created in a row and stays, they are the numbers of leaves and nodes. */
-static void give_ids(gi_scene *s, const scene_object *place, scene_object *o)
-{
-	const uint32_t leaves = o->hierarchy.leaf_count, nodes = o->hierarchy.node_count;
-	o->leaf_id = place->leaf_id;
-	o->node_id = place->node_id;
-	o->leaf_ids = place->leaf_ids;
-	o->node_ids = place->node_ids;
-	if (leaves > o->leaf_ids || nodes > o->node_ids) {
-		o->leaf_id = s->next_leaf_id;
-		o->node_id = s->next_node_id;
-		s->next_leaf_id += o->leaf_ids = leaves;
-		s->next_node_id += o->node_ids = nodes;
-	}
-}
-
-gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
+gi_result scene_build_object(const object_builder *b, const gi_object_def *def, scene_object *out)
 {
 	char name[NAME_BYTES];
+	*out = (scene_object){0};
 	clip_name(def->name ? def->name : "unnamed", name);
-	gi_result result = check_def(gi, def, name);
+	gi_result result = check_def(b->log, def, name);
 	if (result)
 		return result;
 	gi_pose pose = def->pose;
-	if (!scene_normalise_pose(gi, &pose, name))
+	if (!scene_normalise_pose(b->log, &pose, name))
 		return GI_ERROR_INVALID_POSE;
-
-	gi_progress(&gi->gpu.log, gi->scene.object_count, 0, "building object '%s'", name);
-	scene_object made = {0};
-	result = make(gi, def, name, &made);
-	const uint32_t place = result ? GI_NONE : free_place(&gi->scene);
-	if (!result && place == GI_NONE)
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	if (b->gi)
+		gi_progress(b->log, b->gi->scene.object_count, 0, "building object '%s'", name);
+	result = make(b, def, name, out);
 	if (result) {
-		scene_free_object(&made);
+		scene_free_object(out);
 		return result;
 	}
-	made.pose = pose;
-	made.mobility = def->mobility;
-	made.generation = gi->scene.objects[place].generation + 1; /* odd: alive */
-	made.created = gi->scene.created_count++;
-	give_ids(&gi->scene, &gi->scene.objects[place], &made);
-	gi->scene.objects[place] = made;
-	*out = scene_handle(gi, place);
+	out->pose = pose;
+	out->mobility = def->mobility;
 	return GI_OK;
-}
-
-scene_object *scene_find(const gi_context *gi, gi_object handle)
-{
-	if (handle.context != gi->number || handle.index1 == 0 || handle.index1 > gi->scene.object_count)
-		return NULL;
-	scene_object *o = &gi->scene.objects[handle.index1 - 1];
-	return (o->generation & 1) && o->generation == handle.generation ? o : NULL;
-}
-
-gi_object scene_handle(const gi_context *gi, uint32_t index)
-{
-	return (gi_object){index + 1, gi->scene.objects[index].generation, gi->number};
 }

@@ -4,13 +4,6 @@
 
 #include <stdlib.h>
 
-typedef struct candidate {
-	scene_object *object;
-	const gi_primitive *primitive; /* of its object: leaf numbers are local */
-	bool emits;
-	uint32_t number; /* in the scene */
-} candidate;
-
 static bool emits(const scene_object *o, const gi_primitive *p)
 {
 	/* A primitive's leaves are of one material. */
@@ -22,60 +15,109 @@ static int order(double a, double b)
 	return (a > b) - (a < b);
 }
 
-static int compare(const void *left, const void *right)
+/* ---- within an object ---- */
+
+typedef struct sized {
+	double size;
+	uint32_t number;
+} sized;
+
+static int compare_sizes(const void *left, const void *right)
 {
-	const candidate *a = left, *b = right;
-	const int by[] = {
-	    order(a->emits, b->emits),
-	    order(b->object->hierarchy.area, a->object->hierarchy.area),
-	    order((double)a->object->created, (double)b->object->created),
-	    order((double)b->primitive->c.w + b->primitive->d.w, (double)a->primitive->c.w + a->primitive->d.w),
-	    order(a->number, b->number),
-	};
-	for (size_t k = 0; k < sizeof by / sizeof *by; k++)
-		if (by[k])
-			return by[k];
-	return 0;
+	const sized *a = left, *b = right;
+	const int by_size = order(b->size, a->size);
+	return by_size ? by_size : order(a->number, b->number);
 }
 
-/* Returns how many there are. */
-static uint32_t collect(const gi_scene *s, candidate *list)
+uint32_t *rank_by_size(const gi_bvh *bvh)
+{
+	const uint32_t count = bvh->primitive_count;
+	sized *list = malloc(sizeof *list * ((size_t)count + 1));
+	uint32_t *numbers = malloc(sizeof *numbers * ((size_t)count + 1));
+	for (uint32_t k = 0; list && k < count; k++)
+		list[k] = (sized){(double)bvh->primitives[k].c.w + bvh->primitives[k].d.w, k};
+	if (list)
+		qsort(list, count, sizeof *list, compare_sizes);
+	for (uint32_t k = 0; list && numbers && k < count; k++)
+		numbers[k] = list[k].number;
+	if (!list) {
+		free(numbers);
+		return NULL;
+	}
+	free(list);
+	return numbers;
+}
+
+/* ---- among objects ---- */
+
+typedef struct ranked {
+	scene_object *object;
+	double area;
+	uint64_t created;
+	bool emits; /* some of it */
+} ranked;
+
+static int compare_objects(const void *left, const void *right)
+{
+	const ranked *a = left, *b = right;
+	const int by_area = order(b->area, a->area);
+	return by_area ? by_area : (a->created > b->created) - (a->created < b->created);
+}
+
+static uint32_t collect(const gi_scene *s, ranked *list)
 {
 	uint32_t count = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
 		scene_object *o = &s->objects[s->slots[slot]];
+		bool lit = false;
+		for (uint32_t m = 0; m < o->material_count; m++)
+			lit = lit || scene_emits(&o->materials[m]);
 		o->lowest_rank = GI_NONE;
-		for (uint32_t k = 0; k < o->bvh.primitive_count; k++, count++) {
-			const gi_primitive *p = &o->bvh.primitives[k];
-			list[count] = (candidate){o, p, emits(o, p), o->primitive_base + k};
-		}
+		list[count++] = (ranked){o, o->hierarchy.area, o->created, lit};
 	}
 	return count;
 }
 
-static void store(const candidate *c, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
+static void store(scene_object *o, uint32_t number, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
 {
+	const gi_primitive *p = &o->bvh.primitives[number];
+	const uint32_t first = gi_bits_from_float(p->a.w), end = gi_bits_from_float(p->b.w);
 	/* From low to high. */
-	if (c->object->lowest_rank == GI_NONE)
-		c->object->lowest_rank = rank;
-	c->object->highest_rank = rank;
-	const uint32_t first = gi_bits_from_float(c->primitive->a.w), end = gi_bits_from_float(c->primitive->b.w);
-	primitives[c->number].b.w = gi_float_from_bits(rank);
+	if (o->lowest_rank == GI_NONE)
+		o->lowest_rank = rank;
+	o->highest_rank = rank;
+	primitives[o->primitive_base + number].b.w = gi_float_from_bits(rank);
 	for (uint32_t leaf = first; leaf < end; leaf++)
-		leaves[c->object->leaf_base + leaf].w = rank;
+		leaves[o->leaf_base + leaf].w = rank;
 }
 
-bool rank_primitives(const gi_scene *s, uint32_t primitive_count, gi_primitive *primitives, gi_uvec4 *leaves)
+/* Of those of an object that emit, or do not. */
+static uint32_t store_all(const ranked *r, bool lit, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
 {
-	candidate *list = calloc((size_t)primitive_count + 1, sizeof *list);
+	scene_object *o = r->object;
+	if (lit && !r->emits)
+		return rank;
+	for (uint32_t n = 0; n < o->bvh.primitive_count; n++) {
+		const uint32_t number = o->by_size[n];
+		if (!r->emits || emits(o, &o->bvh.primitives[number]) == lit)
+			store(o, number, rank++, primitives, leaves);
+	}
+	return rank;
+}
+
+bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leaves)
+{
+	ranked *list = malloc(sizeof *list * ((size_t)s->slot_count + 1));
 	if (!list)
 		return false;
 	const uint32_t count = collect(s, list);
-	qsort(list, count, sizeof *list, compare);
-	for (uint32_t rank = 0; rank < count; rank++)
-		store(&list[rank], rank, primitives, leaves);
+	qsort(list, count, sizeof *list, compare_objects);
+	uint32_t rank = 0;
+	for (int lit = 0; lit < 2; lit++)
+		for (uint32_t k = 0; k < count; k++)
+			rank = store_all(&list[k], lit, rank, primitives, leaves);
 	free(list);
 	return true;
 }

@@ -13,7 +13,9 @@
  */
 #include "bits.h"
 #include "context.h"
+#include "loans.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -121,10 +123,15 @@ uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
  * that fails for lack of them fails before anything is built. */
 static const uint64_t LEAST_ENTRIES = 16;
 
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t slots)
+uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources)
 {
-	const uint64_t elements = leaves * (slots > LEAST_ENTRIES ? slots : LEAST_ENTRIES);
-	return leaves <= GI_ENTRY_LEAF_MASK && elements <= rows_most_entries(gi, elements);
+	return sizeof(gi_uvec4) * leaves * (sources > LEAST_ENTRIES ? sources : LEAST_ENTRIES);
+}
+
+bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources)
+{
+	const uint64_t bytes = rows_table_bytes(leaves, sources);
+	return leaves <= GI_ENTRY_LEAF_MASK && bytes <= gpu_buffer_limit(&gi->gpu, bytes);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -150,12 +157,12 @@ gi_result rows_allocate_tables(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
 	const uint64_t leaves = gi->scene.leaf_count;
-	gi_result result =
-	    gpu_buffer_allocate(g, &r->segments, sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene), NULL);
+	const uint64_t table = sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene);
+	gi_result result = gpu_buffer_renew(g, &r->segments, GI_BIND_SEGMENTS, table, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->headers, sizeof(gi_uvec4) * leaves, NULL);
+		result = gpu_buffer_renew(g, &r->headers, GI_BIND_ROWS, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->touched, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves, NULL);
+		result = gpu_buffer_renew(g, &r->touched, GI_BIND_TOUCHED, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves, NULL);
 	if (!result)
 		clear_rows(gi);
 	return result;
@@ -180,18 +187,33 @@ gi_result rows_allocate(gi_context *gi)
 	return rows_allocate_pools(gi);
 }
 
+/* Blocks of rows that move take more than those that were just built. */
+static const double POOL_SLACK = 1.125;
+
+/* Many sources fill rows however coarse they are: an entry of each. */
+static const uint32_t MANY_SOURCES = 200;
+
+static gi_result rows_are_too_large(gi_context *gi, uint64_t needed, uint64_t most)
+{
+	const bool many = scene_source_count(&gi->scene) > MANY_SOURCES;
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+		       "rows of %u leaves need a buffer of %" PRIu64 " MiB and %s: raise row_tolerance, %g so far, or "
+		       "leaf_size%s",
+		       gi->scene.leaf_count, (sizeof(gi_uvec4) * needed >> 20) + 1,
+		       gpu_limit_text(&gi->gpu, sizeof(gi_uvec4) * most), (double)gi->def.row_tolerance,
+		       many ? ", or make what does not move GI_MOBILITY_STATIC" : "");
+}
+
+/* What the pass that was cut short lacked is known: once is enough. */
 gi_result rows_grow(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
-	const uint64_t most = rows_most_entries(gi, 2 * r->entry_limit);
-	if (r->entry_limit >= most)
-		return gi_fail(
-		    &gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-		    "the rows need more than the %u MiB this renderer binds at once: raise row_tolerance or leaf_size",
-		    (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
-	const uint64_t before = r->entry_limit;
-	r->entry_limit = 2 * before < most ? 2 * before : most;
-	r->link_limit = r->entry_limit;
+	const uint64_t before = r->entry_limit, needed = before + gi->wanted;
+	const uint64_t wanted = (uint64_t)fmax(2 * (double)before, POOL_SLACK * (double)needed);
+	const uint64_t most = rows_most_entries(gi, wanted);
+	if ((gi->wanted_all && needed > most) || before >= most)
+		return rows_are_too_large(gi, needed, most);
+	r->entry_limit = r->link_limit = wanted < most ? wanted : most;
 	const gi_result result = rows_allocate_pools(gi);
 	r->rebuild = true;
 	if (result)
@@ -208,6 +230,7 @@ typedef struct plan {
 	uint32_t first_emitter, end_emitter; /* in the list of suspects */
 	uint32_t first_swept, swept;         /* likewise, in fours of words */
 	uint64_t cut_threads;
+	loans loans; /* in part alone */
 } plan;
 
 static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
@@ -565,6 +588,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
+	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -644,7 +668,9 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
 	result = upload_suspects(gi, p);
-	return result ? result : upload_plan(gi, p);
+	if (!result)
+		result = upload_plan(gi, p);
+	return !result && p->part ? loans_find(gi, &p->loans) : result;
 }
 
 void rows_recycle(gi_context *gi)
@@ -716,8 +742,10 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	solver_bind(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
-	if (p.part)
+	if (p.part) {
+		loans_give(gi, &p.loans);
 		budget_choose(gi);
+	}
 	cut(gi, &p);
 	prepare(gi, AFTER_CUT);
 	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
@@ -792,6 +820,14 @@ void rows_release(gi_context *gi, gi_rows *r)
 	committed_buffers(r, list);
 	for (int k = 0; k < COMMITTED_BUFFERS; k++)
 		gpu_buffer_free(&gi->gpu, list[k]);
+}
+
+void rows_retire(gi_context *gi, gi_rows *r)
+{
+	gpu_buffer_retire(&gi->gpu, &r->segments, GI_BIND_SEGMENTS);
+	gpu_buffer_retire(&gi->gpu, &r->headers, GI_BIND_ROWS);
+	gpu_buffer_retire(&gi->gpu, &r->touched, GI_BIND_TOUCHED);
+	rows_release(gi, r);
 }
 
 void rows_free(gi_context *gi)

@@ -86,12 +86,13 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 			 const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	bool blockers = false;
+	bool blockers = false, shifted = false;
 	uint32_t gone = 0; /* columns */
 	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
 		gone += slot >= m->first_source && (went(m, slot) || m->list[slot].now.x < gi->scene.first_source);
 		lost = lost || went(m, slot);
+		shifted = shifted || (!went(m, slot) && m->list[slot].now.z);
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
 	rows_bind(gi);
@@ -107,6 +108,7 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	gpu_set_uint(&gi->gpu, r->renumber_program, 7, m->statics_slot);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 8,
 		     gi->scene.statics_slot == GI_NONE ? 0 : gi->scene.object_data[gi->scene.statics_slot].nodes.y);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 9, shifted);
 	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
 		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
 			;

@@ -129,7 +129,7 @@ void scene_place_sky(gi_object_data *data)
 
 static void set_emitter(uint32_t *flags, bool emits, uint32_t steps)
 {
-	*flags &= ~(GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT);
+	*flags &= ~SCENE_EMITTER_BITS;
 	if (emits)
 		*flags |= GI_NODE_EMITTER | steps << GI_NODE_FINER_SHIFT;
 }
@@ -201,18 +201,6 @@ gi_material_data scene_material_data(const scene_object *o, uint32_t material)
 	const float e = scene_is_seen(o) ? 1 : 0;
 	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0},
 				  {e * m->exitance[0], e * m->exitance[1], e * m->exitance[2], 0}};
-}
-
-static void free_arrays(gi_scene *s)
-{
-	free(s->slots);
-	free(s->tops);
-	free(s->changed_slots);
-	free(s->object_data);
-	free(s->topology);
-	free(s->node_exitance);
-	free(s->tlas);
-	free(s->tlas_packed);
 }
 
 /* ---- per frame ---- */
@@ -292,39 +280,48 @@ gi_result scene_upload_changes(gi_context *gi)
 	return tlas_upload(gi);
 }
 
+#define BUFFERS(X)                                                                                                     \
+	X(OBJECTS, objects_gpu)                                                                                        \
+	X(TOPOLOGY, topology_gpu)                                                                                      \
+	X(REST, rest_gpu)                                                                                              \
+	X(SPREAD, spread_gpu)                                                                                          \
+	X(WORLD, world_gpu)                                                                                            \
+	X(VERTICES_REST, vertices_rest_gpu)                                                                            \
+	X(VERTICES_WORLD, vertices_world_gpu)                                                                          \
+	X(LEAVES, leaves_gpu)                                                                                          \
+	X(MATERIALS, materials_gpu)                                                                                    \
+	X(BVH, bvh_gpu)                                                                                                \
+	X(PRIMITIVES, primitives_gpu)                                                                                  \
+	X(TLAS, tlas_gpu)                                                                                              \
+	X(LEAF_QUADS, leaf_quads_gpu)                                                                                  \
+	X(NODE_EXITANCE, node_exitance_gpu)                                                                            \
+	X(WIDE_NODES, wide_nodes_gpu)                                                                                  \
+	X(LIGHT_LINKS, light_links_gpu)                                                                                \
+	X(LIGHT_FIRST, light_first_gpu)
+
 void scene_bind(const gi_context *gi)
 {
-	const gi_scene *s = &gi->scene;
-	gpu_bind(&gi->gpu, GI_BIND_OBJECTS, &s->objects_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_TOPOLOGY, &s->topology_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_REST, &s->rest_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_SPREAD, &s->spread_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_WORLD, &s->world_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_VERTICES_REST, &s->vertices_rest_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_LEAVES, &s->leaves_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_MATERIALS, &s->materials_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_BVH, &s->bvh_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_PRIMITIVES, &s->primitives_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_TLAS, &s->tlas_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_WIDE_NODES, &s->wide_nodes_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_LIGHT_LINKS, &s->light_links_gpu);
-	gpu_bind(&gi->gpu, GI_BIND_LIGHT_FIRST, &s->light_first_gpu);
+#define BIND(name, buffer) gpu_bind(&gi->gpu, GI_BIND_##name, &gi->scene.buffer);
+	BUFFERS(BIND)
+#undef BIND
 }
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-	gpu_buffer *buffers[] = {&s->objects_gpu,    &s->topology_gpu,      &s->rest_gpu,
-				 &s->world_gpu,      &s->vertices_rest_gpu, &s->vertices_world_gpu,
-				 &s->leaves_gpu,     &s->materials_gpu,     &s->bvh_gpu,
-				 &s->primitives_gpu, &s->tlas_gpu,          &s->node_exitance_gpu,
-				 &s->wide_nodes_gpu, &s->light_links_gpu,   &s->light_first_gpu,
-				 &s->spread_gpu,     &s->leaf_quads_gpu};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
-	free_arrays(s);
+#define FREE(name, buffer) gpu_buffer_free(&gi->gpu, &s->buffer);
+	BUFFERS(FREE)
+#undef FREE
+	gi_arena_free(&s->arrays);
+}
+
+void scene_retire(gi_context *gi, gi_scene *s)
+{
+#define RETIRE(name, buffer) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
+	BUFFERS(RETIRE)
+#undef RETIRE
+	gi_arena_free(&gi->spare_arrays);
+	gi->spare_arrays = s->arrays;
+	s->arrays = (gi_arena){0};
 }
 
 void scene_free(gi_context *gi)
@@ -333,4 +330,7 @@ void scene_free(gi_context *gi)
 		scene_free_object(&gi->scene.objects[k]);
 	free(gi->scene.objects);
 	scene_release(gi, &gi->scene);
+	gi_arena_free(&gi->spare_arrays);
+	gi_arena_free(&gi->passing);
+	gi_arena_free(&gi->undo);
 }

@@ -6,12 +6,12 @@
  */
 #include "bits.h"
 #include "context.h"
-#include "overlap.h"
 #include "pack.h"
 #include "rank.h"
 #include "statics.h"
 #include "vec3d.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,18 +69,6 @@ static void gathered_free(gathered *g)
 	gi_hierarchy_free(&g->sky);
 	statics_free(&g->statics);
 	free(g->order);
-	free(g->rest);
-	free(g->spread);
-	free(g->vertices);
-	free(g->vertices_world);
-	free(g->leaves);
-	free(g->leaf_quads);
-	free(g->materials);
-	free(g->bvh);
-	free(g->primitives);
-	free(g->wide);
-	free(g->light_links);
-	free(g->light_first);
 }
 
 static bool order_objects(gi_scene *s, gathered *g)
@@ -138,32 +126,49 @@ static void *allocate(size_t count, size_t size)
 	return calloc(count + 1, size);
 }
 
-static bool allocate_all(gathered *g)
+/* What the scene keeps, and what goes to the GPU alone. */
+static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 {
 	gi_scene *n = &g->next;
-	n->slots = allocate(n->slot_count, sizeof *n->slots);
-	n->object_data = allocate(n->slot_count, sizeof *n->object_data);
-	n->topology = allocate(n->node_count, sizeof *n->topology);
-	n->node_exitance = allocate(n->node_count, sizeof *n->node_exitance);
-	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
-	n->tlas_packed = allocate(2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
-	n->tops = allocate(n->top_count, sizeof *n->tops);
-	n->changed_slots = allocate(n->first_source, sizeof *n->changed_slots);
-	g->rest = allocate(n->node_count, sizeof *g->rest);
-	g->spread = allocate(n->node_count, sizeof *g->spread);
-	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
-	g->vertices_world = allocate(n->vertex_count, sizeof *g->vertices_world);
-	g->leaves = allocate(n->leaf_count, sizeof *g->leaves);
-	g->materials = allocate(g->material_count, sizeof *g->materials);
-	g->bvh = allocate(g->bvh_count, sizeof *g->bvh);
-	g->primitives = allocate(g->primitive_count, sizeof *g->primitives);
-	g->leaf_quads = allocate(4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
-	g->wide = allocate(n->node_count, sizeof *g->wide);
-	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
-	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->tops && n->changed_slots && n->slots && n->object_data && n->topology && n->node_exitance &&
-	       n->tlas && n->tlas_packed && g->rest && g->spread && g->vertices && g->vertices_world && g->leaves &&
-	       g->materials && g->bvh && g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
+	n->slots = gi_arena_take(stays, n->slot_count, sizeof *n->slots);
+	n->object_data = gi_arena_take(stays, n->slot_count, sizeof *n->object_data);
+	n->topology = gi_arena_take(stays, n->node_count, sizeof *n->topology);
+	n->node_exitance = gi_arena_take(stays, n->node_count, sizeof *n->node_exitance);
+	n->tlas = gi_arena_take(stays, n->tlas_count, sizeof *n->tlas);
+	n->tlas_packed = gi_arena_take(stays, 2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
+	n->tops = gi_arena_take(stays, n->top_count, sizeof *n->tops);
+	n->changed_slots = gi_arena_take(stays, n->first_source, sizeof *n->changed_slots);
+	g->rest = gi_arena_take(passes, n->node_count, sizeof *g->rest);
+	g->spread = gi_arena_take(passes, n->node_count, sizeof *g->spread);
+	g->vertices = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices);
+	g->vertices_world = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices_world);
+	g->leaves = gi_arena_take(passes, n->leaf_count, sizeof *g->leaves);
+	g->materials = gi_arena_take(passes, g->material_count, sizeof *g->materials);
+	g->bvh = gi_arena_take(passes, g->bvh_count, sizeof *g->bvh);
+	g->primitives = gi_arena_take(passes, g->primitive_count, sizeof *g->primitives);
+	g->leaf_quads = gi_arena_take(passes, 4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
+	g->wide = gi_arena_take(passes, n->node_count, sizeof *g->wide);
+	g->light_links = gi_arena_take(passes, g->light_link_count / 2 + 1, sizeof *g->light_links);
+	g->light_first = gi_arena_take(passes, (size_t)n->light_count + 1, sizeof *g->light_first);
+}
+
+static bool allocate_all(gi_context *gi, gathered *g)
+{
+	gi_scene *n = &g->next;
+	n->arrays = gi->spare_arrays;
+	gi->spare_arrays = (gi_arena){0};
+	gi_arena_measure(&n->arrays);
+	gi_arena_measure(&gi->passing);
+	lay_out(g, &n->arrays, &gi->passing);
+	if (!gi_arena_reserve(&n->arrays) || !gi_arena_reserve(&gi->passing))
+		return false;
+	lay_out(g, &n->arrays, &gi->passing);
+	/* Not all of these is written below. */
+	memset(n->object_data, 0, sizeof *n->object_data * n->slot_count);
+	memset(n->changed_slots, 0, sizeof *n->changed_slots * n->first_source);
+	memset(n->tlas_packed, 0, sizeof *n->tlas_packed * 2 * n->tlas_count);
+	memset(g->spread, 0, sizeof *g->spread * n->node_count);
+	return true;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -205,23 +210,6 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 	}
 }
 
-/* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
-static bool is_plane(const gi_hierarchy *h)
-{
-	const gi_vec4 axis = h->geometry[0].axis, centre = h->geometry[0].sphere;
-	if (axis.w < 0.999999f)
-		return false;
-	for (uint32_t k = 0; k < h->vertex_count; k++) {
-		const gi_vec4 v = h->vertices[k];
-		const double height = (double)axis.x * ((double)v.x - centre.x) +
-				      (double)axis.y * ((double)v.y - centre.y) +
-				      (double)axis.z * ((double)v.z - centre.z);
-		if (fabs(height) > 1e-6 * centre.w)
-			return false;
-	}
-	return true;
-}
-
 /* Their areas are summed up along the object, so that rays can end on its leaves by area. */
 static void gather_leaves(gathered *g, const scene_object *o)
 {
@@ -256,6 +244,25 @@ typedef struct carried {
 	uint32_t index, node_base, leaf_base;
 } carried;
 
+/* Is it where the scene before has it? */
+static bool is_placed(const scene_object *o)
+{
+	return o->committed && !o->moved;
+}
+
+static void place(scene_object *o, const gi_object_data *before, gi_object_data *data)
+{
+	if (!before) {
+		scene_place_object(o, data);
+		return;
+	}
+	data->row0 = before->row0;
+	data->row1 = before->row1;
+	data->row2 = before->row2;
+	data->sphere = before->sphere;
+	data->plane = before->plane;
+}
+
 /* Tops, and what all of it is as one source, in the world's frame. */
 static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 {
@@ -274,7 +281,7 @@ static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 	scene_place_sky(data);
 }
 
-static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
+static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *n = &g->next;
 	uint32_t slot = 0, node = 0, vertex = 0, leaf = 0, material = 0, bvh = 0, primitive = 0, light = 0, link = 0;
@@ -289,6 +296,7 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 			;
 		if (number < statics)
 			node = g->statics.nodes[along++].node;
+		const gi_object_data *placed = is_placed(o) ? &before->object_data[o->slot] : NULL;
 		o->slot = slot;
 		o->node_base = node;
 		o->vertex_base = vertex;
@@ -305,15 +313,13 @@ static void gather_objects(gi_context *gi, gathered *g, carried *old, uint32_t *
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
-		o->plane = is_plane(&o->hierarchy);
-		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
 		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
 		data->ids = (gi_uvec4){o->leaf_id - leaf, o->node_id - node, 0, 0};
-		scene_place_object(o, data);
+		place(o, placed, data);
 		slot++;
 		node += o->hierarchy.node_count;
 		vertex += o->hierarchy.vertex_count;
@@ -365,55 +371,71 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	gpu *gpu = &gi->gpu;
 	gi_scene *s = &gi->scene, *n = &g->next;
 	const struct {
+		uint32_t binding;
 		gpu_buffer *buffer;
 		uint64_t size;
 		const void *data;
 	} uploads[] = {
-	    {&s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
-	    {&s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
-	    {&s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
-	    {&s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
-	    {&s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
-	    {&s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
-	    {&s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
-	    {&s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
-	    {&s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
-	    {&s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
-	    {&s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
-	    {&s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
-	    {&s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
-	    {&s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
-	    {&s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
-	    {&s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
-	    {&s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
+	    {GI_BIND_OBJECTS, &s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
+	    {GI_BIND_TOPOLOGY, &s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
+	    {GI_BIND_REST, &s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+	    {GI_BIND_SPREAD, &s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
+	    {GI_BIND_WORLD, &s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
+	    {GI_BIND_VERTICES_REST, &s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
+	    {GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
+	    {GI_BIND_LEAVES, &s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
+	    {GI_BIND_MATERIALS, &s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
+	    {GI_BIND_BVH, &s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
+	    {GI_BIND_PRIMITIVES, &s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
+	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
+	    {GI_BIND_TLAS, &s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
+	    {GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
+	    {GI_BIND_WIDE_NODES, &s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+	    {GI_BIND_LIGHT_LINKS, &s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
+	    {GI_BIND_LIGHT_FIRST, &s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
 	for (size_t k = 0; k < sizeof uploads / sizeof *uploads; k++) {
-		gi_result result = gpu_buffer_allocate(gpu, uploads[k].buffer, uploads[k].size, uploads[k].data);
+		gi_result result = gpu_buffer_renew(gpu, uploads[k].buffer, uploads[k].binding,
+						    uploads[k].size, uploads[k].data);
 		if (result)
 			return result;
 	}
 	return GI_OK;
 }
 
-/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones; new objects start from
- * E (solver.c). */
+/* One part of a buffer of nodes' or leaves' light: elements [from, from + count) go to `to`. */
+static void carry_part(const gpu *g, gpu_buffer *before, uint64_t from, gpu_buffer *now, uint64_t to, uint64_t count)
+{
+	const uint64_t vec = sizeof(gi_vec4);
+	gpu_buffer_copy(g, before, vec * from, now, vec * to, vec * count);
+}
+
+/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once as
+ * lie in a row in both, with the tops between them; new objects start from E (solver.c). */
 static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
 			    uint32_t old_count)
 {
 	static const uint32_t leaf_parts[] = {GI_LEAF_B, GI_LEAF_R, GI_LEAF_BEFORE};
 	const gi_scene *s = &gi->scene;
-	for (uint32_t k = 0; k < old_count; k++) {
-		const scene_object *o = &gi->scene.objects[old[k].index];
-		const uint64_t vec = sizeof(gi_vec4);
+	for (uint32_t k = 0, next; k < old_count; k = next) {
+		const scene_object *o = &s->objects[old[k].index];
+		uint64_t nodes = o->hierarchy.node_count, leaves = o->hierarchy.leaf_count;
+		for (next = k + 1; next < old_count; next++) {
+			const scene_object *also = &s->objects[old[next].index];
+			const uint32_t apart = also->node_base - o->node_base;
+			if (old[next].node_base - old[k].node_base != apart ||
+			    old[next].leaf_base != old[k].leaf_base + leaves || also->leaf_base != o->leaf_base + leaves)
+				break;
+			nodes = (uint64_t)apart + also->hierarchy.node_count;
+			leaves += also->hierarchy.leaf_count;
+		}
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			gpu_buffer_copy(&gi->gpu, &before->radiosity, vec * (p * scene->node_count + old[k].node_base),
-					&gi->solver.radiosity, vec * (p * s->node_count + o->node_base),
-					vec * o->hierarchy.node_count);
+			carry_part(&gi->gpu, &before->radiosity, p * scene->node_count + old[k].node_base, &gi->solver.radiosity,
+				   p * s->node_count + o->node_base, nodes);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
-			gpu_buffer_copy(&gi->gpu, &before->leaf_radiosity,
-					vec * (p * scene->leaf_count + old[k].leaf_base), &gi->solver.leaf_radiosity,
-					vec * (p * s->leaf_count + o->leaf_base), vec * o->hierarchy.leaf_count);
+			carry_part(&gi->gpu, &before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
+				   &gi->solver.leaf_radiosity, p * s->leaf_count + o->leaf_base, leaves);
 		}
 	}
 }
@@ -421,6 +443,75 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 static bool wants_sky(const gi_context *gi)
 {
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
+}
+
+/* What a commit does not make anew. */
+static void keep_objects(const gi_scene *from, gi_scene *to)
+{
+	to->objects = from->objects;
+	to->object_count = from->object_count;
+	to->first_free = from->first_free;
+	to->created_count = from->created_count;
+	to->automatic_static = from->automatic_static;
+	to->next_leaf_id = from->next_leaf_id;
+	to->next_node_id = from->next_node_id;
+	to->ever_committed = from->ever_committed;
+}
+
+/* What nodes emit, of those objects that are as they were from the scene before. */
+static void take_exitance(gi_context *gi, const gi_scene *before, const carried *old, uint32_t old_count)
+{
+	gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->object_count; k++) {
+		scene_object *o = &s->objects[k];
+		if (scene_is_alive(o) && (!o->committed || o->material_changed))
+			scene_update_exitance(gi, o);
+	}
+	for (uint32_t k = 0; k < old_count; k++) {
+		const scene_object *o = &s->objects[old[k].index];
+		if (o->material_changed)
+			continue;
+		memcpy(s->node_exitance + o->node_base, before->node_exitance + old[k].node_base,
+		       sizeof *s->node_exitance * o->hierarchy.node_count);
+		for (uint32_t n = 0; n < o->hierarchy.node_count; n++)
+			s->topology[o->node_base + n].range.w |=
+			    before->topology[old[k].node_base + n].range.w & SCENE_EMITTER_BITS;
+	}
+}
+
+static uint64_t larger_of(uint64_t a, uint64_t b)
+{
+	return a > b ? a : b;
+}
+
+/* Is every buffer of the scene within what the renderer binds? Asked before any work. */
+static gi_result check_sizes(gi_context *gi, const gathered *g)
+{
+	const gi_scene *n = &g->next;
+	const uint64_t leaves = n->leaf_count, sources = n->slot_count - n->first_source;
+	const uint64_t table = rows_table_bytes(leaves, sources);
+	uint64_t largest = sizeof(gi_vec4) * GI_LEAF_PARTS * leaves;
+	largest = larger_of(largest, sizeof(gi_node_geometry) * n->node_count);
+	largest = larger_of(largest, sizeof(gi_vec4) * n->vertex_count);
+	largest = larger_of(largest, sizeof(gi_primitive) * g->primitive_count);
+	largest = larger_of(largest, sizeof(gi_object_data) * n->slot_count);
+	largest = larger_of(largest, 2 * sizeof(uint32_t) * (uint64_t)g->light_link_count);
+	const bool by_table = table >= largest;
+	const uint64_t needed = larger_of(largest, table), limit = gpu_buffer_limit(&gi->gpu, needed);
+	if (leaves <= GI_ENTRY_LEAF_MASK && needed <= limit)
+		return GI_OK;
+	if (leaves > GI_ENTRY_LEAF_MASK)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+			       "%u leaves are more than the %u that entries can name: use fewer levels or a larger "
+			       "leaf_size",
+			       n->leaf_count, GI_ENTRY_LEAF_MASK);
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+		       "%u leaves of %u objects need a buffer of %" PRIu64 " MiB and %s: use fewer levels or a larger "
+		       "leaf_size%s",
+		       n->leaf_count, g->order_count, (needed >> 20) + 1, gpu_limit_text(&gi->gpu, limit),
+		       by_table && rows_table_bytes(leaves, 0) < table
+			   ? ", or make what does not move GI_MOBILITY_STATIC: the table is of leaves times what moves"
+			   : "");
 }
 
 /* Are the static ones those of before, in the same order? */
@@ -449,46 +540,34 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k])) {
+		if (scene_is_alive(&s->objects[k]) && !is_placed(&s->objects[k])) {
 			gi_object_data scratch;
-			if (s->objects[k].committed && s->objects[k].moved)
+			if (s->objects[k].committed)
 				scene_leave_trail(&s->objects[k]);
 			scene_place_object(&s->objects[k], &scratch);
 		}
 	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
-	if (!rows_can_hold(gi, g->next.leaf_count, g->next.slot_count - g->next.first_source))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
-			       "%u leaves of %u objects need more than the %u MiB this renderer binds at once: use "
-			       "fewer levels or "
-			       "a larger leaf_size",
-			       g->next.leaf_count, g->next.slot_count, (unsigned)(gpu_buffer_limit(&gi->gpu, 0) >> 20));
-	const bool ready = allocate_all(g);
-	g->next.objects = s->objects;
-	g->next.object_count = s->object_count;
-	g->next.created_count = s->created_count;
-	g->next.automatic_static = s->automatic_static;
-	g->next.next_leaf_id = s->next_leaf_id;
-	g->next.next_node_id = s->next_node_id;
-	g->next.ever_committed = s->ever_committed;
+	if (check_sizes(gi, g))
+		return GI_ERROR_OUT_OF_MEMORY;
+	const bool ready = allocate_all(gi, g);
+	keep_objects(s, &g->next);
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	gather_objects(gi, g, old, old_count);
+	gather_objects(gi, &before->scene, g, old, old_count);
 	s->wide_count = g->next.wide_count;
 	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
 	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
-	if (!rank_primitives(s, g->primitive_count, g->primitives, g->leaves))
+	if (!rank_primitives(s, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k]))
-			scene_update_exitance(gi, &s->objects[k]);
+	take_exitance(gi, &before->scene, old, *old_count);
 	for (uint32_t k = 0; k < s->top_count; k++)
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
@@ -584,9 +663,9 @@ static void put_back(gi_context *gi, const committed *before)
 
 static void let_go(gi_context *gi, committed *before)
 {
-	scene_release(gi, &before->scene);
-	solver_release(gi, &before->solver);
-	rows_release(gi, &before->rows);
+	scene_retire(gi, &before->scene);
+	solver_retire(gi, &before->solver);
+	rows_retire(gi, &before->rows);
 }
 
 gi_result scene_upload(gi_context *gi)
@@ -594,21 +673,18 @@ gi_result scene_upload(gi_context *gi)
 	gathered g = {0};
 	uint32_t old_count = 0;
 	committed before = {gi->scene, gi->solver, gi->rows, gi->lamps, NULL};
-	carried *old = allocate(gi->scene.object_count, sizeof *old);
-	before.objects = allocate(gi->scene.object_count, sizeof *before.objects);
-	if (!old || !before.objects) {
-		free(old);
-		free(before.objects);
+	const uint32_t places = gi->scene.object_count;
+	gi_arena_measure(&gi->undo);
+	gi_arena_take(&gi->undo, places, sizeof(carried));
+	gi_arena_take(&gi->undo, places, sizeof(scene_object));
+	if (!gi_arena_reserve(&gi->undo))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	}
-	if (gi->scene.object_count)
-		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * gi->scene.object_count);
-	gi->scene = (gi_scene){.objects = before.scene.objects,
-			       .object_count = before.scene.object_count,
-			       .created_count = before.scene.created_count,
-			       .next_leaf_id = before.scene.next_leaf_id,
-			       .next_node_id = before.scene.next_node_id,
-			       .ever_committed = before.scene.ever_committed};
+	carried *old = gi_arena_take(&gi->undo, places, sizeof *old);
+	before.objects = gi_arena_take(&gi->undo, places, sizeof *before.objects);
+	if (places)
+		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * places);
+	gi->scene = (gi_scene){0};
+	keep_objects(&before.scene, &gi->scene);
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
 	gi_result result = upload_scene(gi, &before, &g, old, &old_count);
@@ -623,8 +699,6 @@ gi_result scene_upload(gi_context *gi)
 		gi->solver.cold = gi->solver.cold || !old_count;
 		let_go(gi, &before);
 	}
-	free(old);
-	free(before.objects);
 	gathered_free(&g);
 	return result;
 }

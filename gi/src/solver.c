@@ -9,7 +9,6 @@
  */
 #include "context.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* check.comp's uniforms, and what its stage may be. */
@@ -53,18 +52,19 @@ static void fill_start(const gi_scene *s, bool to_leaves, gi_vec4 *out)
 	}
 }
 
-static gi_result allocate_start(gi_context *gi, gpu_buffer *buffer, bool to_leaves)
+static gi_result allocate_start(gi_context *gi, gpu_buffer *buffer, uint32_t binding, bool to_leaves)
 {
 	const gi_scene *s = &gi->scene;
 	const uint64_t count =
 	    to_leaves ? GI_LEAF_PARTS * (uint64_t)s->leaf_count : GI_NODE_PARTS * (uint64_t)s->node_count;
-	gi_vec4 *start = calloc(count + 1, sizeof *start);
-	if (!start)
+	gi_arena_measure(&gi->passing);
+	gi_arena_take(&gi->passing, count, sizeof(gi_vec4));
+	if (!gi_arena_reserve(&gi->passing))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	gi_vec4 *start = gi_arena_take(&gi->passing, count, sizeof *start);
+	memset(start, 0, sizeof *start * count);
 	fill_start(s, to_leaves, start);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, buffer, sizeof *start * count, start);
-	free(start);
-	return result;
+	return gpu_buffer_renew(&gi->gpu, buffer, binding, sizeof *start * count, start);
 }
 
 gi_result solver_allocate(gi_context *gi)
@@ -72,13 +72,14 @@ gi_result solver_allocate(gi_context *gi)
 	gi_solver *s = &gi->solver;
 	const gi_scene *scene = &gi->scene;
 	const uint64_t vec = sizeof(gi_vec4);
-	gi_result result = allocate_start(gi, &s->radiosity, false);
+	gi_result result = allocate_start(gi, &s->radiosity, GI_BIND_RADIOSITY, false);
 	if (!result)
-		result = allocate_start(gi, &s->leaf_radiosity, true);
+		result = allocate_start(gi, &s->leaf_radiosity, GI_BIND_LEAF_RADIOSITY, true);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &s->leaf_indirect, vec * scene->leaf_count, NULL);
+		result = gpu_buffer_renew(&gi->gpu, &s->leaf_indirect, GI_BIND_LEAF_INDIRECT, vec * scene->leaf_count,
+					  NULL);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &s->light, vec * scene->light_count, NULL);
+		result = gpu_buffer_renew(&gi->gpu, &s->light, GI_BIND_LIGHT, vec * scene->light_count, NULL);
 	if (result)
 		return result;
 	gpu_buffer_clear(&gi->gpu, &s->leaf_indirect, 0, s->leaf_indirect.size, 0);
@@ -188,4 +189,12 @@ void solver_release(gi_context *gi, gi_solver *s)
 	gpu_buffer *buffers[] = {&s->radiosity, &s->leaf_radiosity, &s->leaf_indirect, &s->light};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
+}
+
+void solver_retire(gi_context *gi, gi_solver *s)
+{
+	gpu_buffer_retire(&gi->gpu, &s->radiosity, GI_BIND_RADIOSITY);
+	gpu_buffer_retire(&gi->gpu, &s->leaf_radiosity, GI_BIND_LEAF_RADIOSITY);
+	gpu_buffer_retire(&gi->gpu, &s->leaf_indirect, GI_BIND_LEAF_INDIRECT);
+	gpu_buffer_retire(&gi->gpu, &s->light, GI_BIND_LIGHT);
 }

@@ -7,6 +7,7 @@
 #include "moving_scene.h"
 #include "snapshot.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <math.h>
@@ -387,6 +388,102 @@ static void little_time_little_work(void **state)
 	close_pair(&p);
 }
 
+/* Right after a commit, and after lights went on, no more is done than at other times: something went, ten came, one of
+ * them shines and is put out. Static things make the update commit by itself. */
+typedef struct room_of_many {
+	gi_context *gi;
+	gi_object boxes[40];
+	uint32_t count;
+} room_of_many;
+
+static void put_box(room_of_many *room, gi_mobility mobility)
+{
+	engine_mesh mesh;
+	const uint32_t k = room->count;
+	assert_true(shape_box((float[]){-.2f, 0, -.2f}, (float[]){.2f, .5f, .2f}, 1, false, &mesh));
+	gi_object_def object = scene_mesh_def(&mesh);
+	object.mobility = mobility;
+	object.pose.position[0] = (float)(k % 6) - 2.5f;
+	object.pose.position[1] = .01f;
+	object.pose.position[2] = (float)(k / 6) - 2.5f;
+	assert_gi(gi_create_object(room->gi, &object, &room->boxes[room->count++]));
+	engine_mesh_free(&mesh);
+}
+
+static gi_context *open_many(room_of_many *room, const gi_context_def *def, uint32_t boxes)
+{
+	*room = (room_of_many){.gi = harness_context(def)};
+	engine_mesh mesh;
+	assert_true(shape_box((float[]){-3, 0, -3}, (float[]){3, 2.5f, 3}, 6, true, &mesh));
+	harness_add(room->gi, &(harness_object){.name = "room", .rho = {.6f, .6f, .6f}}, &mesh);
+	assert_true(shape_quad((float[]){-.5f, 2.4f, -.5f}, (float[]){1, 0, 0}, (float[]){0, 0, 1}, 1, 1, &mesh));
+	harness_add(room->gi, &(harness_object){.name = "lamp", .exitance = {20, 20, 20}}, &mesh);
+	for (uint32_t k = 0; k < boxes; k++)
+		put_box(room, k % 2 ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE);
+	assert_gi(gi_commit(room->gi));
+	harness_update(room->gi);
+	return room->gi;
+}
+
+static void time_holds_after_commits(void **state)
+{
+	(void)state;
+	const gi_context_def def = timed_def();
+	const gi_budget little = {.ms = 1e-3f};
+	room_of_many room;
+	gi_context *gi = open_many(&room, &def, 12);
+	const gi_material dark = {.rho = {.5f, .5f, .5f}}, lit = {.rho = {.5f, .5f, .5f}, .exitance = {30, 20, 10}};
+	static const char *const events[] = {"one moves",	 "one went", "a static one went", "ten came",
+					     "a static one came", "one shines", "it is put out",     "a static one moves"};
+	enum { EVENTS = sizeof events / sizeof *events, AFTER = 4 };
+	for (int warm = 0; warm < 12; warm++) { /* what things take is learned */
+		assert_gi(gi_set_pose(gi, room.boxes[0], (gi_pose){{-2.5f, .01f * (float)warm, -2.5f}, {0, 0, 0, 1}}));
+		update_under(gi, &little);
+	}
+	for (int event = 0; event < EVENTS; event++) {
+		bool commits = event && event < 5;
+		switch (event) {
+		case 0:
+			assert_gi(gi_set_pose(gi, room.boxes[0], (gi_pose){{-2.4f, .3f, -2.4f}, {0, 0, 0, 1}}));
+			break;
+		case 1:
+			assert_gi(gi_destroy_object(gi, room.boxes[2]));
+			break;
+		case 2:
+			assert_gi(gi_destroy_object(gi, room.boxes[3]));
+			break;
+		case 3:
+			for (int k = 0; k < 10; k++)
+				put_box(&room, GI_MOBILITY_MOVABLE);
+			break;
+		case 4:
+			put_box(&room, GI_MOBILITY_STATIC);
+			break;
+		case 5:
+		case 6:
+			assert_gi(gi_set_material(gi, room.boxes[4], 0, event == 5 ? lit : dark));
+			break;
+		default:
+			assert_gi(gi_set_pose(gi, room.boxes[5], (gi_pose){{1.5f, .6f, -2.5f}, {0, 0, 0, 1}}));
+		}
+		if (commits)
+			assert_gi(gi_commit(gi));
+		uint64_t rows = 0, rays = 0;
+		for (int k = 0; k < AFTER; k++) {
+			const gi_report r = update_under(gi, &little);
+			expect_little_work(&r);
+			rows += r.dirty_rows;
+			rays += r.rays;
+			assert_true(r.waiting_rows > 0);
+		}
+		printf("  %s: %llu rows, %llu rays in %d updates\n", events[event], (unsigned long long)rows,
+		       (unsigned long long)rays, AFTER);
+	}
+	const gi_report full = harness_update(gi);
+	assert_int_equal(full.waiting_rows, 0);
+	gi_context_destroy(gi);
+}
+
 /* ---- edges ---- */
 
 static void no_budget_is_exact(void **state)
@@ -468,6 +565,7 @@ int main(void)
 	    cmocka_unit_test(small_lamps_hide_nothing),
 	    cmocka_unit_test(time_is_certified),
 	    cmocka_unit_test(little_time_little_work),
+	    cmocka_unit_test(time_holds_after_commits),
 	    cmocka_unit_test(no_budget_is_exact),
 	    cmocka_unit_test(switches_and_commits),
 	    cmocka_unit_test(bad_budgets),

@@ -17,7 +17,8 @@
  *     ... gi_create_object() for everything, gi_commit() once ...
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
- * Rules. One thread at a time per context, the OpenGL context it was created in current. The library leaves these
+ * Rules. One thread at a time per context, the OpenGL context it was created in current; gi_prepare_object
+ * takes none and runs on any thread. The library leaves these
  * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36 and uniform buffer
  * bindings 0 and 1 (the indexed ones), texture units 0..43 with their samplers, the GL_DISPATCH_INDIRECT_BUFFER binding.
  * It takes nothing for granted: drawing state is set and given back, whatever it was. Calls are not made between
@@ -167,7 +168,8 @@ typedef struct gi_context_def {
 	uint32_t estimate_leaves;
 
 	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an
-	 * entry, are what comes near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY. All buffers together take
+	 * entry, are what comes near it; scenes that need more end with GI_ERROR_OUT_OF_MEMORY, told
+	 * by gi_commit or, of rows, by gi_update before a ray is traced. All buffers together take
 	 * about three times the largest. */
 	uint32_t max_buffer_mib;
 
@@ -307,6 +309,25 @@ GI_API gi_object_def gi_object_def_default(void);
  * position, or by number where there are creases. */
 GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 
+/* An object built ahead, without a context: what takes time of a creation, refinement, hierarchy, trees and what is drawn
+ * (1.2 s for a cage of 100,000 triangles), behind the host's back. */
+typedef struct gi_prepared_object gi_prepared_object;
+
+/* Builds one on any thread, no OpenGL context needed; as many threads at once as wanted, beside one that uses a gi_context.
+ * They share nothing: what the definition points to is only read, so that several threads may be given the same one, and
+ * is the caller's again when the call returns. Errors and messages as of gi_create_object, on the thread that calls, to
+ * `message` with `user`; NULL: to stderr. On failure *out is NULL. The object belongs to no thread: one at a time may use it. */
+GI_API GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+				   gi_prepared_object **out);
+
+/* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used. Takes
+ * *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY where it has
+ * more leaves than this context's renderer holds, which nobody knew before. */
+GI_API GI_API gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
+
+/* Of one that no context took; on any thread. NULL is fine. */
+GI_API GI_API void gi_free_prepared_object(gi_prepared_object *prepared);
+
 /* How fine a whole scene is cut, where the host has no sizes of its own. */
 typedef struct gi_leaf_choice_def {
 	uint32_t leaves;      /* about so many in all; default 0: 4,000 on a software renderer, 20,000 on others */
@@ -371,7 +392,10 @@ GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobi
  * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
  * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
  * those of a context in which the scene was built at once, bit for bit, if objects were created in the same order there, those
- * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it is black. Leaves, nodes and links get new numbers.
+ * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it
+ * is black. Leaves, nodes and links get new numbers. B of what stays is kept; what came is lit by its own rows after an exact
+ * update, and by the row of the nearest leaf that faces its way while its own wait for a budget.
+ * Does not wait for the GPU. GI_ERROR_OUT_OF_MEMORY, before any work, where a buffer would be larger than the renderer binds;
  * GI_ERROR_SHADER, every time, when a shader does not compile. */
 GI_API gi_result gi_commit(gi_context *gi);
 
@@ -496,7 +520,7 @@ typedef struct gi_report {
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
 	uint64_t uploaded_bytes; /* by gi_update */
-	uint64_t gpu_bytes;      /* all buffers of the context */
+	uint64_t gpu_bytes;      /* all buffers of the context, and those kept for the next commit */
 	float pass_ms[GI_PASS_COUNT]; /* GPU time of this update's passes, SHADOW and DRAW of the last gi_draw; 0 of those that
 				       * did not run, and without def.profile */
 	float update_ms;         /* CPU time inside gi_update, ms */
