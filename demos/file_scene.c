@@ -447,6 +447,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	for (uint32_t k = 0; created && k < count; k++) {
 		moves[k] = f->scene.objects[k].animated;
 		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+		defs[k].mobility = moves[k] ? GI_MOBILITY_MOVABLE : GI_MOBILITY_AUTOMATIC;
 	}
 	if (created) {
 		const gi_result result = create_all(f, gi, defs, moves, message, message_size);

@@ -73,6 +73,7 @@ typedef struct engine_scene_object {
 	uint32_t node;       /* private, as all that follows */
 	bool mirrored, baked;
 	double offset[3], stretch[9];
+	double rounding; /* metres in object space: how far the file's coordinates may be off */
 } engine_scene_object;
 
 typedef struct engine_scene_camera {

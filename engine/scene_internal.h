@@ -149,6 +149,8 @@ typedef struct scene_object_def {
 	const char *name;
 	uint32_t node;
 	double offset[3]; /* object space: the mesh's positions count from here, for those too large for floats */
+	double rounding;  /* metres: how far the file's coordinates may be off; the mesh's floats are reckoned with
+			     anyhow */
 	engine_scheme scheme;
 	uint32_t levels;
 	bool pair_triangles;

@@ -60,8 +60,10 @@ static bool read_vertex(obj_reader *r, char *rest)
 	const char *line = scene_rest_of_line(rest);
 	double values[7];
 	int count = 0;
-	while (count < 7 && scene_read_number(&rest, &values[count]))
-		count++;
+	for (const char *before = rest; count < 7 && scene_read_number(&rest, &values[count]); before = rest) {
+		if (count++ < 3)
+			scene_count_digits(&r->polygons, before, rest);
+	}
 	scene_vertex *vertex = scene_add_vertex(r->loader, &r->polygons, count < 3 ? NULL : values, r->text.line, line);
 	if (!vertex)
 		return fail_memory(r);

@@ -4,6 +4,7 @@
 #include "scene_bounds.h"
 #include "scene_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,15 @@ static void recentre(engine_scene_object *object)
 		object->mesh.positions[i] = (float)(object->mesh.positions[i] - middle[i % 3]);
 	for (int c = 0; c < 3; c++)
 		object->offset[c] += middle[c];
+}
+
+/* Of the file's digits, or of the floats that the positions are. */
+static double rounding_of(const engine_mesh *mesh, double digits)
+{
+	float largest = 0;
+	for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; i++)
+		largest = fmaxf(largest, fabsf(mesh->positions[i]));
+	return fmax(digits, ldexp((double)largest, -24));
 }
 
 typedef struct painted {
@@ -107,7 +117,8 @@ bool scene_add_object(scene_loader *loader, const scene_object_def *def, engine_
 				      .mesh = *mesh,
 				      .scheme = def->scheme,
 				      .levels = def->levels,
-				      .node = def->node};
+				      .node = def->node,
+				      .rounding = rounding_of(mesh, def->rounding)};
 	memcpy(object.offset, def->offset, sizeof object.offset);
 	loader->faces_seen += mesh->face_count;
 	*mesh = (engine_mesh){0};

@@ -156,9 +156,15 @@ static bool read_corners(ply_reader *r, ply_type type, uint32_t count)
 
 static bool read_property(ply_reader *r, const ply_property *property, ply_values *values)
 {
-	if (property->count_type == PLY_NO_TYPE)
-		return property->role == PLY_IGNORED ? skip_values(r, property->type, 1)
-						     : read_value(r, property->type, &values->value[property->role]);
+	if (property->count_type == PLY_NO_TYPE && property->role == PLY_IGNORED)
+		return skip_values(r, property->type, 1);
+	if (property->count_type == PLY_NO_TYPE) {
+		const char *before = r->text.next;
+		const bool read = read_value(r, property->type, &values->value[property->role]);
+		if (read && r->header.format == PLY_ASCII && property->role >= PLY_X && property->role <= PLY_Z)
+			scene_count_digits(&r->polygons, before, r->text.next);
+		return read;
+	}
 	uint32_t count = 0;
 	if (!read_length(r, property->count_type, &count))
 		return false;

@@ -3,6 +3,7 @@
 #include "image_mean.h"
 #include "mesh_clean.h"
 #include "scene_bounds.h"
+#include "scene_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,6 +55,12 @@ scene_vertex *scene_add_vertex(scene_loader *loader, scene_polygons *polygons, c
 		 text ? ": " : "", text ? text : "");
 	scene_note(loader, where, "vertices that are not three numbers within 1e15 m are left out");
 	return vertex;
+}
+
+void scene_count_digits(scene_polygons *polygons, const char *before, const char *after)
+{
+	const uint32_t digits = scene_digits(before, after);
+	polygons->digits = digits > polygons->digits ? digits : polygons->digits;
 }
 
 void scene_linear_color(const double srgb[3], float linear[3])
@@ -130,6 +137,44 @@ scene_polygon *scene_add_polygon(scene_polygons *polygons, uint32_t corners)
 	return face;
 }
 
+/* ---- what the file rounds ---------------------------------------------------------------------------------------- */
+
+/* Fewer digits are what people write, and mean. */
+enum { ROUNDED_DIGITS = 6 };
+
+/* The place before the point of a number's first digit, from 1 on; 0.05 has -1. */
+static int leading_place(double value)
+{
+	return value > 0 ? (int)floor(log10(value)) + 1 : 0;
+}
+
+/* Half a unit of the last of so many digits. */
+static double half_unit(double value, uint32_t digits)
+{
+	return .5 * pow(10, leading_place(value) - (double)digits);
+}
+
+/* Metres that coordinates may be off: by the digits of the largest one, as writers have either as many digits for all
+ * or as many behind the point; by those of a float, where all are floats as far as the digits tell.
+ */
+static double rounding_of(const scene_polygons *polygons)
+{
+	const scene_vertex *vertices = polygons->vertices.items;
+	const uint32_t digits = polygons->digits;
+	double largest = 0;
+	bool floats = true;
+	for (size_t v = 0; v < polygons->vertices.count; v++)
+		for (int c = 0; c < 3; c++) {
+			const double value = fabs(vertices[v].position[c]);
+			const double off = digits > 0 ? half_unit(value, digits) * 1.001 : 0;
+			largest = fmax(largest, value);
+			floats = floats && fabs(value - (double)(float)value) <= off;
+		}
+	if (digits > 0 && digits < ROUNDED_DIGITS)
+		return 0;
+	return fmax(digits > 0 ? half_unit(largest, digits) : 0, floats ? ldexp(largest, -24) : 0);
+}
+
 /* ---- objects ----------------------------------------------------------------------------------------------------- */
 
 /* The faces sorted by group: those of group g are sorted[first[g]] to sorted[first[g + 1] - 1], in the file's order. */
@@ -140,6 +185,7 @@ typedef struct grouping {
 	uint32_t *number; /* vertices: their number in the mesh of the group in `owner` */
 	uint32_t *owner;  /* vertices: the group that used them last, plus 1 */
 	double offset[3]; /* taken off all positions before they become floats */
+	double rounding;  /* metres that they may be off */
 } grouping;
 
 static void free_grouping(grouping *g)
@@ -220,7 +266,8 @@ static void take_face(const scene_polygons *polygons, grouping *g, uint32_t f, e
 static bool add_group(scene_loader *loader, const scene_polygons *polygons, grouping *g, uint32_t group,
 		      const char *name)
 {
-	scene_object_def def = {.name = name, .offset = {g->offset[0], g->offset[1], g->offset[2]}};
+	scene_object_def def = {
+	    .name = name, .offset = {g->offset[0], g->offset[1], g->offset[2]}, .rounding = g->rounding};
 	engine_mesh mesh;
 	uint32_t faces = g->first[group + 1] - g->first[group];
 	if (faces == 0)
@@ -252,8 +299,10 @@ static bool add_groups(scene_loader *loader, const scene_polygons *polygons, con
 	bool added = make_grouping(polygons, group_count, &g);
 	if (!added)
 		scene_fail(loader, "out of memory for %zu faces", polygons->faces.count);
-	else
+	else {
 		find_offset(polygons, g.offset);
+		g.rounding = rounding_of(polygons);
+	}
 	for (uint32_t group = 0; added && group < group_count; group++)
 		added = add_group(loader, polygons, &g, group, names[group]);
 	free_grouping(&g);

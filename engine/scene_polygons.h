@@ -43,6 +43,7 @@ typedef struct scene_polygons {
 	scene_array corners;  /* uint32_t, numbers of vertices that may come later, or SCENE_NO_VERTEX */
 	scene_array faces;    /* scene_polygon */
 	uint32_t small_faces; /* of fewer than three corners, dropped */
+	uint32_t digits;      /* the most significant ones of any coordinate; 0: not written in digits */
 	const char *places;   /* what scene_polygon.place counts: "line" or "face" */
 } scene_polygons;
 
@@ -53,6 +54,9 @@ void scene_polygons_free(scene_polygons *polygons);
  */
 scene_vertex *scene_add_vertex(scene_loader *loader, scene_polygons *polygons, const double *position, uint32_t place,
 			       const char *text);
+
+/* Counts the digits of a coordinate that scene_read_number() read from `before` to `after`. */
+void scene_count_digits(scene_polygons *polygons, const char *before, const char *after);
 
 /* The reflectance that a displayed colour stands for: sRGB, each brought to 0..1, to linear. */
 void scene_linear_color(const double srgb[3], float linear[3]);

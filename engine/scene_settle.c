@@ -2,6 +2,7 @@
 #include "mesh_clean.h"
 #include "scene_bounds.h"
 #include "scene_internal.h"
+#include "scene_level.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -162,6 +163,7 @@ bool scene_settle_objects(scene_loader *loader)
 			placed[o] = results[o] == SCENE_POSE_OK;
 			scene->objects[o].animated = is_animated(scene->graph, &scene->objects[o]);
 		}
+		scene_level_planes(loader);
 		look_at_animation(loader, placed);
 		drop_unplaced(loader, placed, results);
 	}

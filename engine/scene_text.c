@@ -102,6 +102,17 @@ bool scene_read_number(char **cursor, double *value)
 	return true;
 }
 
+uint32_t scene_digits(const char *before, const char *after)
+{
+	uint32_t digits = 0;
+	bool point = false;
+	for (; before < after && (*before | 32) != 'e'; before++) {
+		point = point || *before == '.';
+		digits += *before >= '0' && *before <= '9' && (digits > 0 || *before > '0');
+	}
+	return point ? digits : 0;
+}
+
 bool scene_skip_blanks(scene_text *text)
 {
 	while (text->next < text->end && (is_blank(*text->next) || ends_line(*text->next))) {

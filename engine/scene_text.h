@@ -32,6 +32,11 @@ char *scene_rest_of_line(char *rest);
  */
 bool scene_read_number(char **cursor, double *value);
 
+/* How many significant digits the number has that scene_read_number() moved the cursor over, from `before` to `after`;
+ * 0 without a point: whole numbers are rarely rounded ones.
+ */
+uint32_t scene_digits(const char *before, const char *after);
+
 /* Skips blanks and ends of lines, counting these in text->line. False at the end of the text. */
 bool scene_skip_blanks(scene_text *text);
 

@@ -124,11 +124,11 @@ source_part load_source(uint object)
 	return from;
 }
 
-void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, bool stays)
+void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, bool stays, bool traced)
 {
 	uint taken = samples_of(e);
 	float f = uintBitsToFloat(e.y), v = taken > 0u ? f * float(seen_of(e)) / float(taken) : 0.0;
-	s.rays += touched ? max(taken, 1u) : 0u;
+	s.rays += traced ? max(taken, 1u) : 0u;
 	s.entries += touched ? 1u : 0u;
 	s.unseen += touched && v == 0.0 && from.dark_sky ? f : 0.0;
 	if (v == 0.0 && !(touched && stays))
@@ -185,12 +185,14 @@ sums sum_row(uint leaf, watch w)
 		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;
 		s.had += count;
-		bool cut = pair_is_dirty(w.mine, source, w.since);
+		bool cut = pair_is_dirty(w.mine, source, w.since), keeps = pair_keeps_nodes(w.mine, source, w.since);
 		source_part from = load_source(source);
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = load_entry(block.x + k);
-			add_entry(s, from, block.x + k, e, cut || is_flagged(w, p, e), !cut);
+			// Any node may give way to another, few do.
+			bool traced = (cut && !keeps) || (e.w & GI_ENTRY_GONE) != 0u || is_flagged(w, p, e);
+			add_entry(s, from, block.x + k, e, cut || traced, !cut, traced);
 		}
 		if (s.firm_others > firm_others || (from.dark_sky && count > 0u))
 			include(s.others, from.others);

@@ -514,6 +514,14 @@ gi_move load_move(uint n)
 }
 #endif
 
+#ifdef READ_NODE_MOVES
+TEXELS(GI_BIND_NODE_MOVES) node_move_texels;
+uint load_node_move(uint n)
+{
+	return word(node_move_texels, n);
+}
+#endif
+
 // ---- writes ----
 
 #ifdef WRITE_WORLD

@@ -11,3 +11,9 @@ bool pair_is_dirty(uint mine, uint source, uint update)
 	bool relit = object_changed(source).y > update;
 	return relit || (mine != source && (moved_since(mine, update) || moved_since(source, update)));
 }
+
+// Of the static ones a row keeps what it has of nodes that are what they were.
+bool pair_keeps_nodes(uint mine, uint source, uint update)
+{
+	return source == frame.trails.w && !moved_since(mine, update);
+}

@@ -1,7 +1,8 @@
 #version 450 core
 // The cut of one source object's hierarchy for one receiver leaf: the nodes that stand for it in the leaf's row, coarse
 // where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
-// source object, w first leaf), or under a budget of the chosen leaves times all objects.
+// source object, w first leaf), or under a budget of the chosen leaves times all objects. Of the static ones what a row
+// has of nodes that stayed what they were is kept, as entries.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_SPREAD
@@ -15,6 +16,7 @@
 #define READ_CHOICES
 #define WRITE_SEGMENTS
 #define WRITE_ENTRIES
+#define WRITE_TARGETS
 #define WRITE_QUEUE
 #define WRITE_TOUCHED
 #define WRITE_STATE
@@ -111,25 +113,81 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
-// Writes the first `room` nodes of the cut at entry `at`; returns how many nodes there are.
-uint write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room)
+// What a row has of the static ones while that is brought up to date: entries [next, end), in the order of the cut.
+struct old_part {
+	uint next, end;
+	uint since; // the update that refreshed the row
+};
+
+// Is a node, or something below it, another than when the row was refreshed?
+bool is_fresh(uvec4 range, uint node, uint since)
+{
+	if ((range.w & GI_NODE_TOP) != 0u)
+		return load_corners(node).y > since;
+	uvec4 changed = object_changed(load_leaf(range.y).y);
+	return max(changed.x, changed.y) > since;
+}
+
+// To the next entry that is there, at or after a node.
+void pass_over(inout old_part old, uint node)
+{
+	while (old.next < old.end && (entries[old.next].x < node || (entries[old.next].w & GI_ENTRY_GONE) != 0u))
+		old.next++;
+}
+
+struct cut_size {
+	uint nodes, fresh; // how many there are, and of them those that the row had not
+};
+
+// Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that are not
+// fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is overwritten
+// before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
+cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room, old_part old, uint queued)
 {
 	uvec4 nodes = object_nodes(source);
-	uint count = 0u;
+	cut_size size = cut_size(0u, 0u);
+	bool keeps = old.end > old.next;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = load_range(n);
+		pass_over(old, n);
+		if (old.next < old.end && entries[old.next].x < range.x && !is_fresh(range, n, old.since)) {
+			for (; old.next < old.end && entries[old.next].x < range.x; pass_over(old, n)) {
+				if (size.nodes < room && old.next != at + size.nodes) {
+					entries[at + size.nodes] = entries[old.next];
+					targets[at + size.nodes] = targets[old.next];
+				}
+				size.nodes++;
+				old.next++;
+			}
+			n = range.x;
+			continue;
+		}
 		uint verdict = classify(p, geometry_of(n, same), range, n, source, same);
 		if (verdict == CUT_TAKE) {
-			// The form factor and the visibility come from the passes that follow; one sample is what most take.
-			if (count < room) {
-				entries[at + count].x = n;
-				entries[at + count].w = leaf | (1u << GI_ENTRY_SAMPLE_SHIFT);
+			// The form factor and the visibility come from the passes that follow; one sample is what most take. It
+			// is no entry that a mover may have changed.
+			if (size.nodes < room) {
+				entries[at + size.nodes] = uvec4(n, 0u, GI_BLOCKER_NONE << 16u, leaf | (1u << GI_ENTRY_SAMPLE_SHIFT));
+				if (keeps && queued + size.fresh < frame.limits.y)
+					queue[queued + size.fresh] = at + size.nodes;
 			}
-			count++;
+			size.nodes++;
+			size.fresh++;
 		}
 		n = verdict == CUT_REFINE ? n + 1u : range.x;
 	}
-	return count;
+	return size;
+}
+
+// Makes room for `count` entries before those of a block that has it.
+void shift(inout old_part old, uint count)
+{
+	for (uint k = old.end; k > old.next; k--) {
+		entries[k - 1u + count] = entries[k - 1u];
+		targets[k - 1u + count] = targets[k - 1u];
+	}
+	old.next += count;
+	old.end += count;
 }
 
 // Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
@@ -158,34 +216,52 @@ void main()
 	bool same = mine == source;
 	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
 	bool unseen = ((object_bvh(mine).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
-	uint slot = segment_of(leaf, source);
+	uint slot = segment_of(leaf, source), since = load_row(leaf).z;
 	uvec2 block = load_segment(slot).xy;
-	uint old_count = block.y & GI_BLOCK_COUNT_MASK, count;
-	// Walked again where the block turns out not to fit, above all the first time. One place that walks, takes and
-	// writes: every call is put in line, and compilers take their time with copies.
+	uint old_count = block.y & GI_BLOCK_COUNT_MASK, queued = 0u;
+	bool keeps = !unseen && old_count > 0u && (frame.update.w & GI_UPDATE_REBUILD) == 0u && pair_keeps_nodes(mine, source, since);
+	old_part old = old_part(block.x, keeps ? block.x + old_count : block.x, since);
+	cut_size size = cut_size(0u, 0u);
+	// Walked again where the block turns out not to fit, above all the first time, and where entries are kept: first to see
+	// how many come. One place that walks, takes and writes: every call is put in line, and compilers take their time
+	// with copies.
+	bool counts = keeps;
 	for (bool again = true; again;) {
 		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
-		uint room = has ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
-		count = unseen ? 0u : write_cut(p, leaf, source, same, block.x, room);
-		uvec2 fitting = fit_block(block, count);
+		uint room = has && !counts ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
+		if (!unseen)
+			size = write_cut(p, leaf, source, same, block.x, room, old, queued);
+		if (keeps && !counts)
+			break;
+		if (counts && size.fresh == 0u && size.nodes == old_count)
+			return; // nothing of it changed
+		uint needed = keeps && size.nodes > 0u ? old_count + size.fresh : size.nodes;
+		uvec2 fitting = fit_block(block, needed);
 		bool full = fitting.x == GI_NONE; // then what there is room for is kept
-		again = !full && fitting != block && count > 0u;
-		count = full ? min(count, room) : count;
+		again = !full && (counts || fitting != block) && size.nodes > 0u;
+		if (keeps && again) {
+			if (fitting == block)
+				shift(old, size.fresh);
+			queued = atomicAdd(state[GI_STATE_NEW], size.fresh);
+		}
+		size.nodes = full ? min(size.nodes, room) : size.nodes;
 		block = full ? block : fitting;
+		counts = false;
 	}
-	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | count);
+	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | size.nodes);
 
-	if (count != old_count)
-		atomicAdd(state[GI_STATE_ENTRIES], count - old_count);
-	if (count + old_count > 0u)
-		atomicAdd(touched[leaf], max(count, 1u));
-	if (count == 0u)
+	if (size.nodes != old_count)
+		atomicAdd(state[GI_STATE_ENTRIES], size.nodes - old_count);
+	if (size.nodes + old_count > 0u)
+		atomicAdd(touched[leaf], max(size.fresh, 1u));
+	if (size.nodes == 0u)
 		return;
-	uint q = atomicAdd(state[GI_STATE_NEW], count);
-	if (q + count > frame.limits.y) {
+	if (!keeps)
+		queued = atomicAdd(state[GI_STATE_NEW], size.nodes);
+	if (queued + size.fresh > frame.limits.y) {
 		atomicOr(state[GI_STATE_OVERFLOW], 1u);
 		return;
 	}
-	for (uint k = 0u; k < count; k++)
-		queue[q + k] = block.x + k;
+	for (uint k = 0u; k < size.nodes && !keeps; k++)
+		queue[queued + k] = block.x + k;
 }

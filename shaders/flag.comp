@@ -32,7 +32,7 @@ void main()
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u;
 	for (uint source = frame.trails.z; source < frame.counts.z; source++) {
-		if (pair_is_dirty(w.mine, source, w.since))
+		if (pair_is_dirty(w.mine, source, w.since) && !pair_keeps_nodes(w.mine, source, w.since))
 			continue; // cut anew
 		uvec4 block = load_segment(segment_of(leaf, source));
 		uint count = block.y & GI_BLOCK_COUNT_MASK;

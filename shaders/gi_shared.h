@@ -78,6 +78,7 @@ GI_STRUCT(gi_node_spread) {
  *   //--------------- 16B ---------------
  *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags and thickness
  *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster that no quad covers; a triangle repeats its third corner
+ *   corners of a top: x its id, y the update that last changed it or something below it
  */
 GI_STRUCT(gi_node_topology) {
 	GI_UVEC4 range;
@@ -254,12 +255,13 @@ GI_STRUCT(gi_pending) {
  *   x node
  *   y form factor, as float bits
  *   z visible samples as a mask in bits 0..15, GI_BLOCKER_ or slot of the object that hides the others in bits 16..31
- *   w leaf in bits 0..23, samples taken in bits 24..28, GI_ENTRY_BACK
+ *   w leaf in bits 0..23, samples taken in bits 24..28, GI_ENTRY_GONE, GI_ENTRY_BACK
  */
 #define GI_ENTRY_LEAF_MASK 0x00FFFFFFu
 #define GI_ENTRY_SAMPLE_SHIFT 24u
 #define GI_ENTRY_SAMPLE_MASK 0x1Fu
 #define GI_ENTRY_BACK 0x80000000u
+#define GI_ENTRY_GONE 0x40000000u /* its node was changed or went; x is the node whose B its link takes: to be cut anew */
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
@@ -282,6 +284,8 @@ GI_STRUCT(gi_pending) {
  *   //--------------- 16B ---------------
  *   before.x first leaf    before.y end leaf    before.z first node    before.w end node
  *   now.x slot, GI_NONE: it went    now.y added to leaves    now.z added to nodes    now.w 0
+ *
+ * And where each node is now, a word each: GI_NONE: it went, or is a top that changed.
  */
 GI_STRUCT(gi_move) {
 	GI_UVEC4 before;
@@ -471,6 +475,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
+#define GI_BIND_NODE_MOVES GI_BIND_SUSPECTS    /* uint per node before */
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */

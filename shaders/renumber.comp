@@ -7,6 +7,7 @@
 #define READ_OLD_SEGMENTS
 #define READ_OLD_ROWS
 #define READ_MOVES
+#define READ_NODE_MOVES
 #define WRITE_SEGMENTS
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
@@ -26,15 +27,16 @@ layout(location = 3) uniform uint slots;     // and now
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
 layout(location = 5) uniform uint old_first; // the first source before
 layout(location = 6) uniform uint new_first; // and now
+layout(location = 7) uniform uint old_statics; // the static ones as a source before, GI_NONE: none whose nodes moved
+layout(location = 8) uniform uint end_static;  // end of their nodes now
 
-// The object before that a leaf was of, or with `node` a node of one.
-uint slot_of(uint number, bool node)
+// The object before that a leaf was of.
+uint slot_of(uint leaf)
 {
 	uint low = 0u, high = old_slots;
 	while (high - low > 1u) {
 		uint middle = (low + high) >> 1u;
-		uvec4 before = load_move(middle).before;
-		if ((node ? before.z : before.x) <= number)
+		if (load_move(middle).before.x <= leaf)
 			low = middle;
 		else
 			high = middle;
@@ -71,14 +73,24 @@ uint new_blocker(uint blocker)
 	return now == GI_NONE ? GI_BLOCKER_MIXED : now;
 }
 
-void renumber_entries(uvec2 block, uint leaf, uint nodes)
+// nodes: what is added to those of an object; of static ones each goes its own way, and some are there no more.
+void renumber_entries(uvec2 block, uint leaf, uint nodes, bool statics)
 {
 	uint end = block.x + (block.y & GI_BLOCK_COUNT_MASK);
 	for (uint k = block.x; k < end; k++) {
 		uvec4 e = load_entry(k);
 		uint hidden_by = blockers != 0u ? new_blocker(e.z >> 16u) : e.z >> 16u;
-		entries[k] = uvec4(e.x + nodes, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | leaf);
-		targets[k] = load_target(k) + nodes;
+		uint node = e.x + nodes, target = load_target(k) + nodes, gone = 0u;
+		if (statics) {
+			node = load_node_move(e.x);
+			target = load_node_move(load_target(k));
+			gone = node >= end_static ? GI_ENTRY_GONE : 0u;
+			// What is read of such an entry is only its light.
+			target = target == GI_NONE ? 0u : target;
+			node = gone != 0u || (e.w & GI_ENTRY_GONE) != 0u ? target : node;
+		}
+		entries[k] = uvec4(node, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | gone | leaf);
+		targets[k] = target;
 	}
 }
 
@@ -95,8 +107,8 @@ uint move_segments(uint leaf, gi_move mine)
 			continue;
 		}
 		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
-		if (to.z != 0u || mine.now.y != 0u || blockers != 0u)
-			renumber_entries(segment.xy, leaf + mine.now.y, to.z);
+		if (to.z != 0u || mine.now.y != 0u || blockers != 0u || s == old_statics)
+			renumber_entries(segment.xy, leaf + mine.now.y, to.z, s == old_statics);
 	}
 	return went;
 }
@@ -107,10 +119,10 @@ uint move_links(uvec4 row)
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	for (uint k = 0u; k < links_before; k++) {
 		uvec2 l = links[row.x + k];
-		uvec4 to = load_move(slot_of(l.x, true)).now;
-		if (to.x == GI_NONE)
+		uint node = load_node_move(l.x);
+		if (node == GI_NONE)
 			continue;
-		links[row.x + stay] = uvec2(l.x + to.z, l.y);
+		links[row.x + stay] = uvec2(node, l.y);
 		stay++;
 	}
 	if (((row.x + stay) & 1u) == 1u && links_before > 0u)
@@ -124,14 +136,14 @@ void main()
 	if (t >= count)
 		return;
 	uint leaf = first + t;
-	gi_move mine = load_move(slot_of(leaf, false));
+	gi_move mine = load_move(slot_of(leaf));
 	uvec4 row = load_old_row(leaf);
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	uint went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
 		stay = move_links(row);
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
-		row.w |= went > 0u ? GI_ROW_OPEN : 0u;
+		row.w |= went > 0u || stay < links_before ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;
 	} else if (has_block(row.xy)) {
 		give_links(row.xy);

@@ -65,8 +65,8 @@ pair load_pair(uvec4 entry)
 	p.mine = load_leaf_quad(p.leaf);
 	set_source(p, t);
 	// The sky is the last object.
-	uint from = TOPS == 1 ? frame.trails.w : p.sky ? frame.counts.z - 1u : p.source.object;
-	p.ids = uvec2(p.leaf + object_ids(mine.y).x, p.node + object_ids(from).y);
+	uint from = p.sky ? frame.counts.z - 1u : p.source.object;
+	p.ids = uvec2(p.leaf + object_ids(mine.y).x, TOPS == 1 ? t.corners.x : p.node + object_ids(from).y);
 	return p;
 }
 

@@ -31,6 +31,7 @@ gi_result scene_add_body(gi_context *gi, const scene_body *b, engine_mesh *mesh,
 	def.materials = &material;
 	def.material_count = 1;
 	memcpy(def.pose.position, b->position, sizeof def.pose.position);
+	def.mobility = b->moves ? GI_MOBILITY_MOVABLE : GI_MOBILITY_AUTOMATIC;
 	for (int c = 0; c < 3 && b->scale > 0; c++)
 		def.scale[c] = b->scale;
 	if (b->draw) {

@@ -5,6 +5,8 @@
 #include "gi/gi.h"
 #include "mesh.h"
 
+#include <stdbool.h>
+
 typedef struct scene_body {
 	const char *name;
 	gi_scheme scheme;
@@ -14,6 +16,7 @@ typedef struct scene_body {
 	const float *exitance; /* 3; NULL: dark */
 	float position[3];
 	float scale;             /* 0: 1 */
+	bool moves;              /* GI_MOBILITY_MOVABLE, else automatic */
 	const engine_mesh *draw; /* drawn in the cage's place; NULL: the cage's surface */
 } scene_body;
 

@@ -45,10 +45,10 @@ static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 		float corner[3], u[3], v[3];
 		gi_object *object;
 	} walls[] = {
-		{"floor", WHITE, {-HALF, 0, -HALF}, {0, 0, w}, {w, 0, 0}, &out->floor},
-		{"back", WHITE, {-HALF, 0, -HALF}, {w, 0, 0}, {0, HEIGHT, 0}, &out->back},
-		{"left", RED, {-HALF, 0, -HALF}, {0, HEIGHT, 0}, {0, 0, w}, &out->left},
-		{"right", GREEN, {HALF, 0, -HALF}, {0, 0, w}, {0, HEIGHT, 0}, &out->right},
+	    {"floor", WHITE, {-HALF, 0, -HALF}, {0, 0, w}, {w, 0, 0}, &out->floor},
+	    {"back", WHITE, {-HALF, 0, -HALF}, {w, 0, 0}, {0, HEIGHT, 0}, &out->back},
+	    {"left", RED, {-HALF, 0, -HALF}, {0, HEIGHT, 0}, {0, 0, w}, &out->left},
+	    {"right", GREEN, {HALF, 0, -HALF}, {0, 0, w}, {0, HEIGHT, 0}, &out->right},
 	};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof walls / sizeof *walls; k++) {
@@ -151,7 +151,8 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const scene_body b = {.name = "figure", .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
+	const scene_body b = {
+	    .name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
 	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -163,6 +164,7 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const scene_body b = {.name = "buddha",
+			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
 			      .leaf_size = def->leaf_size,
 			      .rho = STONE,

@@ -71,7 +71,7 @@ static gi_result add_ball(gi_context *gi, gi_object *ball)
 	engine_mesh mesh;
 	if (!shape_sphere(BALL_RADIUS, 7, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const scene_body b = {.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = RUST};
+	const scene_body b = {.name = "ball", .moves = true, .scheme = GI_SCHEME_CATMULL_CLARK, .rho = RUST};
 	const gi_result result = scene_add_body(gi, &b, &mesh, ball);
 	return result ? result : gi_set_pose(gi, *ball, corridor_ball_pose(0));
 }

@@ -22,8 +22,12 @@ gi_result furnace_create(gi_context *gi, gi_object *buddha)
 		return result;
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const scene_body figure = {
-	    .name = "buddha", .scheme = GI_SCHEME_CATMULL_CLARK, .rho = RHO, .exitance = EXITANCE, .scale = 1.9f};
+	const scene_body figure = {.name = "buddha",
+				   .moves = true,
+				   .scheme = GI_SCHEME_CATMULL_CLARK,
+				   .rho = RHO,
+				   .exitance = EXITANCE,
+				   .scale = 1.9f};
 	result = scene_add_body(gi, &figure, &mesh, buddha);
 	return result ? result : gi_set_pose(gi, *buddha, cornell_buddha_pose(0));
 }

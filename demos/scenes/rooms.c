@@ -111,7 +111,7 @@ static gi_result add_door(gi_context *gi, gi_object *door)
 	engine_mesh mesh;
 	if (!shape_box((float[]){-.02f, .012f, .02f}, (float[]){.02f, 2.07f, 1.44f}, 2, false, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const scene_body b = {.name = "door", .levels = 1, .rho = PAINT};
+	const scene_body b = {.name = "door", .moves = true, .levels = 1, .rho = PAINT};
 	const gi_result result = scene_add_body(gi, &b, &mesh, door);
 	return result ? result : gi_set_pose(gi, *door, rooms_door_pose(0));
 }

@@ -68,6 +68,9 @@ typedef struct scene_object {
 /* A node of several static objects, those of slots [first_slot, end_slot). */
 typedef struct scene_top {
 	uint32_t node, first_slot, end_slot;
+	uint32_t id;
+	uint32_t changed; /* number of the row update that last saw it or something below it changed */
+	uint32_t before;  /* its node in the scene before the last commit, GI_NONE: it was not there */
 } scene_top;
 
 typedef struct gi_scene {
@@ -84,8 +87,9 @@ typedef struct gi_scene {
 	uint32_t first_source; /* slot; from here on they are sources */
 	scene_top *tops;
 	uint32_t top_count;
-	bool statics_changed;    /* since the last update: rows' parts of them are cut anew */
-	uint32_t statics_update; /* that did that last */
+	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
+	uint32_t statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
+	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
@@ -273,6 +277,8 @@ gi_result rows_allocate(gi_context *gi);
 typedef struct rows_moves {
 	gi_move *list;
 	uint32_t count, leaf_count, first_source; /* slots and leaves before */
+	uint32_t *nodes, node_count;              /* where each node is now */
+	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
 } rows_moves;
 /* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
  * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */

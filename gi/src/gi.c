@@ -1,6 +1,7 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
 #include "context.h"
+#include "statics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -310,7 +311,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
-		gi->scene.regroup = gi->scene.regroup || (o->committed && o->mobility == GI_MOBILITY_STATIC);
+		gi->scene.regroup = gi->scene.regroup || (o->committed && statics_hold(&gi->scene, o->mobility));
 	}
 	o->hidden = hidden;
 	return GI_OK;
@@ -348,6 +349,20 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 	if (o->committed)
 		o->mobility = GI_MOBILITY_MOVABLE;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
+	return GI_OK;
+}
+
+gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = scene_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_mobility");
+	if ((unsigned)mobility > GI_MOBILITY_STATIC)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
+	o->mobility = mobility;
 	return GI_OK;
 }
 

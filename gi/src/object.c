@@ -67,7 +67,8 @@ bool scene_normalise_pose(const gi_context *gi, gi_pose *pose, const char *objec
 			object);
 		return false;
 	}
-	for (int k = 0; k < 4; k++)
+	/* What was normalised is off by 2^-24 at most, and must stay what it is: a pose that was got may be set. */
+	for (int k = 0; k < 4 && fabs(length - 1) > 0x1p-23; k++)
 		pose->rotation[k] = (float)(pose->rotation[k] / length);
 	return true;
 }

@@ -149,14 +149,19 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	if (!segments)
 		return GI_OK;
 	gi_uvec4 *segment = read_buffer(gi, &gi->rows.segments, sizeof *segment * segments);
-	gi_uvec4 *pool = entries ? read_buffer(gi, &gi->rows.entries, gi->rows.entries.size) : NULL;
-	if (!segment || (entries && !pool))
+	gi_uvec4 *pool = read_buffer(gi, &gi->rows.entries, gi->rows.entries.size);
+	if (!segment || !pool)
 		result = no_memory(gi);
 	for (uint64_t k = 0; !result && k < segments; k++) {
 		const uint32_t n = segment[k].y & GI_BLOCK_COUNT_MASK;
-		for (uint32_t e = 0; e < n; e++, (*count)++)
+		for (uint32_t e = 0; e < n; e++) {
+			const gi_uvec4 entry = pool[segment[k].x + e];
+			if (entry.w & GI_ENTRY_GONE)
+				continue;
 			if (entries && *count < capacity)
-				entries[*count] = entry_of(s, pool[segment[k].x + e]);
+				entries[*count] = entry_of(s, entry);
+			(*count)++;
+		}
 	}
 	free(segment);
 	free(pool);

@@ -232,6 +232,43 @@ static bool slot_relit(const gi_context *gi, uint32_t slot)
 	return gi->scene.object_data[slot].changed.y > gi->rows.current;
 }
 
+/* Is there one in [first, end)? */
+static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, uint32_t end)
+{
+	uint32_t low = 0, high = count;
+	while (low < high) {
+		const uint32_t middle = low + (high - low) / 2;
+		if (sorted[middle] < first)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < count && sorted[low] < end;
+}
+
+/* Tops change with what is below them. The topmost one need not see one that left: it may be another top of before. */
+static void number_tops(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	const uint32_t update = gi->rows.update;
+	uint32_t count = 0;
+	for (uint32_t slot = 0; slot < s->first_source; slot++) {
+		const gi_uvec4 changed = s->object_data[slot].changed;
+		if (changed.x == update || changed.y == update)
+			s->changed_slots[count++] = slot;
+	}
+	for (uint32_t k = 0; count && k < s->top_count; k++) {
+		scene_top *top = &s->tops[k];
+		if (!holds_any(s->changed_slots, count, top->first_slot, top->end_slot))
+			continue;
+		top->changed = s->topology[top->node].corners.y = update;
+		gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node,
+				  sizeof(gi_node_topology), &s->topology[top->node]);
+	}
+	const uint32_t newest = s->tops[0].changed > s->statics_update ? s->tops[0].changed : s->statics_update;
+	s->object_data[s->statics_slot].changed = (gi_uvec4){newest, newest, 0, 0};
+}
+
 static void number_changes(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
@@ -245,12 +282,9 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
-		s->statics_changed = s->statics_changed || (o->grouped && (o->moved || o->relit));
 	}
-	if (s->statics_slot == GI_NONE)
-		return;
-	s->statics_update = s->statics_changed ? update : s->statics_update;
-	s->object_data[s->statics_slot].changed = (gi_uvec4){s->statics_update, s->statics_update, 0, 0};
+	if (s->statics_slot != GI_NONE)
+		number_tops(gi);
 }
 
 /* Does the cut of `source` for leaves of `receiver` have to be done again? */
@@ -655,7 +689,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	trace(gi);
 	run_rows(gi, &p, GI_PASS_CLOSE, r->close_program);
 	rows_recycle(gi);
-	r->rebuild = r->kept = r->lost = gi->scene.statics_changed = false;
+	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)
 		r->current = r->update;
 	forget_trails(gi);

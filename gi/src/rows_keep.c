@@ -82,7 +82,8 @@ static void renumber(gi_context *gi, uint32_t first, uint32_t end, uint32_t bloc
 	}
 }
 
-static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const rows_moves *m)
+static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const gpu_buffer *nodes,
+			 const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
 	bool blockers = false;
@@ -97,11 +98,15 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	gpu_bind(&gi->gpu, GI_BIND_OLD_SEGMENTS, &before->segments);
 	gpu_bind(&gi->gpu, GI_BIND_OLD_ROWS, &before->headers);
 	gpu_bind(&gi->gpu, GI_BIND_MOVES, moves);
+	gpu_bind(&gi->gpu, GI_BIND_NODE_MOVES, nodes);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 2, m->count);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 3, gi->scene.slot_count);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 4, blockers);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 5, m->first_source);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 6, gi->scene.first_source);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 7, m->statics_slot);
+	gpu_set_uint(&gi->gpu, r->renumber_program, 8,
+		     gi->scene.statics_slot == GI_NONE ? 0 : gi->scene.object_data[gi->scene.statics_slot].nodes.y);
 	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
 		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
 			;
@@ -116,23 +121,27 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	gpu_buffer moves = {0};
+	gpu_buffer moves = {0}, nodes = {0};
 	bool larger = false;
 	gi_result result = rows_allocate_tables(gi);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &moves, sizeof *m->list * m->count, m->list);
 	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &nodes, sizeof *m->nodes * m->node_count, m->nodes);
+	if (!result)
 		result = make_room(gi, before, m, &larger);
 	if (result) {
 		gpu_buffer_free(&gi->gpu, &moves);
+		gpu_buffer_free(&gi->gpu, &nodes);
 		return result;
 	}
 	if (larger)
 		fill_room(gi, before);
 	else
 		take_pools(r, before);
-	renumber_all(gi, before, &moves, m);
+	renumber_all(gi, before, &moves, &nodes, m);
 	gpu_buffer_free(&gi->gpu, &moves);
+	gpu_buffer_free(&gi->gpu, &nodes);
 	r->kept = true;
 	return GI_OK;
 }

@@ -207,6 +207,7 @@ static void free_arrays(gi_scene *s)
 {
 	free(s->slots);
 	free(s->tops);
+	free(s->changed_slots);
 	free(s->object_data);
 	free(s->topology);
 	free(s->node_exitance);

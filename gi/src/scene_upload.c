@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* Objects' are far below. */
-static const uint32_t FIRST_SKY_ID = 0xFFFF0000u, FIRST_TOP_ID = 0xC0000000u;
+static const uint32_t FIRST_SKY_ID = 0xFFFF0000u;
 
 /* Does one closed room hold all other objects? */
 static bool one_encloses_all(const gi_context *gi)
@@ -148,6 +148,7 @@ static bool allocate_all(gathered *g)
 	n->tlas = allocate(n->tlas_count, sizeof *n->tlas);
 	n->tlas_packed = allocate(2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
 	n->tops = allocate(n->top_count, sizeof *n->tops);
+	n->changed_slots = allocate(n->first_source, sizeof *n->changed_slots);
 	g->rest = allocate(n->node_count, sizeof *g->rest);
 	g->spread = allocate(n->node_count, sizeof *g->spread);
 	g->vertices = allocate(n->vertex_count, sizeof *g->vertices);
@@ -160,9 +161,9 @@ static bool allocate_all(gathered *g)
 	g->wide = allocate(n->node_count, sizeof *g->wide);
 	g->light_links = allocate(g->light_link_count / 2, sizeof *g->light_links);
 	g->light_first = allocate(n->light_count, sizeof *g->light_first);
-	return n->tops && n->slots && n->object_data && n->topology && n->node_exitance && n->tlas && n->tlas_packed &&
-	       g->rest && g->spread && g->vertices && g->vertices_world && g->leaves && g->materials && g->bvh &&
-	       g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
+	return n->tops && n->changed_slots && n->slots && n->object_data && n->topology && n->node_exitance &&
+	       n->tlas && n->tlas_packed && g->rest && g->spread && g->vertices && g->vertices_world && g->leaves &&
+	       g->materials && g->bvh && g->primitives && g->leaf_quads && g->wide && g->light_links && g->light_first;
 }
 
 static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_base, uint32_t vertex_base,
@@ -262,12 +263,14 @@ static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 	const static_tree *t = &g->statics;
 	for (uint32_t k = 0, top = 0; k < t->count; k++)
 		if (t->nodes[k].top)
-			n->tops[top++] = (scene_top){t->nodes[k].node, t->nodes[k].first_slot, t->nodes[k].end_slot};
+			n->tops[top++] = (scene_top){.node = t->nodes[k].node,
+						     .first_slot = t->nodes[k].first_slot,
+						     .end_slot = t->nodes[k].end_slot,
+						     .id = t->nodes[k].id};
 	gi_object_data *data = &n->object_data[slot];
 	n->slots[slot] = GI_NONE;
 	data->nodes = (gi_uvec4){0, t->node_count, 0, leaf_count};
 	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_STATICS, 0};
-	data->ids = (gi_uvec4){0, FIRST_TOP_ID, 0, 0};
 	scene_place_sky(data);
 }
 
@@ -420,8 +423,28 @@ static bool wants_sky(const gi_context *gi)
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
 }
 
+/* Are the static ones those of before, in the same order? */
+static bool same_statics(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	return true;
+}
+
+/* Everything of a context that a commit makes anew. */
+typedef struct committed {
+	gi_scene scene;
+	gi_solver solver;
+	gi_rows rows;
+	gi_lamps lamps;
+	scene_object *objects; /* with their places */
+} committed;
+
 /* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
-static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_t *old_count)
+static gi_result upload_scene(gi_context *gi, const committed *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
@@ -445,8 +468,7 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	g->next.objects = s->objects;
 	g->next.object_count = s->object_count;
 	g->next.created_count = s->created_count;
-	g->next.statics_update = s->statics_update;
-	g->next.statics_changed = s->statics_changed;
+	g->next.automatic_static = s->automatic_static;
 	g->next.next_leaf_id = s->next_leaf_id;
 	g->next.next_node_id = s->next_node_id;
 	g->next.ever_committed = s->ever_committed;
@@ -455,6 +477,8 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, g, old, old_count);
 	s->wide_count = g->next.wide_count;
+	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
+	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
@@ -471,15 +495,21 @@ static gi_result upload_scene(gi_context *gi, gathered *g, carried *old, uint32_
 	return upload_gathered(gi, g);
 }
 
-/* Are the static ones those of before, in the same order? */
-static bool same_statics(const gi_scene *old, const gi_scene *now)
+/* Nodes of objects that stay, and tops with the same objects below them. */
+static void follow_nodes(const gi_scene *old, const gi_scene *now, rows_moves *m)
 {
-	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
-		return false;
-	for (uint32_t slot = 0; slot < old->first_source; slot++)
-		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
-			return false;
-	return true;
+	for (uint32_t n = 0; n < m->node_count; n++)
+		m->nodes[n] = GI_NONE;
+	for (uint32_t slot = 0; slot < m->count; slot++) {
+		const gi_move *move = &m->list[slot];
+		if (slot == old->statics_slot || move->now.x == GI_NONE)
+			continue;
+		for (uint32_t n = move->before.z; n < move->before.w; n++)
+			m->nodes[n] = n + move->now.z;
+	}
+	for (uint32_t k = 0; k < now->top_count; k++)
+		if (now->tops[k].before != GI_NONE)
+			m->nodes[now->tops[k].before] = now->tops[k].node;
 }
 
 /* What became of the old scene's objects. False: out of memory. */
@@ -488,26 +518,29 @@ static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves 
 	*m = (rows_moves){.list = allocate(old->slot_count, sizeof *m->list),
 			  .count = old->slot_count,
 			  .leaf_count = old->leaf_count,
-			  .first_source = old->first_source};
-	const bool same = same_statics(old, now);
-	for (uint32_t slot = 0; m->list && slot < m->count; slot++) {
+			  .first_source = old->first_source,
+			  .nodes = allocate(old->node_count, sizeof *m->nodes),
+			  .node_count = old->node_count,
+			  .statics_slot = same_statics(old, now) ? GI_NONE : old->statics_slot};
+	if (!m->list || !m->nodes)
+		return false;
+	for (uint32_t slot = 0; slot < m->count; slot++) {
 		const gi_uvec4 nodes = old->object_data[slot].nodes;
 		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
 		uint32_t to = o ? (scene_is_alive(o) ? o->slot : GI_NONE) : now->sky_slot;
 		gi_move *move = &m->list[slot];
 		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
 		if (slot == old->statics_slot) {
-			to = same ? now->statics_slot : GI_NONE;
-			/* Leaves and the nodes that links name are their objects'. */
-			move->before.x = nodes.w;
-			move->before.z = nodes.y;
+			to = now->statics_slot;
+			move->before.x = nodes.w; /* leaves are their objects' */
 		}
 		if (to == GI_NONE)
 			continue;
 		const gi_uvec4 next = now->object_data[to].nodes;
 		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
 	}
-	return m->list;
+	follow_nodes(old, now, m);
+	return true;
 }
 
 /* Where little stays, building all rows at once, in pools made for them, is less work. */
@@ -526,23 +559,16 @@ static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
 	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
 			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
 	rows_moves m = {0};
-	if (usable && !follow_objects(old, now, &m))
+	if (usable && !follow_objects(old, now, &m)) {
+		free(m.list);
+		free(m.nodes);
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	}
 	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
-	if (!result && !same_statics(old, now))
-		gi->scene.statics_changed = true;
 	free(m.list);
+	free(m.nodes);
 	return result;
 }
-
-/* Everything of a context that a commit makes anew. */
-typedef struct committed {
-	gi_scene scene;
-	gi_solver solver;
-	gi_rows rows;
-	gi_lamps lamps;
-	scene_object *objects; /* with their places */
-} committed;
 
 static void put_back(gi_context *gi, const committed *before)
 {
@@ -580,14 +606,12 @@ gi_result scene_upload(gi_context *gi)
 	gi->scene = (gi_scene){.objects = before.scene.objects,
 			       .object_count = before.scene.object_count,
 			       .created_count = before.scene.created_count,
-			       .statics_update = before.scene.statics_update,
-			       .statics_changed = before.scene.statics_changed,
 			       .next_leaf_id = before.scene.next_leaf_id,
 			       .next_node_id = before.scene.next_node_id,
 			       .ever_committed = before.scene.ever_committed};
 	solver_forget(&gi->solver);
 	rows_forget(&gi->rows);
-	gi_result result = upload_scene(gi, &g, old, &old_count);
+	gi_result result = upload_scene(gi, &before, &g, old, &old_count);
 	if (!result)
 		result = solver_allocate(gi);
 	if (!result)

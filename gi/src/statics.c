@@ -1,49 +1,58 @@
 #include "statics.h"
 
-#include "bits.h"
-#include "bvh.h"
+#include "cells.h"
 #include "vec3d.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+/* Far above those of objects' nodes. */
+static const uint32_t FIRST_TOP_ID = 0xC0000000u;
+
+bool statics_hold(const gi_scene *s, gi_mobility mobility)
+{
+	return mobility == GI_MOBILITY_STATIC || (mobility == GI_MOBILITY_AUTOMATIC && s->automatic_static);
+}
+
+static bool are_many(const gi_scene *s)
+{
+	uint32_t count = 0;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		count += scene_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
+	return count >= GI_AUTOMATIC_OBJECTS;
+}
+
 static uint32_t list_statics(const gi_scene *s, uint32_t *list)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_seen(&s->objects[k]) && s->objects[k].mobility == GI_MOBILITY_STATIC)
+		if (scene_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
 			list[count++] = k;
 	return count;
 }
 
-static uint32_t skip_of(const gi_bvh_node *n, uint32_t number)
-{
-	return gi_bits_from_float(n->upper.w) == GI_NONE ? gi_bits_from_float(n->lower.w) : number + 1;
-}
-
-/* Slots and numbers along the tree. */
-static void number_nodes(const gi_scene *s, const gi_bvh_node *boxes, const uint32_t *list, const uint32_t *order,
-			 static_tree *t)
+/* Slots, numbers and ids along the tree. A top's id is that of the first object below its second child, which no other
+ * top has there. */
+static void number_nodes(const gi_scene *s, const cells_node *cells, static_tree *t)
 {
 	uint32_t slot = 0;
 	for (uint32_t k = 0; k < t->count; k++) {
 		static_node *n = &t->nodes[k];
-		const uint32_t leaf = gi_bits_from_float(boxes[k].upper.w);
-		*n = (static_node){skip_of(&boxes[k], k), slot, slot, t->node_count, leaf == GI_NONE};
-		if (n->top) {
-			t->node_count++;
-			continue;
-		}
-		t->objects[slot++] = list[order[leaf]];
-		t->node_count += s->objects[t->objects[slot - 1]].hierarchy.node_count;
+		*n = (static_node){.skip = cells[k].skip,
+				   .first_slot = cells[k].first,
+				   .end_slot = cells[k].end,
+				   .node = t->node_count,
+				   .top = cells[k].end - cells[k].first > 1};
+		if (n->top)
+			n->id = FIRST_TOP_ID + s->objects[t->objects[cells[cells[k + 1].skip].first]].node_id;
+		t->node_count += n->top ? 1 : s->objects[t->objects[slot++]].hierarchy.node_count;
 	}
-	for (uint32_t k = 0; k < t->count; k++)
-		t->nodes[k].end_slot = t->nodes[k].skip < t->count ? t->nodes[t->nodes[k].skip].first_slot : slot;
 }
 
-bool statics_build(const gi_scene *s, static_tree *t)
+bool statics_build(gi_scene *s, static_tree *t)
 {
 	*t = (static_tree){0};
+	s->automatic_static = are_many(s);
 	uint32_t *list = calloc((size_t)s->object_count + 1, sizeof *list);
 	if (!list)
 		return false;
@@ -53,26 +62,26 @@ bool statics_build(const gi_scene *s, static_tree *t)
 		return true;
 	}
 	gi_vec4 *lower = calloc(count, sizeof *lower), *upper = calloc(count, sizeof *upper);
-	gi_bvh_node *boxes = calloc(2 * (size_t)count, sizeof *boxes);
-	uint32_t *order = calloc(count, sizeof *order);
+	cells_node *cells = calloc(2 * (size_t)count, sizeof *cells);
 	t->nodes = calloc(2 * (size_t)count, sizeof *t->nodes);
 	t->objects = calloc(count, sizeof *t->objects);
-	bool ok = lower && upper && boxes && order && t->nodes && t->objects;
+	bool ok = lower && upper && cells && t->nodes && t->objects;
 	for (uint32_t k = 0; ok && k < count; k++) {
 		lower[k] = s->objects[list[k]].world_lower;
 		upper[k] = s->objects[list[k]].world_upper;
 	}
-	ok = ok && gi_bvh_build_boxes(lower, upper, count, boxes, order);
+	ok = ok && cells_build(lower, upper, list, count, cells, t->objects);
 	if (ok) {
 		t->object_count = count;
 		t->count = 2 * count - 1;
-		number_nodes(s, boxes, list, order, t);
+		for (uint32_t k = 0; k < count; k++)
+			t->objects[k] = list[t->objects[k]];
+		number_nodes(s, cells, t);
 	}
 	free(list);
 	free(lower);
 	free(upper);
-	free(boxes);
-	free(order);
+	free(cells);
 	return ok;
 }
 
@@ -81,6 +90,51 @@ void statics_free(static_tree *t)
 	free(t->nodes);
 	free(t->objects);
 	*t = (static_tree){0};
+}
+
+/* ---- from commit to commit ---- */
+
+/* Where a static object was among those of before, GI_NONE: it was not. */
+static uint32_t slot_before(const gi_scene *now, const scene_object *were, uint32_t slot)
+{
+	const uint32_t k = now->slots[slot];
+	return were[k].committed && were[k].grouped && were[k].generation == now->objects[k].generation ? were[k].slot
+													: GI_NONE;
+}
+
+/* Tops of before lie in the order of their first objects, larger ones first. */
+static const scene_top *find_top(const gi_scene *was, uint32_t first, uint32_t end)
+{
+	uint32_t low = 0, high = was->top_count;
+	while (low < high) {
+		const uint32_t middle = low + (high - low) / 2;
+		const scene_top *t = &was->tops[middle];
+		if (t->first_slot < first || (t->first_slot == first && t->end_slot > end))
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	const scene_top *t = &was->tops[low];
+	return low < was->top_count && t->first_slot == first && t->end_slot == end ? t : NULL;
+}
+
+void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update)
+{
+	uint32_t *begins = now->changed_slots, *last = NULL; /* of runs of objects that lay side by side before, too */
+	for (uint32_t slot = 0; slot < now->first_source; slot++) {
+		const uint32_t before = slot_before(now, were, slot);
+		const bool goes_on = last && before != GI_NONE && slot_before(now, were, slot - 1) + 1 == before;
+		begins[slot] = goes_on ? *last : slot;
+		last = before == GI_NONE ? NULL : &begins[slot];
+	}
+	for (uint32_t k = 0; k < now->top_count; k++) {
+		scene_top *top = &now->tops[k];
+		const uint32_t first = slot_before(now, were, top->first_slot);
+		const bool same = begins[top->end_slot - 1] <= top->first_slot;
+		const scene_top *before = same ? find_top(was, first, first + (top->end_slot - top->first_slot)) : NULL;
+		top->before = before ? before->node : GI_NONE;
+		top->changed = before ? before->changed : update;
+	}
 }
 
 /* ---- tops ---- */
@@ -179,7 +233,8 @@ static sum join(const sum *a, const sum *b)
 }
 
 /* Balls and cones a hair wider than rounding needs; from a right angle on any direction goes. */
-static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_spread *spread, gi_node_topology *t)
+static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geometry *g, gi_node_spread *spread,
+		  gi_node_topology *t)
 {
 	const double cosine = cos(s->cone) - 1e-6;
 	g->sphere = (gi_vec4){(float)s->centre.x, (float)s->centre.y, (float)s->centre.z,
@@ -192,7 +247,7 @@ static void store(const sum *s, uint32_t end, gi_node_geometry *g, gi_node_sprea
 	    (gi_vec4){(float)s->spread[3], (float)s->spread[4], (float)s->spread[5], (float)(s->shape / s->area)};
 	t->range = (gi_uvec4){end, s->first_leaf, s->leaf_count,
 			      GI_NODE_TOP | s->back | GI_NODE_THICKNESS_STEPS << GI_NODE_THICKNESS_SHIFT};
-	t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
+	t->corners = (gi_uvec4){top->id, top->changed, GI_NONE, GI_NONE};
 }
 
 bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
@@ -201,6 +256,7 @@ bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry
 	sum *sums = calloc((size_t)t->count + 1, sizeof *sums);
 	if (!sums)
 		return false;
+	const scene_top *top = scene->tops + scene->top_count;
 	for (uint32_t k = t->count; k-- > 0;) {
 		const static_node *n = &t->nodes[k];
 		if (!n->top) {
@@ -210,7 +266,7 @@ bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry
 		}
 		sums[k] = join(&sums[k + 1], &sums[t->nodes[k + 1].skip]);
 		const uint32_t end = n->skip < t->count ? t->nodes[n->skip].node : t->node_count;
-		store(&sums[k], end, &rest[n->node], &spread[n->node], &topology[n->node]);
+		store(&sums[k], end, --top, &rest[n->node], &spread[n->node], &topology[n->node]);
 	}
 	free(sums);
 	return true;

@@ -5,7 +5,8 @@
  *   nodes   | top | top | object | object | top | object | ... | movers ... | sky
  *   slots   | objects in the order of the tree | the whole, as a source | movers | sky
  *
- * A top is in the world's frame. The tree is a function of the objects' boxes and their order alone.
+ * A top is in the world's frame. The tree is that of cells.h, so that a top is a function of its own objects: where one
+ * comes or goes, only the tops that it is below change. Rows keep what they have of all others.
  */
 #ifndef GI_STATICS_H
 #define GI_STATICS_H
@@ -17,6 +18,7 @@ typedef struct static_node {
 	uint32_t skip;                 /* the node after its subtree */
 	uint32_t first_slot, end_slot; /* of its objects */
 	uint32_t node;                 /* number in the scene: of the top, or of the object's root */
+	uint32_t id;                   /* of a top */
 	bool top;
 } static_node;
 
@@ -27,11 +29,19 @@ typedef struct static_tree {
 	uint32_t node_count; /* of the scene's nodes, tops among them */
 } static_tree;
 
-/* Of the objects that are static, alive and not hidden. False: out of memory. */
-bool statics_build(const gi_scene *scene, static_tree *out);
+/* Is an object of that mobility static, by scene->automatic_static? */
+bool statics_hold(const gi_scene *scene, gi_mobility mobility);
+
+/* Of the objects that are static, alive and not hidden; sets scene->automatic_static. False: out of memory. */
+bool statics_build(gi_scene *scene, static_tree *out);
 void statics_free(static_tree *tree);
 
-/* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. */
+/* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below them.
+ * The others changed as of update `update`. */
+void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update);
+
+/* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. Of corners, x is
+ * the top's id and y the update that last changed it, as scene->tops has it. */
 bool statics_place(const static_tree *tree, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
 		   gi_node_topology *topology);
 

@@ -1,115 +1,24 @@
-/* How what changes costs as worlds grow: a hall full of boxes, one of which moves, one comes, one goes, a material
- * changes. One measured value a line:
+/* How what changes costs as worlds grow (scale_world.h): one thing moves, ten do, a door turns, one comes, one goes, a
+ * material changes. One measured value a line:
  *
- *     objects,leaves,event,measure,value
- *     100,696,move,cpu ms,86.1
+ *     world,objects,leaves,event,measure,value
+ *     hall,100,696,move,cpu ms,86.1
  *     ...
  *
  * "cpu ms" is processor time of the process, all threads, medians of several events; the passes are what gi_report
- * says. Events: first (the update after the first commit), move, rest of ten that move, add, remove, material, lamp.
+ * says. "first" is the update after the first commit; "one more" is movable, "one more stays" static where all are.
  */
 #define _GNU_SOURCE /* program_invocation_short_name */
 #include "bench_options.h"
 #include "bench_scene.h"
 #include "output.h"
-#include "scenes/body.h"
-#include "scenes/shapes.h"
+#include "scale_world.h"
 
-#include <math.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-
-/* ---- the world ---- */
-
-static const float PITCH = 1.5f; /* between boxes, metres */
-static const float HEIGHT = 3;
-
-typedef struct world {
-	gi_context *gi;
-	gi_object *boxes;
-	uint32_t count, columns;
-	uint32_t box_cells;
-	bool statics;
-} world;
-
-/* A number in [0,1) of two: the same whatever else there is. */
-static float random_of(uint32_t a, uint32_t b)
-{
-	uint32_t h = a * 0x9e3779b9u ^ (b + 0x7f4a7c15u) * 0x85ebca6bu;
-	h = (h ^ h >> 16) * 0x7feb352du;
-	h = (h ^ h >> 15) * 0x846ca68bu;
-	return (float)((h ^ h >> 16) >> 8) * (1.0f / 16777216.0f);
-}
-
-/* The k-th of those that move, all over the hall. */
-static uint32_t mover_of(const world *w, uint32_t k)
-{
-	return (w->count / 2 + k * (w->count / 10 + 1)) % w->count;
-}
-
-static bool moves(const world *w, uint32_t number)
-{
-	bool found = number == w->count;
-	for (uint32_t k = 0; k < 10 && k < w->count; k++)
-		found = found || mover_of(w, k) == number;
-	return found;
-}
-
-static gi_object add_mesh(const world *w, bool stays, const char *name, engine_mesh *mesh, gi_material material,
-			  gi_pose pose)
-{
-	gi_object_def def = scene_mesh_def(mesh);
-	def.name = name;
-	def.materials = &material;
-	def.material_count = 1;
-	def.pose = pose;
-	def.mobility = w->statics && stays ? GI_MOBILITY_STATIC : GI_MOBILITY_MOVABLE;
-	gi_object object;
-	check(gi_create_object(w->gi, &def, &object));
-	engine_mesh_free(mesh);
-	return object;
-}
-
-static gi_pose pose_of(const world *w, uint32_t number, float shift)
-{
-	const uint32_t i = number % w->columns, j = number / w->columns;
-	const float turn = 1.5f * random_of(number, 5);
-	return (gi_pose){{PITCH * ((float)i + .3f + .4f * random_of(number, 1)) + shift, .01f,
-			  PITCH * ((float)j + .3f + .4f * random_of(number, 2))},
-			 {0, sinf(turn), 0, cosf(turn)}};
-}
-
-static gi_object add_box(world *w, uint32_t number)
-{
-	engine_mesh mesh;
-	const float half = .15f + .15f * random_of(number, 3), high = .3f + 1.2f * random_of(number, 4);
-	if (!shape_box((float[]){-half, 0, -half}, (float[]){half, high, half}, w->box_cells, false, &mesh))
-		fail("out of memory");
-	const gi_material material = {.rho = {.7f, .6f, .3f + .4f * random_of(number, 6)}};
-	return add_mesh(w, !moves(w, number), "box", &mesh, material, pose_of(w, number, 0));
-}
-
-static void build_world(world *w)
-{
-	engine_mesh mesh;
-	w->columns = (uint32_t)ceil(sqrt((double)w->count + 1)); /* room for the one that comes */
-	const float side = PITCH * (float)w->columns;
-	if (!shape_box((float[]){0, 0, 0}, (float[]){side, HEIGHT, side}, 4, true, &mesh))
-		fail("out of memory");
-	add_mesh(w, true, "hall", &mesh, (gi_material){.rho = {.6f, .6f, .6f}}, gi_pose_identity());
-	const float middle = .5f * side, half = .1f * side;
-	if (!shape_quad((float[]){middle - half, HEIGHT - .05f, middle - half}, (float[]){2 * half, 0, 0},
-			(float[]){0, 0, 2 * half}, 2, 2, &mesh))
-		fail("out of memory");
-	add_mesh(w, true, "lamp", &mesh, (gi_material){.exitance = {10, 10, 9}}, gi_pose_identity());
-	w->boxes = calloc(w->count + 1, sizeof *w->boxes);
-	if (!w->boxes)
-		fail("out of memory");
-	for (uint32_t k = 0; k < w->count; k++)
-		w->boxes[k] = add_box(w, k);
-}
 
 /* ---- events ---- */
 
@@ -121,59 +30,77 @@ static double processor_ms(void)
 	       1e-3 * ((double)u.ru_utime.tv_usec + (double)u.ru_stime.tv_usec);
 }
 
-typedef enum event { FIRST, MOVE, MOVE_TEN, MATERIAL, ADD, REMOVE, EVENTS } event;
-static const char *const event_names[EVENTS] = {"first", "move", "move ten", "material", "add", "remove"};
+typedef enum event {
+	FIRST,
+	MOVE,
+	MOVE_TEN,
+	DOOR,
+	MATERIAL,
+	ADD,
+	REMOVE,
+	ADD_STAYING,
+	LIGHT,
+	REMOVE_STAYING,
+	EVENTS
+} event;
+static const char *const event_names[EVENTS] = {
+    "first",	"one moves", "ten move",	 "a door turns",   "material",
+    "one more", "one less",  "one more stays", "that one is lit", "that one goes"};
 
 typedef struct tally {
-	samples cpu, commit, wall, passes[GI_PASS_COUNT];
+	samples cpu, call, wall, passes[GI_PASS_COUNT];
 	gi_report report;
 } tally;
 
-static void make_happen(world *w, event e, uint32_t round, double *commit_ms)
+static bool happens(const scale_world *w, event e)
+{
+	return e != DOOR || w->doors;
+}
+
+/* Calls what makes it happen; returns their processor time. */
+static double make_happen(scale_world *w, event e, uint32_t round)
 {
 	const double began = processor_ms();
 	const uint32_t movers = e == MOVE ? 1 : e == MOVE_TEN ? 10 : 0;
-	for (uint32_t k = 0; k < movers && k < w->count; k++) {
-		const uint32_t number = mover_of(w, k);
-		check(gi_set_pose(w->gi, w->boxes[number], pose_of(w, number, .02f * (float)(round % 5 + 1))));
-	}
-	if (e == MATERIAL) {
-		const float rho = .3f + .05f * (float)(round % 7);
-		check(gi_set_material(w->gi, w->boxes[w->count / 2], 0, (gi_material){.rho = {rho, rho, rho}}));
-	}
-	if (e == ADD)
-		w->boxes[w->count] = add_box(w, w->count);
-	if (e == REMOVE)
-		check(gi_destroy_object(w->gi, w->boxes[w->count]));
-	if (e == ADD || e == REMOVE || e == FIRST)
+	for (uint32_t k = 0; k < movers; k++)
+		scale_world_move(w, k, round + (uint32_t)(e == MOVE_TEN)); /* another pose than the one it has */
+	if (e == DOOR)
+		scale_world_turn_door(w, round);
+	if (e == MATERIAL)
+		scale_world_paint(w, round);
+	if (e == ADD || e == ADD_STAYING)
+		scale_world_add(w, e == ADD_STAYING);
+	if (e == LIGHT)
+		scale_world_light_guest(w);
+	if (e == REMOVE || e == REMOVE_STAYING)
+		scale_world_remove(w);
+	if (e == FIRST || (e >= ADD && e != LIGHT))
 		check(gi_commit(w->gi));
-	*commit_ms = processor_ms() - began;
+	return processor_ms() - began;
 }
 
-static void measure(world *w, event e, uint32_t round, tally *t)
+static void measure(scale_world *w, event e, uint32_t round, tally *t)
 {
-	double commit_ms;
-	make_happen(w, e, round, &commit_ms);
+	samples_add(&t->call, make_happen(w, e, round));
 	const double began = processor_ms(), wall = now_ms();
 	t->report = bench_step(w->gi);
 	samples_add(&t->cpu, processor_ms() - began);
-	samples_add(&t->commit, commit_ms);
 	samples_add(&t->wall, now_ms() - wall);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		samples_add(&t->passes[k], (double)t->report.pass_ms[k]);
 }
 
-static void print_value(const world *w, const gi_report *r, event e, const char *measure, double value)
+static void print_value(const scale_world *w, const gi_report *r, event e, const char *measure, double value)
 {
-	printf("%u,%u,%s,%s,%.6g\n", w->count, r->leaves, event_names[e], measure, value);
+	printf("%s,%u,%u,%s,%s,%.6g\n", scale_kind_name(w->settings.kind), w->settings.objects, r->leaves, event_names[e], measure, value);
 }
 
-static void print_tally(const world *w, event e, const tally *t)
+static void print_tally(const scale_world *w, event e, const tally *t)
 {
 	const gi_report *r = &t->report;
 	char name[32];
 	print_value(w, r, e, "cpu ms", samples_median(&t->cpu));
-	print_value(w, r, e, "call cpu ms", samples_median(&t->commit));
+	print_value(w, r, e, "call cpu ms", samples_median(&t->call));
 	print_value(w, r, e, "wall ms", samples_median(&t->wall));
 	for (int k = 0; k < GI_PASS_COUNT; k++) {
 		snprintf(name, sizeof name, "%s ms", gi_pass_name((gi_pass)k));
@@ -192,29 +119,32 @@ static void print_tally(const world *w, event e, const tally *t)
 
 typedef struct options {
 	engine_context_kind kind;
-	uint32_t rounds, cells;
-	bool statics;
+	scale_settings world;
+	bool one_kind; /* world.kind was asked for */
+	uint32_t rounds;
 	float row_tolerance;
 	const char *counts;
 } options;
 
-static void measure_world(engine_context *context, const options *o, uint32_t count)
+static void measure_world(engine_context *context, const options *o, const scale_settings *world)
 {
 	static tally tallies[EVENTS];
 	memset(tallies, 0, sizeof tallies);
 	bench_settings settings = bench_settings_fine();
 	settings.row_tolerance = o->row_tolerance;
-	world w = {.gi = bench_open(context, &settings), .count = count, .box_cells = o->cells, .statics = o->statics};
-	build_world(&w);
+	scale_world w;
+	scale_world_build(&w, bench_open(context, &settings), world);
 	measure(&w, FIRST, 0, &tallies[FIRST]);
 	print_tally(&w, FIRST, &tallies[FIRST]);
 	for (uint32_t round = 0; round < o->rounds; round++)
 		for (event e = MOVE; e < EVENTS; e++)
-			measure(&w, e, round, &tallies[e]);
+			if (happens(&w, e))
+				measure(&w, e, round, &tallies[e]);
 	for (event e = MOVE; e < EVENTS; e++)
-		print_tally(&w, e, &tallies[e]);
+		if (happens(&w, e))
+			print_tally(&w, e, &tallies[e]);
 	gi_context_destroy(w.gi);
-	free(w.boxes);
+	scale_world_free(&w);
 }
 
 static error_t parse_option(int key, char *argument, struct argp_state *state)
@@ -231,11 +161,21 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 		o->rounds = (uint32_t)atoi(argument);
 		return 0;
 	case 'b':
-		o->cells = (uint32_t)atoi(argument);
+		o->world.cells = (uint32_t)atoi(argument);
+		return 0;
+	case 'l':
+		o->world.cell = (float)atof(argument);
 		return 0;
 	case 's':
-		o->statics = true;
+		o->world.fixed = true;
 		return 0;
+	case 'w':
+		o->one_kind = true;
+		for (o->world.kind = 0; o->world.kind < SCALE_KINDS; o->world.kind++)
+			if (strcmp(argument, scale_kind_name(o->world.kind)) == 0)
+				return 0;
+		argp_error(state, "--world wants hall or street, not %s", argument);
+		return EINVAL;
 	case 't':
 		o->row_tolerance = (float)atof(argument);
 		return 0;
@@ -249,25 +189,36 @@ int main(int argc, char **argv)
 	engine_output_watch("gi_scale");
 	static const struct argp_option list[] = {
 	    BENCH_OPTION_CONTEXT,
-	    {"objects", 'n', "N,N,...", 0, "boxes of each world, default 10,30,100,300", 0},
+	    {"world", 'w', "KIND", 0, "hall or street; default both", 0},
+	    {"objects", 'n', "N,N,...", 0, "objects of each world, at least 10, default 10,30,100,300", 0},
 	    {"rounds", 'r', "N", 0, "times each event happens, default 3", 0},
-	    {"cells", 'b', "N", 0, "cells a side of a box, default 1", 0},
+	    {"leaf-size", 'l', "M", 0, "of rooms, metres, default 1", 0},
+	    {"cells", 'b', "N", 0, "cells a side of boxes and furniture, default 1", 0},
 	    {"static", 's', NULL, 0, "what does not move is GI_MOBILITY_STATIC", 0},
 	    {"row-tolerance", 't', "T", 0, "default 0.3", 0},
 	    {0},
 	};
 	const struct argp argp = {list, parse_option, NULL, "How what changes costs as worlds grow, as CSV.", 0, 0, 0};
-	options o = {.rounds = 3, .cells = 1, .row_tolerance = .3f, .counts = "10,30,100,300"};
+	options o = {
+	    .rounds = 3, .world = {.cell = 1, .cells = 1}, .row_tolerance = .3f, .counts = "10,30,100,300"};
 	argp_parse(&argp, argc, argv, 0, NULL, &o);
 	engine_context *context = bench_open_window(o.kind, 64);
-	printf("# %s\nobjects,leaves,event,measure,value\n", engine_context_describe(context));
+	printf("# %s, commit %s\nworld,objects,leaves,event,measure,value\n", engine_context_describe(context),
+	       RELUME_COMMIT);
 	for (const char *next = o.counts; *next;) {
 		char *end;
 		const unsigned long count = strtoul(next, &end, 10);
-		if (end == next)
-			fail("--objects wants numbers");
-		fprintf(stderr, "gi_scale: %lu objects\n", count);
-		measure_world(context, &o, (uint32_t)count);
+		if (end == next || count < 10 || count > 1000000)
+			fail("--objects wants numbers of 10 and above");
+		for (int kind = 0; kind < SCALE_KINDS; kind++) {
+			scale_settings world = o.world;
+			if (o.one_kind && (int)world.kind != kind)
+				continue;
+			world.kind = (scale_kind)kind;
+			world.objects = (uint32_t)count;
+			fprintf(stderr, "gi_scale: %s of %lu objects\n", scale_kind_name(world.kind), count);
+			measure_world(context, &o, &world);
+		}
 		next = *end == ',' ? end + 1 : end;
 	}
 	engine_context_destroy(context);

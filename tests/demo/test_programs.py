@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Runs the programs as a user does: what they write, and what they say about bad input.
 
-    test_programs.py FOLDER_OF_PROGRAMS SOURCE_FOLDER
+    test_programs.py FOLDER_OF_PROGRAMS SOURCE_FOLDER [PART/PARTS]
+
+PART/PARTS, as 0/3: every third test, from the first on, for several processes that share the tests.
 
 Pictures are small and scenes coarse: this is about files and messages, the library's own tests are about light. Ends
 with the lines that cmocka writes, for scripts/test to count.
@@ -636,7 +638,9 @@ class Programs(unittest.TestCase):
 
 
 def main():
-    suite = unittest.defaultTestLoader.loadTestsFromTestCase(Programs)
+    part, parts = map(int, (sys.argv[3] if len(sys.argv) > 3 else "0/1").split("/"))
+    tests = list(unittest.defaultTestLoader.loadTestsFromTestCase(Programs))
+    suite = unittest.TestSuite(tests[part::parts])
     result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
     failed, skipped = len(result.failures) + len(result.errors), len(result.skipped)
     print("[  PASSED  ] %d test(s)." % (result.testsRun - failed - skipped))

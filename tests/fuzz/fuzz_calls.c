@@ -228,6 +228,7 @@ static gi_object_def define(input *in, cube *c)
 	def.levels = levels[next_below(in, 8)];
 	def.draw_levels = next_below(in, 6);
 	def.double_sided = more & 128;
+	def.mobility = (gi_mobility)next_below(in, 4);
 	def.pose = next_pose(in);
 	if (parts & 32)
 		next_floats(in, def.scale, 3);
@@ -318,6 +319,34 @@ static void update(input *in)
 	in->updated = in->updated || result == GI_OK;
 	if (kind & 16)
 		check(gi_finish(gi));
+}
+
+/* Destroyed and not yet committed: it takes part in nothing. */
+static void destroy_and_update(input *in)
+{
+	destroy(in);
+	update(in);
+}
+
+static void hide(input *in)
+{
+	gi_object object = next_object(in);
+	bool hidden = next_byte(in) & 1, now = !hidden;
+	gi_result result = gi_set_hidden(gi, object, hidden);
+	check(result);
+	require(gi_get_hidden(gi, object, &now) == result, "an object that is hidden or shown can be asked");
+	require(result != GI_OK || now == hidden, "an object is hidden or it is not");
+}
+
+static void set_mobility(input *in)
+{
+	gi_object object = next_object(in);
+	gi_mobility mobility = (gi_mobility)next_below(in, 4), now = GI_MOBILITY_AUTOMATIC;
+	gi_result result = gi_set_mobility(gi, object, mobility);
+	check(result);
+	require((result == GI_ERROR_INVALID_ARGUMENT) <= (mobility > GI_MOBILITY_STATIC), "a mobility of the list is taken");
+	if (result == GI_OK)
+		require(gi_get_mobility(gi, object, &now) == GI_OK && now == mobility, "a mobility that was set can be got");
 }
 
 static void draw(input *in)
@@ -422,7 +451,8 @@ static void get_buffers(input *in)
 /* Those that make a scene move come up more often. */
 static void (*const calls[])(input *) = {
     create, create, create,      set_pose, set_pose, set_material, commit,       commit,      update,      update,
-    update, report, read_leaves, destroy,  draw,     read_rows,    form_factors, trace_paths, get_buffers, forget};
+    update, report, read_leaves, destroy,  draw,     read_rows,    form_factors, trace_paths, get_buffers, forget,
+    hide,   hide,   destroy_and_update, set_mobility, set_mobility};
 
 /* ---- contexts ---------------------------------------------------------------------------------------------------- */
 

@@ -43,6 +43,10 @@ typedef struct harness_object {
 
 gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh);
 
+/* Paths a leaf for a reference: all of them with RELUME_LONG, a quarter without. Fewer make figures noisier, never
+ * biased: errors are products over two halves of the reference. */
+uint32_t harness_paths(uint32_t all);
+
 /* gi_update, gi_finish and the report; fails the test on error. */
 gi_report harness_update(gi_context *gi);
 

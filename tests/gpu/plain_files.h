@@ -24,7 +24,7 @@ typedef struct plain_file {
 	region lit, dark; /* leaves whose middles lie in the one are lit, no light comes into the other */
 } plain_file;
 
-enum { PLAIN_FILE_COUNT = 15 };
+enum { PLAIN_FILE_COUNT = 16 };
 extern const plain_file plain_files[PLAIN_FILE_COUNT];
 
 /* Writes NAME.obj and NAME.mtl into a folder; false when that failed. */

@@ -162,3 +162,32 @@ uint64_t snapshot_hash_radiosity(const snapshot *s)
 		h = hash(h, s->leaves[k].radiosity, sizeof s->leaves[k].radiosity);
 	return h;
 }
+
+/* Area-weighted relative RMS of H against path tracing, the noise of its two halves taken out. */
+static double error_of(const float *one, const float *two, const snapshot *s)
+{
+	double squared = 0, power = 0;
+	for (uint32_t k = 0; k < s->leaf_count; k++)
+		for (uint32_t c = 0; c < 3; c++) {
+			const double h = (double)s->leaves[k].irradiance[c], a = (double)one[3 * k + c],
+				     b = (double)two[3 * k + c], area = (double)s->leaves[k].area;
+			squared += area * (h - a) * (h - b);
+			power += area * a * b;
+		}
+	return sqrt(fmax(squared, 0) / power);
+}
+
+double snapshot_light_error(gi_context *gi, const snapshot *s, uint32_t paths)
+{
+	float *halves[2];
+	for (uint32_t k = 0; k < 2; k++) {
+		uint32_t count;
+		halves[k] = allocate(3 * (uint64_t)s->leaf_count, sizeof *halves[k]);
+		assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = paths, .seed = k + 1}, halves[k],
+					 s->leaf_count, &count));
+	}
+	const double error = error_of(halves[0], halves[1], s);
+	free(halves[0]);
+	free(halves[1]);
+	return error;
+}

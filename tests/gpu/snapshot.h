@@ -25,6 +25,10 @@ void snapshot_expect_same_rows(const snapshot *a, const snapshot *b, const char 
 double snapshot_distance(const snapshot *a, const snapshot *b);
 double snapshot_largest(const snapshot *s);
 
+/* Area-weighted RMS of H against path tracing of the context that it was taken of, relative to the RMS of H and free of the
+ * paths' noise. */
+double snapshot_light_error(gi_context *gi, const snapshot *s, uint32_t paths);
+
 /* FNV-1a over entries and links, and over the bits of B. */
 uint64_t snapshot_hash_rows(const snapshot *s);
 uint64_t snapshot_hash_radiosity(const snapshot *s);

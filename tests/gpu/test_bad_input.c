@@ -461,6 +461,11 @@ static void poses_and_materials(void **state)
 	gi_pose pose;
 	assert_gi(gi_get_pose(l.gi, l.ball, &pose));
 	assert_float_equal(pose.position[1], .5f, 0);
+	gi_mobility mobility;
+	expect_error(gi_set_mobility(l.gi, l.ball, (gi_mobility)3), GI_ERROR_INVALID_ARGUMENT);
+	expect_error(gi_set_mobility(l.gi, (gi_object){99, 1}, GI_MOBILITY_STATIC), GI_ERROR_INVALID_HANDLE);
+	assert_gi(gi_get_mobility(l.gi, l.ball, &mobility));
+	assert_int_equal(mobility, GI_MOBILITY_AUTOMATIC);
 	for (size_t k = 0; k < sizeof bad_rhos / sizeof *bad_rhos; k++)
 		expect_error(gi_set_material(l.gi, l.ball, 0, (gi_material){.rho = {bad_rhos[k], 0, 0}}),
 			     GI_ERROR_INVALID_MATERIAL);
@@ -470,6 +475,27 @@ static void poses_and_materials(void **state)
 	expect_error(gi_set_material(l.gi, l.ball, 1, good_material), GI_ERROR_INVALID_ARGUMENT);
 	expect_error(gi_set_material(l.gi, l.ball, 0xFFFFFFFFu, good_material), GI_ERROR_INVALID_ARGUMENT);
 	expect_unharmed(&l, "bad poses and materials");
+	unload(&l);
+}
+
+static void poses_come_back(void **state)
+{
+	(void)state;
+	loaded l = load();
+	gi_mobility mobility;
+	/* A pose that was got is one that was set, to the bit: it would count as a move. */
+	for (int k = 1; k < 1000; k++) {
+		const gi_pose turned = {.rotation = {sinf((float)k), cosf(3 * (float)k), .1f * (float)(k % 7), .3f}};
+		gi_pose again;
+		assert_gi(gi_set_pose(l.gi, l.ball, turned));
+		assert_gi(gi_get_pose(l.gi, l.ball, &again));
+		assert_gi(gi_set_pose(l.gi, l.ball, again));
+		gi_pose third;
+		assert_gi(gi_get_pose(l.gi, l.ball, &third));
+		assert_memory_equal(&again, &third, sizeof again);
+	}
+	assert_gi(gi_get_mobility(l.gi, l.ball, &mobility));
+	assert_int_equal(mobility, GI_MOBILITY_MOVABLE);
 	unload(&l);
 }
 
@@ -493,6 +519,7 @@ static void null_pointers(void **state)
 	assert_int_equal(gi_set_pose(NULL, l.ball, pose), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_get_pose(NULL, l.ball, &pose), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_set_material(NULL, l.ball, 0, good_material), GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(gi_set_mobility(NULL, l.ball, GI_MOBILITY_STATIC), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_destroy_object(NULL, l.ball), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_commit(NULL), GI_ERROR_INVALID_ARGUMENT);
 	assert_int_equal(gi_update(NULL, NULL), GI_ERROR_INVALID_ARGUMENT);
@@ -773,7 +800,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(context_definitions),  cmocka_unit_test(environment),
 	    cmocka_unit_test(object_definitions),   cmocka_unit_test(handles),
-	    cmocka_unit_test(poses_and_materials),  cmocka_unit_test(null_pointers),
+	    cmocka_unit_test(poses_and_materials),  cmocka_unit_test(poses_come_back),
+	    cmocka_unit_test(null_pointers),
 	    cmocka_unit_test(update_before_commit), cmocka_unit_test(read_before_update),
 	    cmocka_unit_test(empty_scene),          cmocka_unit_test(one_leaf),
 	    cmocka_unit_test(blind_leaf),           cmocka_unit_test(no_light),

@@ -284,7 +284,7 @@ static judged judge(gi_context *gi)
 	leaf_scene scene;
 	reference_result traced;
 	assert_true(leaf_scene_make(s.leaves, s.leaf_count, &scene));
-	assert_true(reference_trace(&scene.scene, PATHS, 1, &traced));
+	assert_true(reference_trace(&scene.scene, harness_paths(PATHS), 1, &traced));
 	double *h = widened(s.leaves, s.leaf_count), power = 0, area = 0;
 	assert_true(reference_error_measure(h, traced.irradiance[0], traced.irradiance[1], scene.areas, s.leaf_count,
 					    &j.error));
@@ -553,7 +553,7 @@ static void lampshade_with_a_hole(void **state)
 		leaf_scene scene;
 		reference_result traced;
 		assert_true(leaf_scene_make(s.leaves, s.leaf_count, &scene));
-		assert_true(reference_trace(&scene.scene, 2 * PATHS, 1, &traced));
+		assert_true(reference_trace(&scene.scene, harness_paths(2 * PATHS), 1, &traced));
 		mean += look(&s, room, EVERYWHERE[0], EVERYWHERE[1]).mean;
 		double area = 0, light = 0;
 		for (uint32_t n = 0; n < s.leaf_count; n++)

@@ -112,7 +112,7 @@ static void trace_paths(gi_context *gi, measured *m)
 {
 	for (uint32_t half = 0; half < 2; half++) {
 		uint32_t count;
-		const gi_path_options options = {.paths = 256, .seed = 7 + half};
+		const gi_path_options options = {.paths = harness_paths(256), .seed = 7 + half};
 		assert_gi(gi_trace_paths(gi, &options, m->truth[half], m->count, &count));
 	}
 }
@@ -123,7 +123,7 @@ static void trace_reference(measured *m)
 	leaf_scene scene;
 	reference_result traced;
 	assert_true(leaf_scene_make(m->leaves, m->count, &scene));
-	assert_true(reference_trace(&scene.scene, 4096, 7, &traced));
+	assert_true(reference_trace(&scene.scene, harness_paths(4096), 7, &traced));
 	for (uint32_t half = 0; half < 2; half++)
 		for (uint32_t k = 0; k < 3 * m->count; k++)
 			m->truth[half][k] = (float)traced.irradiance[half][k];

@@ -136,7 +136,7 @@ static bool compare(const played *of, gi_context *gi, uint32_t count)
 	assert_gi(gi_read_leaves(gi, leaves, count, &count));
 	leaf_irradiance(leaves, count, h);
 	assert_true(leaf_scene_make(leaves, count, &scene));
-	assert_true(reference_trace(&scene.scene, PATHS, 1, &traced));
+	assert_true(reference_trace(&scene.scene, harness_paths(PATHS), 1, &traced));
 	leave_out_lamps(leaves, count, scene.areas);
 	reference_error e;
 	assert_true(reference_error_measure(h, traced.irradiance[0], traced.irradiance[1], scene.areas, count, &e));

@@ -22,6 +22,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Not every test has a use for it. */
+#define SOME_TESTS __attribute__((unused))
+
 static char folder[64];
 static char message[512];
 
@@ -60,7 +63,7 @@ static engine_scene load(const char *path)
 }
 
 /* The file is refused with one line that has these words in it, and nothing is left in the scene. */
-static void check_refused(const char *path, const char *words)
+SOME_TESTS static void check_refused(const char *path, const char *words)
 {
 	engine_scene scene;
 	memset(&scene, 0xff, sizeof scene);
@@ -75,7 +78,7 @@ static void check_refused(const char *path, const char *words)
 }
 
 /* Loads, with these words in the warning; "" for no warning. */
-static void check_told(const char *path, const char *words)
+SOME_TESTS static void check_told(const char *path, const char *words)
 {
 	engine_scene scene = load(path);
 	if (!strstr(scene.warning, words) || (!words[0] && scene.warning[0]))
@@ -83,7 +86,7 @@ static void check_told(const char *path, const char *words)
 	engine_scene_free(&scene);
 }
 
-static void check_floats(const float *values, const float *expected, int count, float tolerance)
+SOME_TESTS static void check_floats(const float *values, const float *expected, int count, float tolerance)
 {
 	for (int i = 0; i < count; i++) {
 		if (!(fabsf(values[i] - expected[i]) <= tolerance))
@@ -94,7 +97,7 @@ static void check_floats(const float *values, const float *expected, int count, 
 #define CHECK3(values, x, y, z) check_floats(values, (const float[3]){x, y, z}, 3, 1e-5f)
 
 /* Sum of the areas of an object's faces. */
-static double area_of(const engine_scene_object *object)
+SOME_TESTS static double area_of(const engine_scene_object *object)
 {
 	const engine_mesh *mesh = &object->mesh;
 	const uint32_t *corners = mesh->indices;
@@ -140,7 +143,7 @@ static void load_damaged(const char *name, const uint8_t *bytes, size_t size)
 }
 
 /* Cuts a file at a hundred places, and turns over up to four of its bits many times. */
-static void damage(const char *name, const uint8_t *bytes, size_t size, int flips)
+SOME_TESTS static void damage(const char *name, const uint8_t *bytes, size_t size, int flips)
 {
 	uint8_t *copy = malloc(size);
 	assert_non_null(copy);

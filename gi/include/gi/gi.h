@@ -230,13 +230,22 @@ typedef struct gi_leaf_cut {
 	bool parts; /* another surface stands on it: what is drawn does not blend the light of its sides; default false */
 } gi_leaf_cut;
 
-/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. */
+/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. Static objects
+ * hang below common nodes: from afar many of them are one, so that rows grow with the logarithm of their number. Every row
+ * that faces a movable object has entries for it alone, so that it may move at the price of those.
+ *
+ * A static object may move, come, go, be hidden or relit all the same, which costs what a moving one costs; once it was
+ * given another pose after a commit it is movable. The update after such a move, or after one was hidden or shown, commits
+ * by itself: that takes time with the size of the scene. */
 typedef enum gi_mobility {
-	GI_MOBILITY_MOVABLE, /* every row that it faces has entries for it alone (default) */
-	GI_MOBILITY_STATIC,  /* it stays where it is: from afar it is one with others that do. Where one comes, goes, is hidden,
-			      * shown or relit, what rows have of all static objects is built anew; once it is moved after a
-			      * commit it is movable. The update after such a change commits by itself */
+	GI_MOBILITY_AUTOMATIC, /* static until it is first moved, where there are many objects (default) */
+	GI_MOBILITY_MOVABLE,
+	GI_MOBILITY_STATIC,
 } gi_mobility;
+
+/* Where there are at least so many objects that are static or never moved, hidden ones too, GI_MOBILITY_AUTOMATIC is static;
+ * with fewer common nodes save little, and it is movable. gi_commit counts. */
+#define GI_AUTOMATIC_OBJECTS 64
 
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
  * returns. */
@@ -274,7 +283,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
-	gi_mobility mobility;
+	gi_mobility mobility; /* default automatic */
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
 	float scale[3]; /* default 1 1 1; not zero, not negative */
@@ -352,7 +361,9 @@ GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_
 GI_API gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
 GI_API gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 
-/* What it is now: a static object that was given another pose after a commit is movable. */
+/* From the next gi_commit on, e.g. static where something that was carried is put down for good. */
+GI_API gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility);
+/* What it is now: GI_MOBILITY_MOVABLE if it was given another pose after a commit. */
 GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
 
 /* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
@@ -587,7 +598,13 @@ typedef struct gi_link {
 GI_API gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);
 
 /* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row
- * sum). */
+ * sum).
+ *
+ * It is read off the rows. Where `to` is static (gi_mobility) and so small or far that rows have it below a node with
+ * others, one of those, drawn at random by what they show, stands for all of them: the sum over all objects is what it
+ * would be, but a single small one is hit or missed by each leaf of `from`. The result is right on average over such
+ * objects, and off by up to the form factor of the node, about row_tolerance, over the root of the number of leaves of `from`. Set
+ * `to` to GI_MOBILITY_MOVABLE and commit where it matters. */
 GI_API gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
 
 /* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
