@@ -463,7 +463,8 @@ static void poses_and_materials(void **state)
 	assert_float_equal(pose.position[1], .5f, 0);
 	gi_mobility mobility;
 	expect_error(gi_set_mobility(l.gi, l.ball, (gi_mobility)3), GI_ERROR_INVALID_ARGUMENT);
-	expect_error(gi_set_mobility(l.gi, (gi_object){99, 1, l.ball.context}, GI_MOBILITY_STATIC), GI_ERROR_INVALID_HANDLE);
+	expect_error(gi_set_mobility(l.gi, (gi_object){99, 1, l.ball.context}, GI_MOBILITY_STATIC),
+		     GI_ERROR_INVALID_HANDLE);
 	assert_gi(gi_get_mobility(l.gi, l.ball, &mobility));
 	assert_int_equal(mobility, GI_MOBILITY_AUTOMATIC);
 	for (size_t k = 0; k < sizeof bad_rhos / sizeof *bad_rhos; k++)
