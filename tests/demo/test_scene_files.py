@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Plays scene files as they come: turned faces, closed rooms, materials and shapes that not every reader takes.
 
-    test_scene_files.py FOLDER_OF_PROGRAMS SOURCE_FOLDER
+    test_scene_files.py FOLDER_OF_PROGRAMS SOURCE_FOLDER [PART/PARTS]
 
-The files are written here; where ../shared/cases is, its files are played too. Ends with the lines that cmocka writes,
-for scripts/test to count.
+The files are written here; where ../shared/cases is, its files are played too. Parts and last lines are
+tests/suite.py's.
 """
 import os
 import subprocess
@@ -16,6 +16,7 @@ import unittest
 sys.path.append(os.path.join(os.path.dirname(__file__), ".."))
 import fields
 import headless
+import suite
 
 PROGRAMS, SOURCE = sys.argv[1], sys.argv[2]
 CASES = os.path.join(SOURCE, "..", "shared", "cases")
@@ -275,16 +276,4 @@ class SceneFiles(unittest.TestCase):
             print("%s: %.2f s" % (name, time.monotonic() - began))
 
 
-def main():
-    suite = unittest.defaultTestLoader.loadTestsFromTestCase(SceneFiles)
-    result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
-    failed, skipped = len(result.failures) + len(result.errors), len(result.skipped)
-    print("[  PASSED  ] %d test(s)." % (result.testsRun - failed - skipped))
-    if skipped:
-        print("[  SKIPPED ] %d test(s), listed above." % skipped)
-    if failed:
-        print("[  FAILED  ] %d test(s), listed above." % failed)
-    return 1 if failed else 0
-
-
-sys.exit(main())
+sys.exit(suite.run(SceneFiles, *sys.argv[3:4]))

@@ -106,7 +106,12 @@ gi_report harness_update(gi_context *gi)
 	return report;
 }
 
+bool harness_is_long(void)
+{
+	return getenv("RELUME_LONG") != NULL;
+}
+
 uint32_t harness_paths(uint32_t all)
 {
-	return getenv("RELUME_LONG") ? all : all / 4;
+	return harness_is_long() ? all : all / 4;
 }

@@ -43,7 +43,10 @@ typedef struct harness_object {
 
 gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh);
 
-/* Paths a leaf for a reference: all of them with RELUME_LONG, a quarter without. Fewer make figures noisier, never
+/* RELUME_LONG is set: everything that takes minutes, too. */
+bool harness_is_long(void);
+
+/* Paths a leaf for a reference: all of them in a long run, else a quarter. Fewer make figures noisier, never
  * biased: errors are products over two halves of the reference. */
 uint32_t harness_paths(uint32_t all);
 

@@ -29,11 +29,7 @@ static const double FURNACE_ROUNDING = 1e-4;
 static const uint32_t LEAVES = 256;
 enum { UPDATES = 4 };
 
-/* RELUME_LONG: scenes in the size of the demo, the finest rows too, and one ray for near leaves. */
-static bool is_long(void)
-{
-	return getenv("RELUME_LONG") != NULL;
-}
+/* A long run has scenes in the size of the demo, the finest rows too, and one ray for near leaves. */
 
 static void *allocate(size_t count, size_t size)
 {
@@ -96,7 +92,7 @@ static void build_cornell(gi_context *gi)
 {
 	cornell_def box = cornell_def_default();
 	cornell made;
-	if (!is_long())
+	if (!harness_is_long())
 		box.wall_levels = 2;
 	assert_gi(cornell_create(gi, &box, &made));
 }
@@ -113,20 +109,20 @@ static void add_sheet(gi_context *gi, const float corner[3], const float u[3], c
  * leaves end: no leaf reaches from one room into the other. */
 static void build_rooms(gi_context *gi)
 {
-	const surface room = {.name = "rooms", .levels = is_long() ? 3 : 2, .rho = .7f};
+	const surface room = {.name = "rooms", .levels = harness_is_long() ? 3 : 2, .rho = .7f};
 	add_box(gi, &room, (float[]){-4, 0, -2}, (float[]){4, 3, 2}, 4, true);
 	add_sheet(gi, (float[]){0, 0, -2}, (float[]){0, 3, 0}, (float[]){0, 0, 1.5f}, 3, 2);
 	add_sheet(gi, (float[]){0, 0, .5f}, (float[]){0, 3, 0}, (float[]){0, 0, 1.5f}, 3, 2);
 	add_sheet(gi, (float[]){0, 2.25f, -.5f}, (float[]){0, .75f, 0}, (float[]){0, 0, 1}, 1, 1);
 	add_lamp(gi, (float[]){-2, 2.9f, 0}, .8f, 50);
-	if (is_long())
+	if (harness_is_long())
 		add_buddha(gi, (float[]){2, .005f, 0}, 1.5f, .6f, 0);
 }
 
 /* 2 x 2.5 x 16 m, a small lamp every metre. */
 static void build_corridor(gi_context *gi)
 {
-	const uint32_t fine = is_long() ? 3 : 2;
+	const uint32_t fine = harness_is_long() ? 3 : 2;
 	for (int side = 0; side < 6; side++) {
 		/* corner, u, v of each wall seen from inside */
 		static const float walls[6][3][3] = {
@@ -328,8 +324,8 @@ static void estimate_within_a_factor(void **state)
 	printf("  scene  tolerance near entries   error %%  estimate  ratio  single ones     rays     ms\n");
 	for (int k = 0; k < SCENE_COUNT; k++) {
 		truth t = {0};
-		for (int n = 0; n < (is_long() ? 2 : 1); n++)
-			for (int j = 0; j < (is_long() ? 3 : 2); j++) {
+		for (int n = 0; n < (harness_is_long() ? 2 : 1); n++)
+			for (int j = 0; j < (harness_is_long() ? 3 : 2); j++) {
 				const settings with = {tolerances[j], samples[n], LEAVES};
 				compare(&SCENES[k], &with, &t);
 			}
@@ -343,7 +339,7 @@ static const scene *CORRIDOR = &SCENES[2];
 static void leaves_change_the_scatter_alone(void **state)
 {
 	(void)state;
-	const int updates = is_long() ? 24 : 6;
+	const int updates = harness_is_long() ? 24 : 6;
 	double roots[2];
 	for (int k = 0; k < 2; k++) {
 		const settings with = {.1f, 4, k ? 256 : 64};
