@@ -396,7 +396,7 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 105u
 #define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
-#define GI_STATE_WANTED 99u            /* sixteens of elements that a pool that was full lacked */
+#define GI_STATE_WANTED 99u            /* how many smallest blocks a pool that was full lacked */
 #define GI_STATE_WORDS 132u
 
 /* GI_STATE_VERDICT. */

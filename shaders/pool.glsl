@@ -67,7 +67,7 @@ uvec2 fit_block(uvec2 block, uint needed)
 		return block;
 	if (next.x == GI_NONE) {
 		atomicOr(state[GI_STATE_OVERFLOW], 1u);
-		atomicAdd(state[GI_STATE_WANTED], ((GI_BLOCK_SMALLEST << class_of(needed)) + 15u) / 16u);
+		atomicAdd(state[GI_STATE_WANTED], 1u << class_of(needed));
 		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
 	}
 	if (has)

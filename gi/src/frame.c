@@ -114,7 +114,7 @@ static void collect_reports(gi_context *gi, bool wait)
 		if (gi->report.outcome != GI_OUTCOME_TRUNCATED)
 			continue;
 		gi->truncated = true;
-		gi->wanted = 16 * (uint64_t)state[GI_STATE_WANTED];
+		gi->wanted = GI_BLOCK_SMALLEST * (uint64_t)state[GI_STATE_WANTED];
 		gi->wanted_all = gi->issued[frame % GPU_READBACK_RING].rebuilt;
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)

@@ -63,7 +63,7 @@ static double make_happen(scale_world *w, event e, uint32_t round)
 	const double began = processor_ms();
 	const uint32_t movers = e == MOVE ? 1 : e == MOVE_TEN ? 10 : 0;
 	for (uint32_t k = 0; k < movers; k++)
-		scale_world_move(w, k, round + (uint32_t)(e == MOVE_TEN)); /* another pose than the one it has */
+		scale_world_move(w, k, 2 * round + (e == MOVE_TEN)); /* each time another pose */
 	if (e == DOOR)
 		scale_world_turn_door(w, round);
 	if (e == MATERIAL)
