@@ -3,10 +3,10 @@
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
  *     -> handles.c                                the list of objects
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: object.c, hierarchy.c, refine.cpp, split.c,
- *                                                 bvh.c, skin.c
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; statics.c: those that stay, under common nodes; one at
+ *                                                 a time: object.c, hierarchy.c, refine.cpp, split.c, bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
- *        -> budget.c           which rows an update refreshes, what the others may be off by
+ *        -> budget.c           which rows an update refreshes, what the others may be off by; loans.c: new ones' light
  *        -> solver.c           sweeps, light
  *        -> estimate.c         how far off the rows are
  *        -> shade.c            the picture
@@ -126,11 +126,13 @@ typedef struct gi_rows {
 	uint32_t lost_update; /* that saw the last one that went */
 	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
-	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
+	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects,
+		frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program, kept_program;
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
+		kept_program;
 } gi_rows;
 
 /* ---- budget ---- */

@@ -96,7 +96,7 @@ static void sweep(gi_context *gi, bool weigh)
 	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
-	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_PULL);
+	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
 	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
 }
 
