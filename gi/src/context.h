@@ -65,7 +65,8 @@ typedef struct scene_object {
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
-	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are enough. */
+	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are
+	 * enough. */
 	uint32_t leaf_id, node_id, leaf_ids, node_ids;
 } scene_object;
 
@@ -319,8 +320,8 @@ typedef struct rows_moves {
 	uint32_t *nodes, node_count;              /* where each node is now */
 	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
 } rows_moves;
-/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
- * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
+/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what
+ * stays are kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *moves);
 gi_result rows_grow(gi_context *gi);
 /* For rows_keep.c: tables of leaves and slots, without a row; pools of gi->rows.entry_limit; how many entries a pool

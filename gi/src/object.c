@@ -1,5 +1,5 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU and
- * without a word about any context but what its renderer holds: several threads may build objects at once.
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU
+ * and without a word about any context but what its renderer holds: several threads may build objects at once.
  */
 #include "context.h"
 #include "duplicates.h"

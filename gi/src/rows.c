@@ -458,7 +458,8 @@ static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was swept. */
+/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was
+ * swept. */
 static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
@@ -653,8 +654,8 @@ static uint32_t count_suspects(const gi_context *gi)
 	return movers + 1 > most ? movers + 1 : most;
 }
 
-/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times the
- * suspects. Rows of several times the mean length are seen. Objects must be where they are now. */
+/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times
+ * the suspects. Rows of several times the mean length are seen. Objects must be where they are now. */
 static bool flagging_would_end_early(const gi_context *gi)
 {
 	static const double TURNS = 65535, LONGEST_ROW = 5;
