@@ -181,7 +181,7 @@ void stop(uint verdict)
 	words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_ARGS_GATHER] = 0u;
 	words[GI_STATE_ARGS_DOUBLE] = 0u;
-	words[GI_STATE_ARGS_PULL] = 0u;
+	words[GI_STATE_ARGS_HAND_OVER] = 0u;
 	words[GI_STATE_ARGS_CHECK] = 0u;
 }
 
@@ -243,7 +243,7 @@ void begin()
 	words[GI_STATE_SWEEPS] = words[GI_STATE_RECALLS] = 0u;
 	words[GI_STATE_START] = GI_START_NONE;
 	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
-	put_groups(GI_STATE_ARGS_PULL, groups_for(frame.counts.x));
+	put_groups(GI_STATE_ARGS_HAND_OVER, groups_for(frame.counts.x));
 	put_groups(GI_STATE_ARGS_CHECK, 1u);
 	if (stage == STAGE_BEGIN && largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
 		begin_cold();

@@ -23,7 +23,7 @@ bool is_concerned(uint leaf, uint since)
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	bool found = moved_since(load_leaf(leaf).y, since);
 	for (uint k = 0u; k < frame.swept.y && !found; k++)
-		found = load_swept_change(k).x > since && 
+		found = load_swept_change(k).x > since &&
 			reaches_before(ball_about(load_swept_corner(k, 2u), load_swept_corner(k, 3u)), p);
 	return found;
 }

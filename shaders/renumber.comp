@@ -101,15 +101,11 @@ struct loss {
 	bool seen; // some of them: the row is another now
 };
 
-// Entries that the row had. One without any may have links all the same: it borrowed them (lend.comp).
-uint had = 0u;
-
 loss move_segments(uint leaf, gi_move mine)
 {
 	loss went = loss(0u, false);
 	for (uint s = old_first; s < old_slots; s++) {
 		uvec4 segment = load_old_segment(leaf * (old_slots - old_first) + s - old_first), to = load_move(s).now;
-		had += segment.y & GI_BLOCK_COUNT_MASK;
 		if (mine.now.x == GI_NONE || to.x == GI_NONE || to.x < new_first) {
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
@@ -152,8 +148,9 @@ void main()
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	loss went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
-		// Links to what went are of segments that went with it.
-		stay = shifted != 0u || old_statics != GI_NONE || went.entries > 0u || had == 0u ? move_links(row) : links_before;
+		// Links to what went are of segments that went with it, but borrowed ones (lend.comp), whose row is open.
+		bool others = shifted != 0u || old_statics != GI_NONE || went.entries > 0u || (row.w & GI_ROW_OPEN) != 0u;
+		stay = others ? move_links(row) : links_before;
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
 		row.w |= went.seen || stay < links_before ? GI_ROW_OPEN : 0u;
 		rows[leaf + mine.now.y] = row;

@@ -1,7 +1,7 @@
-/* A binary tree over boxes on fixed cells: halves of power-of-two cubes at whole multiples of their size, wherever the boxes
- * are. A box belongs to the smallest cell that is no smaller than it and holds its centre; cells with nothing to part are
- * left out. So any node is a function of the boxes below it alone: one box more adds one node and changes that one's
- * ancestors, nothing else, and the order of the others stays.
+/* A binary tree over boxes on fixed cells: halves of power-of-two cubes at whole multiples of their size, wherever the
+ * boxes are. A box belongs to the smallest cell that is no smaller than it and holds its centre; cells with nothing to
+ * part are left out. So any node is a function of the boxes below it alone: one box more adds one node and changes that
+ * one's ancestors, nothing else, and the order of the others stays.
  *
  * (The trie of Morton 1966, compressed as by Morrison 1968; on a GPU: Karras 2012.)
  */
@@ -19,8 +19,8 @@ typedef struct cells_node {
 	uint32_t first, end; /* of its boxes, in `order` */
 } cells_node;
 
-/* Room for 2 count - 1 nodes, and for count places in `order`: which box comes when. `ties` are numbers of the boxes, all
- * different, that order those in one place. False: out of memory. */
+/* Room for 2 count - 1 nodes, and for count places in `order`: which box comes when. `ties` are numbers of the boxes,
+ * all different, that order those in one place. False: out of memory. */
 bool cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_node *nodes,
 		 uint32_t *order);
 

@@ -3,10 +3,10 @@
  *   gi.c, frame.c
  *     -> leaves.c, contact.c                      how fine objects are cut
  *     -> handles.c                                the list of objects
- *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; one at a time: object.c, hierarchy.c, refine.cpp, split.c,
- *                                                 bvh.c, skin.c
+ *     -> scene.c, scene_upload.c, sky.c, tlas.c   objects, uploads; statics.c: those that stay, under common nodes; one at
+ *                                                 a time: object.c, hierarchy.c, refine.cpp, split.c, bvh.c, skin.c
  *        -> rows.c             cuts, factors, visibility, closing
- *        -> budget.c           which rows an update refreshes, what the others may be off by
+ *        -> budget.c           which rows an update refreshes, what the others may be off by; loans.c: new ones' light
  *        -> solver.c           sweeps, light
  *        -> estimate.c         how far off the rows are
  *        -> shade.c            the picture
@@ -65,7 +65,8 @@ typedef struct scene_object {
 	bool plane; /* all of it in one plane */
 	bool overlaps; /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
-	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are enough. */
+	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are
+	 * enough. */
 	uint32_t leaf_id, node_id, leaf_ids, node_ids;
 } scene_object;
 
@@ -126,11 +127,13 @@ typedef struct gi_rows {
 	uint32_t lost_update; /* that saw the last one that went */
 	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
-	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects, frame;
+	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects,
+		frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program, kept_program;
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
+		kept_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -317,8 +320,8 @@ typedef struct rows_moves {
 	uint32_t *nodes, node_count;              /* where each node is now */
 	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
 } rows_moves;
-/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what stays are
- * kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
+/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what
+ * stays are kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *moves);
 gi_result rows_grow(gi_context *gi);
 /* For rows_keep.c: tables of leaves and slots, without a row; pools of gi->rows.entry_limit; how many entries a pool

@@ -336,7 +336,8 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
-		gi->scene.regroup = gi->scene.regroup || (o->committed && statics_hold(&gi->scene, o->mobility));
+		gi->scene.regroup = gi->scene.regroup || o->grouped ||
+				    (o->committed && statics_hold(&gi->scene, o->mobility));
 	}
 	o->arrives = o->committed && !hidden && (o->arrives || o->hidden);
 	o->hidden = hidden;

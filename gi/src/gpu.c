@@ -269,7 +269,7 @@ static uint64_t whole_texels(uint64_t size)
 
 const char *gpu_limit_text(const gpu *g, uint64_t limit)
 {
-	static _Thread_local char text[96];
+	static GI_THREAD_LOCAL char text[96];
 	const bool hosts = g->host_limit && limit >= g->host_limit;
 	snprintf(text, sizeof text, "%s %" PRIu64 " MiB%s",
 		 hosts ? "gi_context_def.max_buffer_mib allows" : "this renderer binds", limit >> 20,

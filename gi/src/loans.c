@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Searches of one update, shared out to the objects: leaves below one node ask together where there are more. Each takes
- * some microseconds. */
+/* Searches of one update, shared out to the objects: leaves below one node ask together where there are more. Each
+ * takes some microseconds. */
 enum { MOST_SEARCHES = 2048, LEAST_SEARCHES = 6 };
 
 /* Cosine between normals that face the same way. */

@@ -1,7 +1,7 @@
 /* Under a budget: what objects that came, or are shown again, are lit by until their own rows are built.
  *
- * Their leaves borrow the row of the nearest leaf that faces the same way. It is a closed row like any, so that all that is
- * certified of rows that wait holds of it; it is marked (GI_ROW_OPEN) to be built whatever else changes.
+ * Their leaves borrow the row of the nearest leaf that faces the same way. It is a closed row like any, so that all
+ * that is certified of rows that wait holds of it; it is marked (GI_ROW_OPEN) to be built whatever else changes.
  */
 #ifndef GI_LOANS_H
 #define GI_LOANS_H

@@ -1,5 +1,5 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU and
- * without a word about any context but what its renderer holds: several threads may build objects at once.
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU
+ * and without a word about any context but what its renderer holds: several threads may build objects at once.
  */
 #include "context.h"
 #include "duplicates.h"
@@ -447,8 +447,8 @@ static bool can_hold(const object_builder *b, double leaves)
 	return !b->gi || rows_can_hold(b->gi, (uint64_t)leaves, 1);
 }
 
-static gi_result refine_levels(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-			       gi_refined *refined)
+static gi_result refine_levels(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage,
+			       const char *name, gi_refined *refined)
 {
 	const gi_log *log = b->log;
 	char message[256];
@@ -496,8 +496,8 @@ double scene_rounded_size(double size)
 	return ceil(size / unit) * unit;
 }
 
-static gi_result split_faces(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-			     gi_refined *refined)
+static gi_result split_faces(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage,
+			     const char *name, gi_refined *refined)
 {
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";

@@ -162,7 +162,8 @@ gi_result rows_allocate_tables(gi_context *gi)
 	if (!result)
 		result = gpu_buffer_renew(g, &r->headers, GI_BIND_ROWS, sizeof(gi_uvec4) * leaves, NULL);
 	if (!result)
-		result = gpu_buffer_renew(g, &r->touched, GI_BIND_TOUCHED, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves, NULL);
+		result = gpu_buffer_renew(g, &r->touched, GI_BIND_TOUCHED, sizeof(uint32_t) * GI_TOUCHED_PARTS * leaves,
+					  NULL);
 	if (!result)
 		clear_rows(gi);
 	return result;
@@ -457,13 +458,15 @@ static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
 	return ok;
 }
 
-/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was swept. */
+/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was
+ * swept. */
 static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
 	gpu_buffer *buffer = &gi->rows.suspects;
 	slot_list list = {0};
-	bool ok = list_movers(gi, &list);
+	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
+	bool ok = !wanted || list_movers(gi, &list);
 	p->movers = list.count;
 	for (uint32_t k = 0; ok && k < p->movers; k++) {
 		gi_object_data *data = &s->object_data[list.slots[k]];
@@ -473,7 +476,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		p->several = p->several || data->extra.x - data->bvh.w > 1;
 	}
 	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
-	ok = ok && list_swept(gi, &list, p);
+	ok = ok && (!wanted || list_swept(gi, &list, p));
 	p->several = p->several || p->swept > 1;
 	gi_result result = GI_OK;
 	const uint64_t bytes = sizeof *list.slots * list.count;
@@ -626,17 +629,41 @@ static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
-/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and mover. Rows of
- * several times the mean length are seen. */
+static uint32_t count_neighbours(const gi_scene *s, uint32_t mover)
+{
+	uint32_t count = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		count += slot != mover && s->slots[slot] != GI_NONE &&
+			 boxes_overlap(&s->objects[s->slots[mover]], &s->objects[s->slots[slot]]);
+	return count;
+}
+
+/* That a row may have (flag.comp): the movers and what went, or of a mover its neighbours. */
+static uint32_t count_suspects(const gi_context *gi)
+{
+	const gi_scene *s = &gi->scene;
+	uint32_t movers = 0, most = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		if (!o || !(o->moved || o->moved_update > gi->rows.current))
+			continue;
+		const uint32_t neighbours = count_neighbours(s, slot);
+		most = neighbours > most ? neighbours : most;
+		movers++;
+	}
+	return movers + 1 > most ? movers + 1 : most;
+}
+
+/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times
+ * the suspects. Rows of several times the mean length are seen. Objects must be where they are now. */
 static bool flagging_would_end_early(const gi_context *gi)
 {
 	static const double TURNS = 65535, LONGEST_ROW = 5;
 	const gi_scene *s = &gi->scene;
-	double movers = 0;
-	for (uint32_t k = 0; k < s->object_count; k++)
-		movers += s->objects[k].moved || s->objects[k].moved_update > gi->rows.current;
-	const double entries = s->leaf_count ? (double)gi->report.entries / s->leaf_count : 0;
-	return gi->gpu.software && LONGEST_ROW * entries * (movers + 1) > TURNS;
+	if (!gi->gpu.software || !s->leaf_count)
+		return false;
+	const double longest = LONGEST_ROW * (double)gi->report.entries / s->leaf_count;
+	return (longest + scene_source_count(s)) * count_suspects(gi) > TURNS;
 }
 
 static void trace(gi_context *gi)
@@ -654,13 +681,14 @@ static void trace(gi_context *gi)
 static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 {
 	gi_rows *r = &gi->rows;
-	r->rebuild = r->rebuild || flagging_would_end_early(gi);
 	p->part = !r->rebuild && !budget_is_exact(budget);
 	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
 	if (!result)
 		result = scene_upload_changes(gi);
 	if (result)
 		return result;
+	r->rebuild = r->rebuild || flagging_would_end_early(gi);
+	p->part = p->part && !r->rebuild;
 	number_changes(gi);
 	if (!plan_poses(gi, p) || (!p->part && !plan_cuts(gi, p)))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");

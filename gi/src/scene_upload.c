@@ -410,8 +410,8 @@ static void carry_part(const gpu *g, gpu_buffer *before, uint64_t from, gpu_buff
 	gpu_buffer_copy(g, before, vec * from, now, vec * to, vec * count);
 }
 
-/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once as
- * lie in a row in both, with the tops between them; new objects start from E (solver.c). */
+/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once
+ * as lie in a row in both, with the tops between them; new objects start from E (solver.c). */
 static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
 			    uint32_t old_count)
 {
@@ -424,14 +424,15 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 			const scene_object *also = &s->objects[old[next].index];
 			const uint32_t apart = also->node_base - o->node_base;
 			if (old[next].node_base - old[k].node_base != apart ||
-			    old[next].leaf_base != old[k].leaf_base + leaves || also->leaf_base != o->leaf_base + leaves)
+			    old[next].leaf_base != old[k].leaf_base + leaves ||
+			    also->leaf_base != o->leaf_base + leaves)
 				break;
 			nodes = (uint64_t)apart + also->hierarchy.node_count;
 			leaves += also->hierarchy.leaf_count;
 		}
 		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			carry_part(&gi->gpu, &before->radiosity, p * scene->node_count + old[k].node_base, &gi->solver.radiosity,
-				   p * s->node_count + o->node_base, nodes);
+			carry_part(&gi->gpu, &before->radiosity, p * scene->node_count + old[k].node_base,
+				   &gi->solver.radiosity, p * s->node_count + o->node_base, nodes);
 		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
 			const uint64_t p = leaf_parts[part];
 			carry_part(&gi->gpu, &before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
@@ -514,13 +515,18 @@ static gi_result check_sizes(gi_context *gi, const gathered *g)
 			   : "");
 }
 
-/* Are the static ones those of before, in the same order? */
+/* Are the static ones those of before, in the same order and below the same tops? One that was moved, and is to be
+ * static all the same, may leave the order as it is and the tree another. */
 static bool same_statics(const gi_scene *old, const gi_scene *now)
 {
 	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
 		return false;
 	for (uint32_t slot = 0; slot < old->first_source; slot++)
 		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	for (uint32_t k = 0; k < old->top_count; k++)
+		if (old->tops[k].first_slot != now->tops[k].first_slot ||
+		    old->tops[k].end_slot != now->tops[k].end_slot)
 			return false;
 	return true;
 }

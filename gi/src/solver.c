@@ -1,11 +1,11 @@
 /* The solve: Jacobi, or Chebyshev where that would be slow, from last frame's B until the certified bound meets the
  * tolerance; then the light of what is drawn.
  *
- * A sweep is gather (leaves; in single precision, or in double where that would not do), hand_over (to the nodes that links
- * lead to, those of leaves) and check, which chooses the next gather and ends the solve, on the GPU, by zeroing the group counts
- * of what is queued but not wanted: no read-back in the frame. After the last one pull gives all other nodes their area
- * means. Every sweep certifies its bound and leaves the light too, so that a solve may end with any: under a budget of
- * time it takes as many as fit, and the next update goes on from there.
+ * A sweep is gather (leaves; in single precision, or in double where that would not do), hand_over (to the nodes that
+ * links lead to, those of leaves) and check, which chooses the next gather and ends the solve, on the GPU, by zeroing
+ * the group counts of what is queued but not wanted: no read-back in the frame. After the last one pull gives all other
+ * nodes their area means. Every sweep certifies its bound and leaves the light too, so that a solve may end with any:
+ * under a budget of time it takes as many as fit, and the next update goes on from there.
  */
 #include "context.h"
 
@@ -15,9 +15,9 @@
 enum { CHECK_STAGE = 0, CHECK_MAX_SWEEPS = 1 };
 enum { STAGE_SWEPT = 0, STAGE_BEGIN = 1, STAGE_GO_ON = 2 };
 
-/* A cold start takes a step; one in the place of a warm start that was refused, the refused sweep too. Where to begin takes
- * a step to set, and where one sweep is all there is, that sweep. Coming back from steps that went astray takes the
- * place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
+/* A cold start takes a step; one in the place of a warm start that was refused, the refused sweep too. Where to begin
+ * takes a step to set, and where one sweep is all there is, that sweep. Coming back from steps that went astray takes
+ * the place of a sweep, but after the last: then it takes a step and a sweep to certify what came back. */
 enum { SPARE_SWEEPS = 6 };
 
 /* What begins a solve is weighed: the first sweep, the one behind the step of a cold start, and the one behind both. */
@@ -96,12 +96,12 @@ static void sweep(gi_context *gi, bool weigh)
 	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
-	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_PULL);
+	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
 	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
 }
 
-/* A software renderer has done all that was asked of it, so that to look costs nothing; what is queued and not wanted costs it some
- * microseconds a dispatch. */
+/* A software renderer has done all that was asked of it, so that to look costs nothing; what is queued and not wanted
+ * costs it some microseconds a dispatch. */
 static bool is_known_to_be_over(const gi_context *gi)
 {
 	uint32_t groups = 1;

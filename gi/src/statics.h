@@ -36,12 +36,12 @@ bool statics_hold(const gi_scene *scene, gi_mobility mobility);
 bool statics_build(gi_scene *scene, static_tree *out);
 void statics_free(static_tree *tree);
 
-/* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below them.
- * The others changed as of update `update`. */
+/* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below
+ * them. The others changed as of update `update`. */
 void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update);
 
-/* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. Of corners, x is
- * the top's id and y the update that last changed it, as scene->tops has it. */
+/* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. Of corners, x
+ * is the top's id and y the update that last changed it, as scene->tops has it. */
 bool statics_place(const static_tree *tree, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
 		   gi_node_topology *topology);
 

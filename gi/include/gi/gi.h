@@ -238,8 +238,8 @@ typedef struct gi_leaf_cut {
  * that faces a movable object has entries for it alone, so that it may move at the price of those.
  *
  * A static object may move, come, go, be hidden or relit all the same, which costs what a moving one costs; once it was
- * given another pose after a commit it is movable. The update after such a move, or after one was hidden or shown, commits
- * by itself: that takes time with the size of the scene. */
+ * given another pose after a commit it is movable. The update after such a move, or after one was hidden, shown or
+ * destroyed, commits by itself: that takes time with the size of the scene, and what gi_commit says holds of it. */
 typedef enum gi_mobility {
 	GI_MOBILITY_AUTOMATIC, /* static until it is first moved, where there are many objects (default) */
 	GI_MOBILITY_MOVABLE,
@@ -317,16 +317,16 @@ typedef struct gi_prepared_object gi_prepared_object;
  * They share nothing: what the definition points to is only read, so that several threads may be given the same one, and
  * is the caller's again when the call returns. Errors and messages as of gi_create_object, on the thread that calls, to
  * `message` with `user`; NULL: to stderr. On failure *out is NULL. The object belongs to no thread: one at a time may use it. */
-GI_API GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
 				   gi_prepared_object **out);
 
 /* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used. Takes
  * *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY where it has
  * more leaves than this context's renderer holds, which nobody knew before. */
-GI_API GI_API gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
+GI_API gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
 
 /* Of one that no context took; on any thread. NULL is fine. */
-GI_API GI_API void gi_free_prepared_object(gi_prepared_object *prepared);
+GI_API void gi_free_prepared_object(gi_prepared_object *prepared);
 
 /* How fine a whole scene is cut, where the host has no sizes of its own. */
 typedef struct gi_leaf_choice_def {
@@ -573,8 +573,8 @@ GI_API gi_view gi_view_default(void);
  * that is multisampled gets the same value in all samples of a pixel. */
 GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
 
-/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit; GI_ERROR_NOT_COMMITTED before
- * the first. All std430. */
+/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that commits by
+ * itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
 typedef struct gi_buffers {
 	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
 	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
