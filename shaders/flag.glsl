@@ -120,10 +120,9 @@ bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 	if (samples_of(entry) == 0u)
 		return false; // form factor zero
 	uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
-	bool blocker_moved = blocker != GI_BLOCKER_NONE && blocker != GI_BLOCKER_MIXED &&
-			     (w.moved ? blocker != w.mine : moved_since(blocker, w.since));
+	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
 	// Which ones hid it is not known.
-	if (blocker == GI_BLOCKER_MIXED)
-		blocker_moved = w.moved || was_crossed(w, p, entry.x);
+	if (!w.moved && blocker == GI_BLOCKER_MIXED)
+		blocker_moved = was_crossed(w, p, entry.x);
 	return blocker_moved || (visible != 0u && may_cross(w, p, entry.x));
 }

@@ -65,11 +65,12 @@ bool has_block(uvec2 block)
 	return block.y >> 24u != GI_BLOCK_NO_CLASS;
 }
 
-// An object that went is no blocker that could be asked for: such entries are retested whatever moves.
+// An object that went is no blocker that could be asked for: such entries are retested where something was. So are those that
+// static objects hid, where these are no longer the same.
 uint new_blocker(uint blocker)
 {
-	if (blocker >= GI_BLOCKER_MIXED)
-		return blocker;
+	if (blocker >= GI_BLOCKER_STATICS)
+		return blocker == GI_BLOCKER_STATICS && old_statics != GI_NONE ? GI_BLOCKER_MIXED : blocker;
 	uint now = load_move(blocker).now.x;
 	return now == GI_NONE ? GI_BLOCKER_MIXED : now;
 }
@@ -80,7 +81,7 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes, bool statics)
 	uint end = block.x + (block.y & GI_BLOCK_COUNT_MASK);
 	for (uint k = block.x; k < end; k++) {
 		uvec4 e = load_entry(k);
-		uint hidden_by = blockers != 0u ? new_blocker(e.z >> 16u) : e.z >> 16u;
+		uint hidden_by = blockers != 0u || old_statics != GI_NONE ? new_blocker(e.z >> 16u) : e.z >> 16u;
 		uint black = load_target(k) & GI_TARGET_BLACK, before = load_target(k) & ~GI_TARGET_BLACK;
 		uint node = e.x + nodes, target = before + nodes, gone = 0u;
 		if (statics) {
@@ -114,7 +115,7 @@ loss move_segments(uint leaf, gi_move mine)
 			continue;
 		}
 		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
-		if (to.z != 0u || mine.now.y != 0u || blockers != 0u || s == old_statics)
+		if (to.z != 0u || mine.now.y != 0u || blockers != 0u || old_statics != GI_NONE)
 			renumber_entries(segment.xy, leaf + mine.now.y, to.z, s == old_statics);
 	}
 	return went;

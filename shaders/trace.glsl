@@ -124,6 +124,15 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 	return sum > 0.0;
 }
 
+// Of samples that one blocker hides and one that another does. Static objects have the first slots.
+uint joined_blocker(uint blocker, uint by)
+{
+	if (blocker == GI_BLOCKER_NONE || blocker == by)
+		return by;
+	bool stay = by < frame.swept.z && (blocker < frame.swept.z || blocker == GI_BLOCKER_STATICS);
+	return stay ? GI_BLOCKER_STATICS : GI_BLOCKER_MIXED;
+}
+
 void main()
 {
 	uint t = thread_number();
@@ -175,7 +184,7 @@ void main()
 		if (by == GI_BLOCKER_NONE)
 			visible |= 1u << taken;
 		else
-			blocker = blocker == GI_BLOCKER_NONE || blocker == by ? by : GI_BLOCKER_MIXED;
+			blocker = joined_blocker(blocker, by);
 		taken++;
 		bool agree = visible == 0u || visible == (1u << taken) - 1u;
 		if (agree && taken == (emitter && visible == 0u ? min(wanted, HIDDEN_PROBES) : probes))
