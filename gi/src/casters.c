@@ -1,6 +1,7 @@
 #include "casters.h"
 
 #include "context.h"
+#include "frames.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -199,13 +200,6 @@ void casters_free(gi_context *gi, gi_casters *casters)
 
 /* ---- what can hide something ---- */
 
-gi_vec3d caster_to_world(const gi_object_data *d, gi_vec3d p)
-{
-	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w,
-			  gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w,
-			  gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w};
-}
-
 /* Corners of the rest box, in the world: a tighter hull than the world's box of a turned object. */
 static void place_box(const gi_object_data *d, gi_vec3d box[8])
 {
@@ -213,7 +207,7 @@ static void place_box(const gi_object_data *d, gi_vec3d box[8])
 	for (int k = 0; k < 8; k++) {
 		const gi_vec3d p = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1],
 				    k & 4 ? upper[2] : lower[2]};
-		box[k] = caster_to_world(d, p);
+		box[k] = gi_point_to_world(d, p);
 	}
 }
 
@@ -223,7 +217,7 @@ static bool hides_nothing(const gi_context *gi, const gi_casters *casters, uint3
 	const gi_object_data *d = &gi->scene.object_data[slot];
 	gi_vec3d c[4];
 	for (int k = 0; k < 4; k++)
-		c[k] = caster_to_world(d, gi_vec3d_load(w->corner[k]));
+		c[k] = gi_point_to_world(d, gi_vec3d_load(w->corner[k]));
 	const gi_vec3d normal = gi_vec3d_cross(gi_vec3d_sub(c[2], c[0]), gi_vec3d_sub(c[3], c[1]));
 	const double length = gi_vec3d_length(normal);
 	if (!(length > 0))
@@ -240,7 +234,7 @@ static bool hides_nothing(const gi_context *gi, const gi_casters *casters, uint3
 	const gi_caster *own = &casters->list[slot];
 	for (uint32_t k = 0; k < own->wall_count; k++)
 		for (int b = 0; b < 4; b++)
-			if (gi_vec3d_dot(normal, caster_to_world(d, gi_vec3d_load(own->walls[k].corner[b]))) - plane <
+			if (gi_vec3d_dot(normal, gi_point_to_world(d, gi_vec3d_load(own->walls[k].corner[b]))) - plane <
 			    slack)
 				return false;
 	return true;

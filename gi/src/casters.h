@@ -43,7 +43,4 @@ void casters_free(struct gi_context *gi, gi_casters *casters);
 /* Boxes, ranges and which walls hide, for the objects' poses. False when memory ran out. */
 bool casters_place(const struct gi_context *gi, gi_casters *casters);
 
-/* From the object's rest frame. */
-gi_vec3d caster_to_world(const gi_object_data *d, gi_vec3d p);
-
 #endif

@@ -1,5 +1,7 @@
 #include "lamp_view.h"
 
+#include "frames.h"
+
 #include <math.h>
 
 /* Where casters lie within these slopes to each side of a lamp's normal (63 degrees) maps are plain perspectives of
@@ -90,21 +92,15 @@ static gi_vec3d unit(gi_vec3d v)
 	return length > 0 ? gi_vec3d_scale(v, 1 / length) : (gi_vec3d){1, 0, 0};
 }
 
-static gi_vec3d turn(const gi_object_data *d, gi_vec3d p)
-{
-	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), p), gi_vec3d_dot(gi_vec3d_from(d->row1), p),
-			  gi_vec3d_dot(gi_vec3d_from(d->row2), p)};
-}
-
 static void place_frame(const gi_object_data *d, const lamp_polygon *p, lamp_view *l)
 {
 	const gi_vec3d offset = {d->row0.w, d->row1.w, d->row2.w};
 	l->origin = (gi_vec3d){0, 0, 0};
 	for (int k = 0; k < 4; k++) {
-		l->corner[k] = gi_vec3d_add(turn(d, gi_vec3d_load(p->corner[k])), offset);
+		l->corner[k] = gi_vec3d_add(gi_direction_to_world(d, gi_vec3d_load(p->corner[k])), offset);
 		l->origin = gi_vec3d_add(l->origin, gi_vec3d_scale(l->corner[k], 0.25));
 	}
-	l->z = unit(turn(d, gi_vec3d_load(p->normal)));
+	l->z = unit(gi_direction_to_world(d, gi_vec3d_load(p->normal)));
 	const gi_vec3d edge = gi_vec3d_sub(l->corner[1], l->corner[0]);
 	l->x = unit(gi_vec3d_sub(edge, gi_vec3d_scale(l->z, gi_vec3d_dot(edge, l->z))));
 	l->y = gi_vec3d_cross(l->z, l->x);

@@ -1,7 +1,7 @@
 #include "loans.h"
 
 #include "bits.h"
-#include "vec3d.h"
+#include "frames.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -109,14 +109,6 @@ static uint32_t lender(const gi_scene *s, gi_vec3d place, gi_vec3d normal)
 
 /* ---- the list ---- */
 
-static gi_vec3d in_world(const gi_object_data *d, gi_vec3d v, bool place)
-{
-	const double w = place ? 1 : 0;
-	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), v) + w * d->row0.w,
-			  gi_vec3d_dot(gi_vec3d_from(d->row1), v) + w * d->row1.w,
-			  gi_vec3d_dot(gi_vec3d_from(d->row2), v) + w * d->row2.w};
-}
-
 /* Nodes of at most so many leaves ask for all of them. Returns how many pairs there are. */
 static uint32_t list_object(const gi_scene *s, uint32_t slot, uint32_t searches, uint32_t *list)
 {
@@ -134,7 +126,7 @@ static uint32_t list_object(const gi_scene *s, uint32_t slot, uint32_t searches,
 		n = range.x;
 		const gi_node_geometry *g = &h->geometry[h->leaf_node[range.y + range.z / 2]];
 		const uint32_t from =
-		    lender(s, in_world(d, gi_vec3d_from(g->sphere), true), in_world(d, gi_vec3d_from(g->axis), false));
+		    lender(s, gi_point_to_world(d, gi_vec3d_from(g->sphere)), gi_direction_to_world(d, gi_vec3d_from(g->axis)));
 		for (uint32_t k = 0; from != GI_NONE && k < range.z; k++, count++) {
 			list[2 * count] = o->leaf_base + range.y + k;
 			list[2 * count + 1] = from;

@@ -6,10 +6,10 @@
  */
 #include "bits.h"
 #include "context.h"
+#include "frames.h"
 #include "pack.h"
 #include "rank.h"
 #include "statics.h"
-#include "vec3d.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -357,11 +357,8 @@ static void place_vertices(gathered *g)
 	for (uint32_t slot = 0; slot < g->next.slot_count; slot++) {
 		const gi_object_data *d = &g->next.object_data[slot];
 		for (uint32_t k = d->extra.y; k < d->extra.z; k++) {
-			const gi_vec3d p = gi_vec3d_from(g->vertices[k]);
-			g->vertices_world[k] =
-			    (gi_vec4){(float)(gi_vec3d_dot(gi_vec3d_from(d->row0), p) + d->row0.w),
-				      (float)(gi_vec3d_dot(gi_vec3d_from(d->row1), p) + d->row1.w),
-				      (float)(gi_vec3d_dot(gi_vec3d_from(d->row2), p) + d->row2.w), 0};
+			const gi_vec3d p = gi_point_to_world(d, gi_vec3d_from(g->vertices[k]));
+			g->vertices_world[k] = (gi_vec4){(float)p.x, (float)p.y, (float)p.z, 0};
 		}
 	}
 }

@@ -1,6 +1,7 @@
 #include "shadow.h"
 
 #include "context.h"
+#include "frames.h"
 #include "lamp_view.h"
 
 #include <math.h>
@@ -93,7 +94,7 @@ static void mask_caster(const gi_caster *c, const gi_object_data *d, const lamp_
 	for (uint32_t k = 0; k < c->sphere_count && !c->wall_count; k++) {
 		const gi_vec4 s = c->spheres[k];
 		occluder_box box = no_box();
-		grow_box(&box, lamp_view_point(view, caster_to_world(d, gi_vec3d_from(s))), s.w);
+		grow_box(&box, lamp_view_point(view, gi_point_to_world(d, gi_vec3d_from(s))), s.w);
 		occluder_mask_add(mask, &box);
 	}
 	for (uint32_t k = 0; k < c->wall_count; k++) {
@@ -101,7 +102,7 @@ static void mask_caster(const gi_caster *c, const gi_object_data *d, const lamp_
 			continue;
 		occluder_box box = no_box();
 		for (int b = 0; b < 4; b++)
-			grow_box(&box, lamp_view_point(view, caster_to_world(d, gi_vec3d_load(c->walls[k].corner[b]))),
+			grow_box(&box, lamp_view_point(view, gi_point_to_world(d, gi_vec3d_load(c->walls[k].corner[b]))),
 				 0);
 		occluder_mask_add(mask, &box);
 	}
@@ -289,7 +290,7 @@ static void add_hidden(const gi_caster *c, const gi_object_data *d, const gi_lam
 		       const float clip_from_world[16], const uint32_t size[2], screen_rect *rect)
 {
 	for (uint32_t k = 0; k < c->sphere_count; k++) {
-		const gi_vec3d p = caster_to_world(d, gi_vec3d_from(c->spheres[k]));
+		const gi_vec3d p = gi_point_to_world(d, gi_vec3d_from(c->spheres[k]));
 		const double radius = (double)c->spheres[k].w + c->off;
 		const gi_vec3d q = {gi_vec3d_dot(gi_vec3d_from(l->frame_x), p) + l->frame_x.w,
 				    gi_vec3d_dot(gi_vec3d_from(l->frame_y), p) + l->frame_y.w,

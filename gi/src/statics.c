@@ -1,7 +1,7 @@
 #include "statics.h"
 
 #include "cells.h"
-#include "vec3d.h"
+#include "frames.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -165,21 +165,14 @@ static void turn_spread(const double m[3][3], const gi_node_spread *s, double ou
 	}
 }
 
-static gi_vec3d turned(const gi_object_data *d, gi_vec3d v)
-{
-	return (gi_vec3d){gi_vec3d_dot(gi_vec3d_from(d->row0), v), gi_vec3d_dot(gi_vec3d_from(d->row1), v),
-			  gi_vec3d_dot(gi_vec3d_from(d->row2), v)};
-}
-
 static sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
 		      const gi_node_topology *t)
 {
 	const double m[3][3] = {
 	    {d->row0.x, d->row0.y, d->row0.z}, {d->row1.x, d->row1.y, d->row1.z}, {d->row2.x, d->row2.y, d->row2.z}};
-	const gi_vec3d centre = turned(d, gi_vec3d_from(g->sphere));
-	sum s = {.centre = {centre.x + d->row0.w, centre.y + d->row1.w, centre.z + d->row2.w},
-		 .moment = turned(d, gi_vec3d_from(g->moment)),
-		 .axis = turned(d, gi_vec3d_from(g->axis)),
+	sum s = {.centre = gi_point_to_world(d, gi_vec3d_from(g->sphere)),
+		 .moment = gi_direction_to_world(d, gi_vec3d_from(g->moment)),
+		 .axis = gi_direction_to_world(d, gi_vec3d_from(g->axis)),
 		 .radius = g->sphere.w,
 		 .area = g->moment.w,
 		 .shape = (double)spread->mixed.w * g->moment.w,
