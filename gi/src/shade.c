@@ -10,6 +10,9 @@
  *
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
+#include "shade.h"
+
+#include "binding.h"
 #include "context.h"
 #include "memory.h"
 #include "overlay.h"
@@ -400,8 +403,8 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 		return result;
 	gpu_draw_state state;
 	gpu_draw_begin(&gi->gpu, &state);
-	scene_bind(gi);
-	solver_bind(gi);
+	bind_scene(gi);
+	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
 		result = shadow_update(gi, &gi->shade->shadow);
 	if (!result)
@@ -418,7 +421,7 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
-	if (gi_check_current(gi, "gi_draw"))
+	if (gpu_check_current(&gi->gpu, "gi_draw"))
 		return GI_ERROR_WRONG_CONTEXT;
 	if (!gpu_host_is_complete(&gi->gpu))
 		return gi_fail(&gi->gpu.log, GI_ERROR_FRAMEBUFFER,
