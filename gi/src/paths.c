@@ -94,9 +94,9 @@ static gi_result make_paths(gi_context *gi)
 	sobol_directions(directions);
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, sizeof directions, directions);
+		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->going, sizeof(uint32_t), NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -206,7 +206,8 @@ static gi_result upload_lights(gi_context *gi, path_scene *out)
 	lights l;
 	gi_result result = GI_OK;
 	if (find_lights(&gi->scene, &l))
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, sizeof(gi_uvec4) * 3 * l.count, l.triangles);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+					     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	out->light_count = l.count;
@@ -313,7 +314,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
 	if (!result && gi->paths->slots.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, "paths: slots", bytes, NULL);
 	if (result)
 		return result;
 	gi_path_slot *slots = gi_malloc(bytes);
