@@ -157,11 +157,6 @@ typedef struct scene_object_def {
 } scene_object_def;
 bool scene_add_object(scene_loader *loader, const scene_object_def *def, engine_mesh *mesh);
 
-/* Places all objects once they and the animations are there: moves a scene that is far from the origin, finds the
- * poses at rest and what animation does to them, drops objects that have none. False: out of memory (reported).
- */
-bool scene_settle_objects(scene_loader *loader);
-
 typedef enum scene_pose_result {
 	SCENE_POSE_OK,
 	SCENE_POSE_SINGULAR,

@@ -5,6 +5,7 @@
 #include "scene_obj.h"
 #include "scene_path.h"
 #include "scene_ply.h"
+#include "scene_settle.h"
 
 #include <stdio.h>
 #include <stdlib.h>
