@@ -209,6 +209,7 @@ struct gi_context {
 		uint32_t dispatches;
 		uint64_t uploaded_bytes;
 		float update_ms;
+		float commit_ms;      /* of that: a commit in the update, for a static object that moved or was hidden */
 		uint32_t rows_update; /* number of the rows' update that it ended with */
 		bool rebuilt;         /* which built all of them */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
@@ -347,6 +348,8 @@ bool budget_is_exact(const gi_budget *budget);
 gi_result budget_check(const gi_context *gi, const gi_budget *budget);
 /* Programs and buffers, where they are not there yet. */
 gi_result budget_allocate(gi_context *gi);
+/* What is left of it where `ms` were taken already: of time all but those, though a tenth at least. */
+gi_budget budget_less(const gi_budget *budget, float ms);
 /* Of the frame: limit, and of rations the rows to assess. */
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
 /* Is time what a solve is given, and not as many sweeps as it needs? */
