@@ -16,6 +16,8 @@
  * A budget of time is shared out to what updates before were seen to take: a solve and rows to assess get their shares
  * of it, but a sweep and LEAST_ROWS at least, and rays what is left.
  */
+#include "budget.h"
+
 #include "bits.h"
 #include "context.h"
 
@@ -61,16 +63,17 @@ gi_result budget_allocate(gi_context *gi)
 	const uint64_t leaves = gi->scene.leaf_count, slots = gi->scene.slot_count;
 	const struct {
 		gpu_buffer *buffer;
+		const char *label;
 		uint64_t bytes;
-	} sizes[] = {{&r->choices, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-		     {&r->pending, sizeof(gi_pending) * leaves},
-		     {&r->shine, sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	} sizes[] = {{&r->choices, "choices", sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+		     {&r->pending, "pending", sizeof(gi_pending) * leaves},
+		     {&r->shine, "shine", sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
 		if (buffer->name && buffer->size >= sizes[k].bytes)
 			continue;
-		result = gpu_buffer_allocate(g, buffer, sizes[k].bytes, NULL);
+		result = gpu_buffer_allocate(g, buffer, sizes[k].label, sizes[k].bytes, NULL);
 		if (!result)
 			gpu_buffer_clear(&gi->gpu, buffer, 0, buffer->size, 0); /* no row was assessed */
 	}
@@ -229,14 +232,6 @@ void budget_bound(gi_context *gi)
 	}
 }
 
-void budget_bind(const gi_context *gi)
-{
-	const gi_rations *r = &gi->rations;
-	gpu_bind(&gi->gpu, GI_BIND_CHOICES, &r->choices);
-	gpu_bind(&gi->gpu, GI_BIND_PENDING, &r->pending);
-	gpu_bind(&gi->gpu, GI_BIND_SHINE, &r->shine);
-}
-
 void budget_free(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
@@ -248,4 +243,5 @@ void budget_free(gi_context *gi)
 				&r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
+	gpu_timer_free(&gi->gpu, &r->assess_timer);
 }

@@ -1,19 +1,13 @@
 /* A frame: what changed, rows and solve issued, reports taken in when the GPU is done with them. */
 #include "bits.h"
 #include "clock.h"
+#include "commit.h"
 #include "context.h"
+#include "emitters.h"
+#include "memory.h"
 
 #include <math.h>
 #include <string.h>
-
-/* What is told of the first rows: the passes of an exact update come before this one. */
-static const uint32_t LIGHT_STEPS = GI_PASS_ESTIMATE;
-
-void frame_progress(const gi_context *gi, gi_pass pass)
-{
-	if (!gi->rows.fitted)
-		gi_progress(&gi->gpu.log, (uint32_t)pass, LIGHT_STEPS, "first light: %s", gi_pass_name(pass));
-}
 
 static gi_outcome outcome_of(const uint32_t *state)
 {
@@ -153,25 +147,35 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed;
+	c->light = c->light || gi->solve_changed || gi->light_changed;
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
 	/* Bounds of rows that wait were made with the materials of before. */
 	const bool waiting = gi->rows.current < gi->rows.update;
 	/* Another emitter may change how fine others are cut. */
-	const gi_result result = scene_weigh_emitters(gi);
+	const gi_result result = emitters_weigh(gi);
 	c->rows = waiting || changed_objects(gi).rows;
 	return result;
 }
 
 static void changes_done(gi_context *gi)
 {
-	gi->solve_changed = false;
+	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
 		o->moved = o->relit = o->material_changed = o->arrives = false;
 	}
+}
+
+/* Pictures and chances of leaves are made of the objects that are seen. */
+static void forget_what_was_shown(gi_context *gi)
+{
+	if (!gi->scene.shown_changed)
+		return;
+	shade_invalidate(gi);
+	estimate_invalidate(gi);
+	gi->scene.shown_changed = false;
 }
 
 /* A step of rows and solve; queues its report. */
@@ -179,14 +183,18 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
 	gi->gpu.tag = gi->frame_number;
-	if (c.rows)
+	if (c.rows) {
 		result = rows_update(gi, budget);
-	else if (c.light)
+		forget_what_was_shown(gi);
+	} else if (c.light) {
 		result = rows_relight(gi);
-	else
+	} else {
 		rows_clear_counts(gi);
+	}
 	if (result)
 		return result;
+	if (c.rows)
+		gi->rations.in_force = gi->frame.update.w & GI_UPDATE_PART;
 	solver_update(gi, c.rows || c.light, budget);
 	if (gi->rations.in_force)
 		budget_bound(gi);
@@ -256,7 +264,7 @@ static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_
 	if (!gi->scene.regroup)
 		return GI_OK;
 	const double began = gi_clock_ms();
-	const gi_result result = gi_take_in(gi);
+	const gi_result result = commit_objects(gi);
 	*commit_ms = (float)(gi_clock_ms() - began);
 	if (*budget) {
 		*left = budget_less(*budget, *commit_ms);
@@ -265,16 +273,8 @@ static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_
 	return result;
 }
 
-gi_result gi_update(gi_context *gi, const gi_budget *budget)
+static gi_result update(gi_context *gi, const gi_budget *budget)
 {
-	if (!gi)
-		return gi_fail_null(gi, "");
-	if (budget_check(gi, budget))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (gi_check_current(gi, "gi_update"))
-		return GI_ERROR_WRONG_CONTEXT;
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
@@ -299,7 +299,7 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	if (!result && first) {
 		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for.
 		 */
-		gi_progress(&gi->gpu.log, LIGHT_STEPS, LIGHT_STEPS, "first light: waiting for the GPU");
+		gi_progress(&gi->gpu.log, ROWS_FIRST_STEPS, ROWS_FIRST_STEPS, "first light: waiting for the GPU");
 		collect_reports(gi, true);
 		result = grow_until_it_fits(gi);
 		gi->rows.fitted = true;
@@ -307,6 +307,24 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	note_issued(gi, began);
 	if (gi->report.outcome == GI_OUTCOME_AT_REST)
 		gi->report.update_ms = (float)(gi_clock_ms() - began);
+	return result;
+}
+
+gi_result gi_update(gi_context *gi, const gi_budget *budget)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (budget_check(gi, budget))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (gpu_check_current(&gi->gpu, "gi_update"))
+		return GI_ERROR_WRONG_CONTEXT;
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_update");
+	const gi_result result = update(gi, budget);
+	gpu_group_end(&gi->gpu);
+	gi_memory_from(before);
 	return result;
 }
 
@@ -326,18 +344,21 @@ gi_result gi_finish(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_finish"))
+	if (gpu_check_current(&gi->gpu, "gi_finish"))
 		return GI_ERROR_WRONG_CONTEXT;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gpu_finish(&gi->gpu);
 	collect_reports(gi, true);
-	return grow_until_it_fits(gi);
+	const gi_result result = grow_until_it_fits(gi);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_report(gi_context *gi, gi_report *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_report: out");
-	if (gi_check_current(gi, "gi_get_report"))
+	if (gpu_check_current(&gi->gpu, "gi_get_report"))
 		return GI_ERROR_WRONG_CONTEXT;
 	collect_reports(gi, false);
 	*out = gi->report;

@@ -1,33 +1,17 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
+#include "commit.h"
 #include "context.h"
+#include "handles.h"
+#include "programs.h"
+#include "memory.h"
+#include "sky.h"
 #include "statics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
-
-uint32_t gi_version(void)
-{
-	return GI_VERSION;
-}
-
-const char *gi_result_text(gi_result result)
-{
-#define GI_RESULT_TEXT(name, text) text,
-	static const char *const texts[] = {GI_RESULTS(GI_RESULT_TEXT)};
-#undef GI_RESULT_TEXT
-	return (unsigned)result < GI_RESULT_COUNT ? texts[result] : "unknown result";
-}
-
-const char *gi_pass_name(gi_pass pass)
-{
-	static const char *const names[] = {"pose",  "choose", "cut",   "factor",   "flag",   "trace",
-					    "close", "solve",  "light", "estimate", "shadow", "draw"};
-	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
-}
 
 gi_context_def gi_context_def_default(void)
 {
@@ -59,41 +43,20 @@ gi_pose gi_pose_identity(void)
 	return (gi_pose){.rotation = {0, 0, 0, 1}};
 }
 
-/* A pointer that has to be there is not. Without a context there is no callback: stderr gets the line. */
-gi_result gi_fail_null(const gi_context *gi, const char *what)
-{
-	static const gi_log no_log;
-	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL",
-		       gi ? what : "the context");
-}
-
-gi_result gi_check_current(const gi_context *gi, const char *function)
-{
-	if (gpu_is_current(&gi->gpu))
-		return GI_OK;
-	return gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
-		       "%s: make the OpenGL context current on this thread that was current in gi_context_create",
-		       function);
-}
-
 /* ---- context ---- */
 
-static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t max_sweeps)
+static gi_result check_solve(const gi_log *log, const gi_context_def *def)
 {
-	if (!(solve_tolerance > 0.0f && solve_tolerance <= 1.0f))
+	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
-			       (double)solve_tolerance);
-	if (max_sweeps < 1 || max_sweeps > 1000)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", max_sweeps);
+			       (double)def->solve_tolerance);
+	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
 	return GI_OK;
 }
 
-static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
+static gi_result check_rows(const gi_log *log, const gi_context_def *def)
 {
-	if (def->internal != CONTEXT_COOKIE)
-		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
-	if (!def->get_proc_address)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
 	if (!(def->row_tolerance > 1e-6f && def->row_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "row_tolerance %g is outside (1e-6, 1]",
 			       (double)def->row_tolerance);
@@ -105,61 +68,61 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
-	if (check_solve(log, def->solve_tolerance, def->max_sweeps))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (def->pixel_lamps > GI_LAMP_MAX)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
-			       GI_LAMP_MAX);
-	if (def->estimate_leaves > 65536)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
-			       def->estimate_leaves);
+	return GI_OK;
+}
+
+static gi_result check_sky(const gi_log *log, const gi_context_def *def)
+{
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
-		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= SCENE_MAX_EXITANCE))
+		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= MATERIAL_MAX_EXITANCE))
 			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance is outside [0, 1e12] W/m2");
 	return GI_OK;
 }
 
-/* The programs that every frame takes; others are compiled when first wanted. */
-enum { FRAME_PROGRAMS = ROWS_PROGRAMS + SOLVER_PROGRAMS };
-
-static void frame_programs(gi_context *gi, gpu_program_file list[FRAME_PROGRAMS])
+static gi_result check_lamps(const gi_log *log, const gi_context_def *def)
 {
-	rows_programs(&gi->rows, list);
-	solver_programs(&gi->solver, list + ROWS_PROGRAMS);
+	if (def->pixel_lamps > GI_LAMP_MAX)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
+			       GI_LAMP_MAX);
+	return GI_OK;
 }
 
-static gi_result begin_programs(gi_context *gi)
+static gi_result check_estimate(const gi_log *log, const gi_context_def *def)
 {
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	return gpu_programs_begin(&gi->gpu, list, FRAME_PROGRAMS);
+	if (def->estimate_leaves > 65536)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
+			       def->estimate_leaves);
+	return GI_OK;
 }
 
-static gi_result end_programs(gi_context *gi)
+static bool allocator_is_whole(const gi_allocator *a)
 {
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	const gi_result result = gi->compiled ? GI_OK : gpu_programs_end(&gi->gpu, list, FRAME_PROGRAMS);
-	gi->compiled = !result;
-	return result;
+	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
 }
 
-static void free_programs(gi_context *gi)
+static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	gpu_programs_free(&gi->gpu, list, FRAME_PROGRAMS);
+	if (def->internal != CONTEXT_COOKIE)
+		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
+	if (!def->get_proc_address)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
+	if (!allocator_is_whole(&def->allocator))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const bool right = !check_rows(log, def) && !check_solve(log, def) && !check_lamps(log, def) &&
+			   !check_estimate(log, def) && !check_sky(log, def);
+	return right ? GI_OK : GI_ERROR_INVALID_ARGUMENT;
 }
 
 static gi_result start_context(gi_context *gi)
 {
 	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
-		result = begin_programs(gi);
+		result = programs_begin(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WORDS, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS,
+					     NULL);
 	if (!result)
 		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
 	if (!result)
@@ -175,12 +138,34 @@ static gi_result copy_texts(gi_context *gi, const gi_context_def *def)
 	if (!def->shader_directory)
 		return GI_OK;
 	const size_t size = strlen(def->shader_directory) + 1;
-	gi->gpu.shader_directory = malloc(size);
+	gi->gpu.shader_directory = gi_malloc(size);
 	if (!gi->gpu.shader_directory)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	memcpy(gi->gpu.shader_directory, def->shader_directory, size);
 	gi->def.shader_directory = gi->gpu.shader_directory;
 	return GI_OK;
+}
+
+static gi_result create_context(const gi_log *log, const gi_context_def *def, gi_context **out)
+{
+	gi_context *gi = gi_calloc(1, sizeof *gi);
+	if (!gi)
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	static uint32_t contexts;
+	gi->number = GI_COUNT_UP(&contexts);
+	gi->def = *def;
+	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
+	for (int k = 0; k < GI_PASS_COUNT; k++)
+		gi->timers[k].name = gi_pass_name((gi_pass)k);
+	gi->rations.assess_timer.name = "assess";
+	gi_result result = copy_texts(gi, def);
+	if (!result)
+		result = start_context(gi);
+	if (result)
+		gi_context_destroy(gi);
+	else
+		*out = gi;
+	return result;
 }
 
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
@@ -194,22 +179,10 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	gi_result result = check_context_def(&log, def);
 	if (result)
 		return result;
-	gi_context *gi = calloc(1, sizeof *gi);
-	if (!gi)
-		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	static uint32_t contexts;
-	gi->number = GI_COUNT_UP(&contexts);
-	gi->def = *def;
-	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
-	result = copy_texts(gi, def);
-	if (!result)
-		result = start_context(gi);
-	if (result) {
-		gi_context_destroy(gi);
-		return result;
-	}
-	*out = gi;
-	return GI_OK;
+	const gi_allocator *before = gi_memory_from(&def->allocator);
+	result = create_context(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 void gi_context_destroy(gi_context *gi)
@@ -230,15 +203,14 @@ void gi_context_destroy(gi_context *gi)
 	rows_free(gi);
 	budget_free(gi);
 	solver_release(gi, &gi->solver);
-	free_programs(gi);
+	programs_free(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	gpu_spares_free(&gi->gpu);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
-	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
 	gpu_close(&gi->gpu);
-	free(gi);
+	gi_free(gi);
 }
 
 gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out)
@@ -253,12 +225,77 @@ gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweep
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (check_solve(&gi->gpu.log, solve_tolerance, max_sweeps))
+	gi_context_def def = gi->def;
+	def.solve_tolerance = solve_tolerance;
+	def.max_sweeps = max_sweeps;
+	if (check_solve(&gi->gpu.log, &def))
 		return GI_ERROR_INVALID_ARGUMENT;
 	gi->solve_changed =
 	    gi->solve_changed || solve_tolerance != gi->def.solve_tolerance || max_sweeps != gi->def.max_sweeps;
-	gi->def.solve_tolerance = solve_tolerance;
-	gi->def.max_sweeps = max_sweeps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3])
+{
+	if (!gi || !exitance)
+		return gi_fail_null(gi, "gi_set_sky: exitance");
+	gi_context_def def = gi->def;
+	def.sky = sky;
+	memcpy(def.sky_exitance, exitance, sizeof def.sky_exitance);
+	if (check_sky(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	const bool seen = gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
+	const bool changed = memcmp(def.sky_exitance, gi->def.sky_exitance, sizeof def.sky_exitance) != 0;
+	gi->light_changed = gi->light_changed || (seen && changed);
+	gi->rows.rebuild = gi->rows.rebuild || (seen && sky_is_lit(&def) != sky_is_lit(&gi->def));
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
+		      uint32_t near_samples)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.row_tolerance = row_tolerance;
+	def.emitter_refinement = emitter_refinement;
+	def.emitter_samples = emitter_samples;
+	def.near_samples = near_samples;
+	if (check_rows(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (row_tolerance == gi->def.row_tolerance && emitter_refinement == gi->def.emitter_refinement &&
+	    emitter_samples == gi->def.emitter_samples && near_samples == gi->def.near_samples)
+		return GI_OK;
+	gi->def = def;
+	gi->light_changed = gi->rows.rebuild = true;
+	gi->rows.fitted = false; /* how large they are is not known */
+	return GI_OK;
+}
+
+gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.pixel_lamps = pixel_lamps;
+	if (check_lamps(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->light_changed = gi->light_changed || pixel_lamps != gi->def.pixel_lamps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.estimate_leaves = estimate_leaves;
+	if (check_estimate(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->def = def;
 	return GI_OK;
 }
 
@@ -272,10 +309,14 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 		return gi_fail_null(gi, "gi_create_object: def and out");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_create_object(gi, def, out);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = handles_create(gi, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
-gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out)
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+			    const gi_allocator *allocator, gi_prepared_object **out)
 {
 	const gi_log log = {.message = message, .user = user};
 	if (out)
@@ -284,7 +325,12 @@ gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, vo
 		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_prepare_object: def and out must not be NULL");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_prepare_object(&log, def, out);
+	if (allocator && !allocator_is_whole(allocator))
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const gi_allocator *before = gi_memory_from(allocator);
+	const gi_result result = handles_prepare(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out)
@@ -293,7 +339,9 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 		*out = (gi_object){0};
 	if (!gi || !prepared || !*prepared || !out)
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
-	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = handles_create_prepared(gi, *prepared, out);
+	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
 	return result;
@@ -315,7 +363,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_destroy_object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
@@ -323,7 +371,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 	o->moved = o->relit = o->material_changed = true;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
-		scene_free_place(&gi->scene, o);
+		handles_free_place(&gi->scene, o);
 	return GI_OK;
 }
 
@@ -331,7 +379,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
@@ -348,7 +396,7 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_hidden: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_hidden");
 	*out = o->hidden;
@@ -357,17 +405,17 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 
 bool gi_object_is_valid(const gi_context *gi, gi_object object)
 {
-	return gi && scene_find(gi, object);
+	return gi && handles_find(gi, object);
 }
 
 gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
-	if (!scene_normalise_pose(&gi->gpu.log, &pose, o->name))
+	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	if (memcmp(&pose, &o->pose, sizeof pose) == 0)
 		return GI_OK;
@@ -383,7 +431,7 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_mobility");
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
@@ -397,7 +445,7 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_mobility: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_mobility");
 	*out = o->mobility;
@@ -408,7 +456,7 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_pose: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_pose");
 	*out = o->pose;
@@ -419,7 +467,7 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_material: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_material");
 	if (material >= o->material_count)
@@ -437,80 +485,20 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
-	if (!scene_material_is_valid(&gi->gpu.log, &value, o->name, material))
+	if (!material_is_valid(&gi->gpu.log, &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)
 		return GI_OK;
-	if (scene_emits(m) != scene_emits(&value) || reflects(m) != reflects(&value))
+	if (material_emits(m) != material_emits(&value) || reflects(m) != reflects(&value))
 		o->relit = true;
 	*m = value;
 	o->material_changed = true;
-	return GI_OK;
-}
-
-/* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
-static bool ranks_otherwise(scene_object *o)
-{
-	bool changed = false;
-	for (uint32_t m = 0; m < o->material_count; m++) {
-		changed = changed || o->emission[m].ranked != scene_emits(&o->materials[m]);
-		o->emission[m].ranked = scene_emits(&o->materials[m]);
-	}
-	return changed;
-}
-
-/* What the rows that were kept have not seen. Where they are made anew nothing is left to be seen. */
-static void note_changes(gi_context *gi)
-{
-	const bool kept = gi->rows.kept;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		const bool alive = scene_is_alive(o), came = alive && !o->committed;
-		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
-		o->was_grouped = o->grouped;
-		o->committed = alive;
-		o->arrives = kept && (o->arrives || came);
-		o->moved = kept && (o->moved || other || came);
-		o->relit = kept && (o->relit || other || came);
-		o->material_changed = kept && (o->material_changed || came);
-	}
-}
-
-static void forget_dead_objects(gi_context *gi)
-{
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		if (!(o->generation & 1) && o->committed)
-			scene_free_place(&gi->scene, o);
-	}
-}
-
-gi_result gi_take_in(gi_context *gi)
-{
-	gi_result result = end_programs(gi);
-	if (result)
-		return result;
-	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
-	result = scene_upload(gi);
-	if (result)
-		return result;
-	shade_invalidate(gi);
-	estimate_invalidate(gi);
-	gi->commit_frame = gi->frame_number;
-	if (!gi->rows.kept) {
-		gi->truncated = false;
-		gi->rows_frame = gi->frame_number;
-	}
-	forget_dead_objects(gi);
-	note_changes(gi);
-	gi->scene.regroup = false;
-	gi->scene.ever_committed = true;
 	return GI_OK;
 }
 
@@ -518,9 +506,14 @@ gi_result gi_commit(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_commit"))
+	if (gpu_check_current(&gi->gpu, "gi_commit"))
 		return GI_ERROR_WRONG_CONTEXT;
-	return gi_take_in(gi);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_commit");
+	const gi_result result = commit_objects(gi);
+	gpu_group_end(&gi->gpu);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)

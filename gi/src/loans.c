@@ -1,10 +1,11 @@
 #include "loans.h"
 
 #include "bits.h"
+#include "context.h"
 #include "frames.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Searches of one update, shared out to the objects: leaves below one node ask together where there are more. Each
  * takes some microseconds. */
@@ -16,7 +17,7 @@ static const double ALIKE = 0.5;
 static bool is_new(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].arrives &&
-	       scene_is_seen(&s->objects[s->slots[slot]]);
+	       object_is_seen(&s->objects[s->slots[slot]]);
 }
 
 /* ---- the nearest leaf ---- */
@@ -136,7 +137,7 @@ gi_result loans_find(gi_context *gi, loans *out)
 		}
 	if (!objects || leaves == s->leaf_count)
 		return GI_OK;
-	uint32_t *list = malloc(2 * sizeof *list * leaves);
+	uint32_t *list = gi_malloc(2 * sizeof *list * leaves);
 	if (!list)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const uint32_t share = MOST_SEARCHES / objects, searches = share > LEAST_SEARCHES ? share : LEAST_SEARCHES;
@@ -145,8 +146,8 @@ gi_result loans_find(gi_context *gi, loans *out)
 			out->count += list_object(s, slot, searches, list + 2 * (size_t)out->count);
 	gi_result result = GI_OK;
 	if (out->count)
-		result = gpu_buffer_allocate(&gi->gpu, &out->list, 2 * sizeof *list * out->count, list);
-	free(list);
+		result = gpu_buffer_allocate(&gi->gpu, &out->list, "loans", 2 * sizeof *list * out->count, list);
+	gi_free(list);
 	return result;
 }
 

@@ -1,54 +1,20 @@
 #include "rank.h"
 
 #include "bits.h"
+#include "memory.h"
 
 #include <stdlib.h>
 
 static bool emits(const scene_object *o, const gi_primitive *p)
 {
 	/* A primitive's leaves are of one material. */
-	return scene_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
+	return material_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
 }
 
 static int order(double a, double b)
 {
 	return (a > b) - (a < b);
 }
-
-/* ---- within an object ---- */
-
-typedef struct sized {
-	double size;
-	uint32_t number;
-} sized;
-
-static int compare_sizes(const void *left, const void *right)
-{
-	const sized *a = left, *b = right;
-	const int by_size = order(b->size, a->size);
-	return by_size ? by_size : order(a->number, b->number);
-}
-
-uint32_t *rank_by_size(const gi_bvh *bvh)
-{
-	const uint32_t count = bvh->primitive_count;
-	sized *list = malloc(sizeof *list * ((size_t)count + 1));
-	uint32_t *numbers = malloc(sizeof *numbers * ((size_t)count + 1));
-	for (uint32_t k = 0; list && k < count; k++)
-		list[k] = (sized){(double)bvh->primitives[k].c.w + bvh->primitives[k].d.w, k};
-	if (list)
-		qsort(list, count, sizeof *list, compare_sizes);
-	for (uint32_t k = 0; list && numbers && k < count; k++)
-		numbers[k] = list[k].number;
-	if (!list) {
-		free(numbers);
-		return NULL;
-	}
-	free(list);
-	return numbers;
-}
-
-/* ---- among objects ---- */
 
 typedef struct ranked {
 	scene_object *object;
@@ -73,7 +39,7 @@ static uint32_t collect(const gi_scene *s, ranked *list)
 		scene_object *o = &s->objects[s->slots[slot]];
 		bool lit = false;
 		for (uint32_t m = 0; m < o->material_count; m++)
-			lit = lit || scene_emits(&o->materials[m]);
+			lit = lit || material_emits(&o->materials[m]);
 		o->lowest_rank = GI_NONE;
 		list[count++] = (ranked){o, o->hierarchy.area, o->created, lit};
 	}
@@ -109,7 +75,7 @@ static uint32_t store_all(const ranked *r, bool lit, uint32_t rank, gi_primitive
 
 bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leaves)
 {
-	ranked *list = malloc(sizeof *list * ((size_t)s->slot_count + 1));
+	ranked *list = gi_malloc(sizeof *list * ((size_t)s->slot_count + 1));
 	if (!list)
 		return false;
 	const uint32_t count = collect(s, list);
@@ -118,6 +84,6 @@ bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leav
 	for (int lit = 0; lit < 2; lit++)
 		for (uint32_t k = 0; k < count; k++)
 			rank = store_all(&list[k], lit, rank, primitives, leaves);
-	free(list);
+	gi_free(list);
 	return true;
 }

@@ -1,14 +1,23 @@
 /* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
 #include "bits.h"
 #include "context.h"
+#include "handles.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+static void *allocate(const gi_context *gi, uint64_t bytes)
+{
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	void *memory = gi_calloc(1, bytes + 1);
+	gi_memory_from(before);
+	return memory;
+}
 
 static void *read_buffer(const gi_context *gi, const gpu_buffer *buffer, uint64_t bytes)
 {
-	void *data = malloc(bytes + 1);
+	void *data = allocate(gi, bytes);
 	if (data)
 		gpu_buffer_read(&gi->gpu, buffer, 0, bytes, data);
 	return data;
@@ -22,7 +31,7 @@ static gi_result begin_read(gi_context *gi, const char *function, const void *pl
 	if (!place)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "%s: the place for the result must not be NULL",
 			       function);
-	return gi_check_current(gi, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
+	return gpu_check_current(&gi->gpu, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
 }
 
 static gi_result no_memory(const gi_context *gi)
@@ -46,7 +55,7 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
 			 .row_sum = fabsf(gi_float_from_bits(a->headers[leaf].w)),
-			 .object = scene_handle(gi, index)};
+			 .object = handles_of(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
 	memcpy(out->rho, m->rho, sizeof out->rho);
@@ -74,8 +83,8 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 			leaves[leaf].irradiance[c] = (float)h[c];
 	}
 	const bool ok = b && links;
-	free(b);
-	free(links);
+	gi_free(b);
+	gi_free(links);
 	return ok ? GI_OK : no_memory(gi);
 }
 
@@ -108,9 +117,9 @@ gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uin
 		}
 		result = fill_irradiance(gi, leaves, wanted, a.headers);
 	}
-	free(a.vertices);
-	free(a.radiosity);
-	free(a.headers);
+	gi_free(a.vertices);
+	gi_free(a.radiosity);
+	gi_free(a.headers);
 	return result;
 }
 
@@ -163,8 +172,8 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 			(*count)++;
 		}
 	}
-	free(segment);
-	free(pool);
+	gi_free(segment);
+	gi_free(pool);
 	return result;
 }
 
@@ -193,8 +202,8 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 			leaf_range(s, out->node, &out->first_leaf, &out->leaf_count);
 		}
 	}
-	free(headers);
-	free(pool);
+	gi_free(headers);
+	gi_free(pool);
 	return result;
 }
 
@@ -218,15 +227,15 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 			sums[slot] += a * gi_float_from_bits(pool[2 * (header.x + l) + 1]);
 		}
 	}
-	free(headers);
-	free(pool);
-	free(leaves);
+	gi_free(headers);
+	gi_free(pool);
+	gi_free(leaves);
 	return ok ? GI_OK : no_memory(gi);
 }
 
 static bool is_known(const gi_context *gi, gi_object object)
 {
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	return o && o->committed;
 }
 
@@ -234,7 +243,7 @@ static bool is_known(const gi_context *gi, gi_object object)
 static double part_of(const gi_context *gi, const double *sums, gi_object to)
 {
 	if (to.index1 != 0)
-		return sums[scene_find(gi, to)->slot];
+		return sums[handles_find(gi, to)->slot];
 	double sum = 0;
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
 		sum += slot != gi->scene.sky_slot ? sums[slot] : 0;
@@ -254,13 +263,13 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 	if (!known)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
 			       "gi_form_factors: an object is stale or not committed");
-	double *sums = calloc(gi->scene.slot_count, sizeof *sums), area = 0;
+	double *sums = allocate(gi, sizeof *sums * gi->scene.slot_count), area = 0;
 	if (!sums)
 		return no_memory(gi);
-	result = sum_links(gi, scene_find(gi, from), sums, &area);
+	result = sum_links(gi, handles_find(gi, from), sums, &area);
 	for (uint32_t k = 0; !result && k < count; k++)
 		out[k] = part_of(gi, sums, to[k]) / area;
-	free(sums);
+	gi_free(sums);
 	return result;
 }
 

@@ -11,13 +11,18 @@
  * to each other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows
  * kept by updates are those of a rebuild, bit for bit.
  */
+#include "rows.h"
+
+#include "binding.h"
 #include "bits.h"
+#include "changes.h"
 #include "context.h"
 #include "loans.h"
+#include "memory.h"
+#include "sky.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps
@@ -44,7 +49,7 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 
 gi_result rows_init(gi_context *gi)
 {
-	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, sizeof(gi_frame), NULL);
+	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, "frame", sizeof(gi_frame), NULL);
 }
 
 /* Free lists of all classes of a pool together, in words. */
@@ -56,10 +61,10 @@ static uint64_t list_words(uint64_t limit)
 	return words;
 }
 
-static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
+static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, const char *label, uint64_t limit)
 {
 	const uint64_t list = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
-	return gpu_buffer_allocate(&gi->gpu, pool, sizeof(uint32_t) * (list + list_words(limit)), NULL);
+	return gpu_buffer_allocate(&gi->gpu, pool, label, sizeof(uint32_t) * (list + list_words(limit)), NULL);
 }
 
 static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
@@ -74,17 +79,17 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->entries, "entries", sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->targets, "targets", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->queue, "queue", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, 2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->links, "links", 2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, "free entries", r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, "free links", r->link_limit);
 	return result;
 }
 
@@ -117,21 +122,6 @@ static void clear_rows(gi_context *gi)
 uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
 {
 	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
-}
-
-/* Entries of a row that there must at least be room for, on average: any closed scene of some detail has more. A commit
- * that fails for lack of them fails before anything is built. */
-static const uint64_t LEAST_ENTRIES = 16;
-
-uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources)
-{
-	return sizeof(gi_uvec4) * leaves * (sources > LEAST_ENTRIES ? sources : LEAST_ENTRIES);
-}
-
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources)
-{
-	const uint64_t bytes = rows_table_bytes(leaves, sources);
-	return leaves <= GI_ENTRY_LEAF_MASK && bytes <= gpu_buffer_limit(&gi->gpu, bytes);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -238,7 +228,7 @@ static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
 {
 	if (at >= r->run_capacity) {
 		const uint32_t capacity = 2 * at + 64;
-		gi_uvec4 *grown = realloc(r->run_data, sizeof *grown * capacity);
+		gi_uvec4 *grown = gi_realloc(r->run_data, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		r->run_data = grown;
@@ -366,15 +356,11 @@ static bool boxes_overlap(const scene_object *a, const scene_object *b)
 	return true;
 }
 
-typedef struct slot_list {
-	uint32_t *slots, count, capacity;
-} slot_list;
-
-static bool append(slot_list *list, uint32_t slot)
+static bool append(gi_slot_list *list, uint32_t slot)
 {
 	if (list->count == list->capacity) {
 		const uint32_t capacity = 2 * list->capacity + 64;
-		uint32_t *grown = realloc(list->slots, sizeof *grown * capacity);
+		uint32_t *grown = gi_realloc(list->slots, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		list->slots = grown;
@@ -384,7 +370,7 @@ static bool append(slot_list *list, uint32_t slot)
 	return true;
 }
 
-static bool list_movers(const gi_context *gi, slot_list *list)
+static bool list_movers(const gi_context *gi, gi_slot_list *list)
 {
 	bool ok = true;
 	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++)
@@ -394,7 +380,7 @@ static bool list_movers(const gi_context *gi, slot_list *list)
 }
 
 /* Segments within a mover stay inside its box: only what is there too can hide them. */
-static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *list)
+static bool list_neighbours(const gi_context *gi, uint32_t mover, gi_slot_list *list)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -409,7 +395,7 @@ static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *lis
 enum { MOST_EMITTERS = 32 };
 
 /* Appends the emitting objects, [*first, *end); first > end: too many. */
-static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first, uint32_t *end)
+static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *first, uint32_t *end)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -424,7 +410,7 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 }
 
 /* As gi_shared.h says. */
-static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
+static bool append_swept(gi_slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
 {
 	uint32_t words[4 * GI_SWEPT_PARTS] = {change.x, change.y, change.z, change.w};
 	memcpy(words + 4, corners, sizeof *corners * (GI_SWEPT_PARTS - 1));
@@ -435,7 +421,7 @@ static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners
 }
 
 /* Where movers were and are, and what went. */
-static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
+static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_rows *r = &gi->rows;
@@ -448,7 +434,7 @@ static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
 		if (!o || !slot_moved(gi, slot))
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
-		scene_include_box(o, &corners[2], &corners[3]);
+		object_include_box(o, &corners[2], &corners[3]);
 		p->swept++;
 		ok = append_swept(list, (gi_uvec4){o->moved_update, slot, o->trails, 0}, corners);
 	}
@@ -464,7 +450,8 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
 	gpu_buffer *buffer = &gi->rows.suspects;
-	slot_list list = {0};
+	gi_slot_list list = gi->rows.suspect_list;
+	list.count = 0;
 	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
 	bool ok = !wanted || list_movers(gi, &list);
 	p->movers = list.count;
@@ -483,10 +470,10 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, "suspects", 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	free(list.slots);
+	gi->rows.suspect_list = list; /* its memory, for the next time */
 	return result;
 }
 
@@ -495,7 +482,7 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	gi_rows *r = &gi->rows;
 	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
 	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, bytes + bytes / 2, NULL);
+		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, "runs", bytes + bytes / 2, NULL);
 		if (result)
 			return result;
 	}
@@ -507,6 +494,8 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 
 static bool materials_changed(const gi_context *gi)
 {
+	if (gi->light_changed)
+		return true;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].material_changed || gi->scene.objects[k].relit)
 			return true;
@@ -545,8 +534,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_context_def *def = &gi->def;
-	const float *sky = def->sky_exitance;
-	const bool lit = sky[0] + sky[1] + sky[2] > 0;
+	const bool lit = sky_is_lit(def);
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
@@ -604,6 +592,12 @@ static void begin(gi_context *gi)
 	clear_rows(gi);
 }
 
+void rows_progress(const gi_context *gi, gi_pass pass)
+{
+	if (!gi->rows.fitted)
+		gi_progress(&gi->gpu.log, (uint32_t)pass, ROWS_FIRST_STEPS, "first light: %s", gi_pass_name(pass));
+}
+
 /* Stages of prepare.comp. */
 enum { AFTER_CUT = 0, AFTER_FLAG = 1, AFTER_CLOSE = 2, ROWS_LISTED = 3, AFTER_TRACE = 4 };
 
@@ -615,7 +609,7 @@ static void prepare(gi_context *gi, uint32_t stage)
 
 static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
 {
-	frame_progress(gi, pass);
+	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -623,7 +617,7 @@ static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_
 
 static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads)
 {
-	frame_progress(gi, pass);
+	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch(&gi->gpu, program, threads);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -670,7 +664,7 @@ static void trace(gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
 	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
-	frame_progress(gi, GI_PASS_TRACE);
+	rows_progress(gi, GI_PASS_TRACE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
 	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
 	if (gi->scene.statics_slot != GI_NONE)
@@ -684,7 +678,7 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	p->part = !r->rebuild && !budget_is_exact(budget);
 	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
 	if (!result)
-		result = scene_upload_changes(gi);
+		result = changes_upload(gi);
 	if (result)
 		return result;
 	r->rebuild = r->rebuild || flagging_would_end_early(gi);
@@ -720,7 +714,7 @@ static void cut(gi_context *gi, const plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	const uint32_t statics = gi->scene.statics_slot;
-	frame_progress(gi, GI_PASS_CUT);
+	rows_progress(gi, GI_PASS_CUT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 	cut_by(gi, p, r->cut_program);
 	if (!r->rebuild && statics != GI_NONE && slot_moved(gi, statics))
@@ -732,7 +726,7 @@ static void cut(gi_context *gi, const plan *p)
 static void flag(gi_context *gi, const plan *p)
 {
 	const gi_rows *r = &gi->rows;
-	frame_progress(gi, GI_PASS_FLAG);
+	rows_progress(gi, GI_PASS_FLAG);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 	if (!p->part) {
 		gpu_dispatch(&gi->gpu, r->concern_program, gi->scene.leaf_count);
@@ -765,9 +759,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (result)
 		return result;
 	upload_frame(gi, &p, budget);
-	scene_bind(gi);
-	rows_bind(gi);
-	solver_bind(gi);
+	bind_all(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
 	if (p.part) {
@@ -791,37 +783,17 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (!p.part)
 		r->current = r->update;
 	forget_trails(gi);
-	gi->rations.in_force = p.part;
 	return GI_OK;
 }
 
 gi_result rows_relight(gi_context *gi)
 {
-	const gi_result result = scene_upload_materials(gi);
+	const gi_result result = changes_upload_materials(gi);
 	if (result)
 		return result;
 	upload_frame(gi, &(plan){0}, NULL);
 	rows_clear_counts(gi);
 	return GI_OK;
-}
-
-void rows_bind(const gi_context *gi)
-{
-	const gi_rows *r = &gi->rows;
-	gpu_bind_uniforms(&gi->gpu, GI_BIND_FRAME, &r->frame);
-	gpu_bind(&gi->gpu, GI_BIND_SEGMENTS, &r->segments);
-	gpu_bind(&gi->gpu, GI_BIND_ENTRIES, &r->entries);
-	gpu_bind(&gi->gpu, GI_BIND_TARGETS, &r->targets);
-	gpu_bind(&gi->gpu, GI_BIND_ENTRY_POOL, &r->entry_pool);
-	gpu_bind(&gi->gpu, GI_BIND_QUEUE, &r->queue);
-	gpu_bind(&gi->gpu, GI_BIND_ROWS, &r->headers);
-	gpu_bind(&gi->gpu, GI_BIND_LINKS, &r->links);
-	gpu_bind(&gi->gpu, GI_BIND_LINK_POOL, &r->link_pool);
-	gpu_bind(&gi->gpu, GI_BIND_TOUCHED, &r->touched);
-	gpu_bind(&gi->gpu, GI_BIND_RUNS, &r->runs);
-	gpu_bind(&gi->gpu, GI_BIND_SUSPECTS, &r->suspects);
-	gpu_bind(&gi->gpu, GI_BIND_STATE, &gi->state);
-	budget_bind(gi);
 }
 
 /* The buffers that a commit makes anew; the frame's small ones stay. */
@@ -865,5 +837,6 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	free(r->run_data);
+	gi_free(r->run_data);
+	gi_free(r->suspect_list.slots);
 }

@@ -2,9 +2,9 @@
 
 #include "cells.h"
 #include "frames.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Far above those of objects' nodes. */
 static const uint32_t FIRST_TOP_ID = 0xC0000000u;
@@ -18,7 +18,7 @@ static bool are_many(const gi_scene *s)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		count += scene_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
+		count += object_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
 	return count >= GI_AUTOMATIC_OBJECTS;
 }
 
@@ -26,7 +26,7 @@ static uint32_t list_statics(const gi_scene *s, uint32_t *list)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
+		if (object_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
 			list[count++] = k;
 	return count;
 }
@@ -53,18 +53,18 @@ bool statics_build(gi_scene *s, static_tree *t)
 {
 	*t = (static_tree){0};
 	s->automatic_static = are_many(s);
-	uint32_t *list = calloc((size_t)s->object_count + 1, sizeof *list);
+	uint32_t *list = gi_calloc((size_t)s->object_count + 1, sizeof *list);
 	if (!list)
 		return false;
 	const uint32_t count = list_statics(s, list);
 	if (count < 2) {
-		free(list);
+		gi_free(list);
 		return true;
 	}
-	gi_vec4 *lower = calloc(count, sizeof *lower), *upper = calloc(count, sizeof *upper);
-	cells_node *cells = calloc(2 * (size_t)count, sizeof *cells);
-	t->nodes = calloc(2 * (size_t)count, sizeof *t->nodes);
-	t->objects = calloc(count, sizeof *t->objects);
+	gi_vec4 *lower = gi_calloc(count, sizeof *lower), *upper = gi_calloc(count, sizeof *upper);
+	cells_node *cells = gi_calloc(2 * (size_t)count, sizeof *cells);
+	t->nodes = gi_calloc(2 * (size_t)count, sizeof *t->nodes);
+	t->objects = gi_calloc(count, sizeof *t->objects);
 	bool ok = lower && upper && cells && t->nodes && t->objects;
 	for (uint32_t k = 0; ok && k < count; k++) {
 		lower[k] = s->objects[list[k]].world_lower;
@@ -78,17 +78,17 @@ bool statics_build(gi_scene *s, static_tree *t)
 			t->objects[k] = list[t->objects[k]];
 		number_nodes(s, cells, t);
 	}
-	free(list);
-	free(lower);
-	free(upper);
-	free(cells);
+	gi_free(list);
+	gi_free(lower);
+	gi_free(upper);
+	gi_free(cells);
 	return ok;
 }
 
 void statics_free(static_tree *t)
 {
-	free(t->nodes);
-	free(t->objects);
+	gi_free(t->nodes);
+	gi_free(t->objects);
 	*t = (static_tree){0};
 }
 
@@ -116,6 +116,21 @@ static const scene_top *find_top(const gi_scene *was, uint32_t first, uint32_t e
 	}
 	const scene_top *t = &was->tops[low];
 	return low < was->top_count && t->first_slot == first && t->end_slot == end ? t : NULL;
+}
+
+/* One that was moved, and is to be static all the same, may leave the order as it is and the tree another. */
+bool statics_are_same(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	for (uint32_t k = 0; k < old->top_count; k++)
+		if (old->tops[k].first_slot != now->tops[k].first_slot ||
+		    old->tops[k].end_slot != now->tops[k].end_slot)
+			return false;
+	return true;
 }
 
 void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update)
@@ -246,7 +261,7 @@ static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geom
 bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
 		   gi_node_topology *topology)
 {
-	sum *sums = calloc((size_t)t->count + 1, sizeof *sums);
+	sum *sums = gi_calloc((size_t)t->count + 1, sizeof *sums);
 	if (!sums)
 		return false;
 	const scene_top *top = scene->tops + scene->top_count;
@@ -261,6 +276,6 @@ bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry
 		const uint32_t end = n->skip < t->count ? t->nodes[n->skip].node : t->node_count;
 		store(&sums[k], end, --top, &rest[n->node], &spread[n->node], &topology[n->node]);
 	}
-	free(sums);
+	gi_free(sums);
 	return true;
 }

@@ -283,7 +283,7 @@ static void prepare(input *in)
 	cube c = {0};
 	const gi_object_def def = define(in, &c);
 	gi_free_prepared_object(in->prepared);
-	const gi_result result = gi_prepare_object(&def, ignore_message, NULL, &in->prepared);
+	const gi_result result = gi_prepare_object(&def, ignore_message, NULL, NULL, &in->prepared);
 	gi_free_leaf_choice(&c.choice);
 	check(result);
 	require((result == GI_OK) == (in->prepared != NULL), "a prepared object or a reason");
