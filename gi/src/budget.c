@@ -87,6 +87,13 @@ static bool is_timed(const gi_budget *budget)
 	return budget && budget->ms > 0;
 }
 
+gi_budget budget_less(const gi_budget *budget, float ms)
+{
+	gi_budget left = *budget;
+	left.ms = budget->ms > 0 ? fmaxf(GI_COSTS_LEAST_SHARE * budget->ms, budget->ms - ms) : 0;
+	return left;
+}
+
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 {
 	const gi_costs *c = &gi->rations.costs;
@@ -149,9 +156,11 @@ void budget_learn(gi_context *gi)
 			  .by_row = assess_ms(gi),
 			  .by_sweep = report->pass_ms[GI_PASS_SOLVE],
 			  .fixed = pass_sum(report, fixed, sizeof fixed / sizeof *fixed)};
-	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. */
+	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. A commit is not
+	 * what updates take: it is taken off the budget of the one that it is in. */
 	if (gi->gpu.software)
-		spent.fixed = fmaxf(spent.fixed, report->update_ms - spent.by_ray);
+		spent.fixed = fmaxf(spent.fixed, report->update_ms -
+						     gi->issued[report->frame % GPU_READBACK_RING].commit_ms - spent.by_ray);
 	gi_costs_learn(&r->costs, &spent);
 }
 

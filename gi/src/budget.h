@@ -23,6 +23,8 @@ bool budget_is_exact(const gi_budget *budget);
 gi_result budget_check(const gi_context *gi, const gi_budget *budget);
 /* Programs and buffers, where they are not there yet. */
 gi_result budget_allocate(gi_context *gi);
+/* What is left of it where `ms` were taken already: of time all but those, though a tenth at least. */
+gi_budget budget_less(const gi_budget *budget, float ms);
 /* Of the frame: limit, and of rations the rows to assess. */
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
 /* Is time what a solve is given, and not as many sweeps as it needs? */

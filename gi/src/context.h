@@ -50,6 +50,7 @@ struct gi_context {
 		uint32_t dispatches;
 		uint64_t uploaded_bytes;
 		float update_ms;
+		float commit_ms;      /* of that: a commit in the update, for a static object that moved or was hidden */
 		uint32_t rows_update; /* number of the rows' update that it ended with */
 		bool rebuilt;         /* which built all of them */
 	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */

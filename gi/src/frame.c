@@ -255,6 +255,24 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
+/* A static object moved, or is not seen any more: the update begins with a commit. What that takes is time of the budget,
+ * `left` is what is left of it. */
+static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_budget *left)
+{
+	float *commit_ms = &gi->issued[gi->frame_number % GPU_READBACK_RING].commit_ms;
+	*commit_ms = 0;
+	if (!gi->scene.regroup)
+		return GI_OK;
+	const double began = gi_clock_ms();
+	const gi_result result = commit_objects(gi);
+	*commit_ms = (float)(gi_clock_ms() - began);
+	if (*budget) {
+		*left = budget_less(*budget, *commit_ms);
+		*budget = left;
+	}
+	return result;
+}
+
 static gi_result update(gi_context *gi, const gi_budget *budget)
 {
 	const double began = gi_clock_ms();
@@ -262,13 +280,11 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	gi->frame_number++;
 	gi->gpu.dispatches = 0;
 	gi->gpu.uploaded_bytes = 0;
-	gi_result result = GI_OK;
+	gi_budget left;
+	gi_result result = take_regrouped_in(gi, &budget, &left);
+	if (result)
+		return result;
 	changes c = {false, false};
-	if (gi->scene.regroup) {
-		const gi_result regrouped = commit_objects(gi);
-		if (regrouped)
-			return regrouped;
-	}
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);

@@ -250,15 +250,23 @@ static gi_result check_size(gpu *g, uint64_t size)
 		       (size >> 20) + 1, gpu_limit_text(g, limit));
 }
 
-/* Of a size that was checked. */
+/* Of a size that was checked, with room for `capacity` bytes where there is memory for that. */
 static gi_result make_buffer(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, uint64_t capacity,
 			     const void *data)
 {
-	gpu_buffer fresh = {.size = whole_texels(size), .capacity = capacity};
-	if (!make_storage(g, &fresh, capacity == size ? data : NULL)) {
+	const uint64_t least = whole_texels(size);
+	gpu_buffer fresh = {.size = least, .capacity = capacity};
+	bool made = make_storage(g, &fresh, capacity == size ? data : NULL);
+	if (!made && capacity > least) {
 		g->gl->DeleteBuffers(1, &fresh.name);
 		gpu_forget_errors(g);
-		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", capacity);
+		fresh.capacity = capacity = least;
+		made = make_storage(g, &fresh, capacity == size ? data : NULL);
+	}
+	if (!made) {
+		g->gl->DeleteBuffers(1, &fresh.name);
+		gpu_forget_errors(g);
+		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", least);
 	}
 	if (capacity != size && size && data)
 		g->gl->NamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);

@@ -448,7 +448,9 @@ GI_API gi_result gi_commit(gi_context *gi);
  * Given time, an update keeps to it: it looks at as many rows as fit, bounds the others by what any row may become
  * (stale_bound is larger then), takes as many sweeps as fit, one at least, which the next update goes on with
  * (solve_bound says how far that is), and refreshes one row at least. Rows go by their bound, the size of their leaf,
- * the square of their age and their cost: none waits for ever. It takes some ten updates to learn what things take. */
+ * the square of their age and their cost: none waits for ever. It takes some ten updates to learn what things take.
+ * Where an update commits, because a static object moved or was hidden, that takes what it takes; rows and solve get
+ * what is left of ms, a tenth of it at least. */
 typedef struct gi_budget {
 	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
 	uint64_t rays; /* > 0: about so many rays */
