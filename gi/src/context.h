@@ -174,6 +174,8 @@ typedef struct gi_estimate {
 
 typedef struct gi_shade gi_shade;
 typedef struct gi_paths gi_paths;
+typedef struct gi_specular gi_specular;
+typedef struct gi_caustics gi_caustics;
 
 struct gi_context {
 	uint32_t number; /* of all contexts of the program, from 1: handles have it */
@@ -190,6 +192,8 @@ struct gi_context {
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
 	gi_paths *paths; /* made by the first gi_trace_paths */
+	gi_specular *specular; /* made by the first update of a scene with mirrors or glass */
+	gi_caustics *caustics; /* likewise, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
@@ -279,6 +283,7 @@ void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its
 /* Materials that changed; what emits is weighed again, which may relight others. */
 gi_result scene_upload_materials(gi_context *gi);
 gi_result scene_upload_changes(gi_context *gi); /* likewise, poses and trees */
+float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 void scene_bind(const gi_context *gi);
 void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
 void scene_retire(gi_context *gi, gi_scene *scene);  /* likewise, but their memory is kept for the next commit */

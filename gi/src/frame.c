@@ -1,7 +1,9 @@
 /* A frame: what changed, rows and solve issued, reports taken in when the GPU is done with them. */
 #include "bits.h"
+#include "caustics.h"
 #include "clock.h"
 #include "context.h"
+#include "specular.h"
 
 #include <math.h>
 #include <string.h>
@@ -185,6 +187,10 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		result = rows_relight(gi);
 	else
 		rows_clear_counts(gi);
+	if (!result && (c.rows || c.light))
+		result = specular_update(gi);
+	if (!result && (c.rows || c.light))
+		result = caustics_update(gi);
 	if (result)
 		return result;
 	solver_update(gi, c.rows || c.light, budget);

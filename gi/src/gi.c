@@ -1,6 +1,8 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
+#include "caustics.h"
 #include "context.h"
+#include "specular.h"
 #include "statics.h"
 
 #include <math.h>
@@ -25,7 +27,7 @@ const char *gi_result_text(gi_result result)
 const char *gi_pass_name(gi_pass pass)
 {
 	static const char *const names[] = {"pose",  "choose", "cut",   "factor",   "flag",   "trace",
-					    "close", "solve",  "light", "estimate", "shadow", "draw"};
+					    "close", "caustics", "solve",  "light", "estimate", "shadow", "draw"};
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -39,6 +41,7 @@ gi_context_def gi_context_def_default(void)
 	    .solve_tolerance = .1f,
 	    .max_sweeps = 100,
 	    .pixel_lamps = GI_LAMP_MAX,
+	    .caustic_photons = 16384,
 	    .profile = true,
 	    .internal = CONTEXT_COOKIE,
 	};
@@ -110,6 +113,9 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (def->pixel_lamps > GI_LAMP_MAX)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
 			       GI_LAMP_MAX);
+	if (def->caustic_photons > 1u << 20)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "caustic_photons %u is outside 0..%u",
+			       def->caustic_photons, 1u << 20);
 	if (def->estimate_leaves > 65536)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
 			       def->estimate_leaves);
@@ -225,6 +231,8 @@ void gi_context_destroy(gi_context *gi)
 		    "context");
 	shade_free(gi);
 	paths_free(gi);
+	caustics_free(gi);
+	specular_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
@@ -502,6 +510,8 @@ gi_result gi_take_in(gi_context *gi)
 		return result;
 	shade_invalidate(gi);
 	estimate_invalidate(gi);
+	specular_invalidate(gi);
+	caustics_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;

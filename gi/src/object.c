@@ -2,6 +2,7 @@
  * and without a word about any context but what its renderer holds: several threads may build objects at once.
  */
 #include "context.h"
+#include "material.h"
 #include "duplicates.h"
 #include "faces.h"
 #include "overlap.h"
@@ -32,6 +33,24 @@ static bool all_finite(const float *values, size_t count)
 	return all_within(values, count, FLT_MAX);
 }
 
+/* What is smooth of a material: says what is wrong with it, or NULL. */
+static const char *smooth_fault(const gi_material *m)
+{
+	for (int c = 0; c < 3; c++) {
+		if (!(m->specular[c] >= 0.0f && m->specular[c] <= 1.0f))
+			return "specular is outside [0,1]";
+		if (!(m->transmittance[c] >= 0.0f && m->transmittance[c] <= 1.0f))
+			return "transmittance is outside [0,1]";
+		if (m->rho[c] + m->specular[c] > 1.0f || m->rho[c] + m->transmittance[c] > 1.0f)
+			return "rho and specular, or rho and transmittance, are more than 1 together";
+	}
+	if (material_is_mirror(m) && material_is_glass(m))
+		return "it is a mirror or glass, not both: one of specular and transmittance must be 0";
+	if (material_is_glass(m) && !(m->index >= 1.0f && m->index <= 4.0f))
+		return "the index of refraction of glass is outside 1..4";
+	return NULL;
+}
+
 bool scene_material_is_valid(const gi_log *log, const gi_material *m, const char *object, uint32_t index)
 {
 	for (int c = 0; c < 3; c++) {
@@ -49,7 +68,10 @@ bool scene_material_is_valid(const gi_log *log, const gi_material *m, const char
 			return false;
 		}
 	}
-	return true;
+	const char *fault = smooth_fault(m);
+	if (fault)
+		gi_fail(log, GI_ERROR_INVALID_MATERIAL, "object '%s', material %u: %s", object, index, fault);
+	return !fault;
 }
 
 bool scene_emits(const gi_material *m)

@@ -280,6 +280,19 @@ gi_result scene_upload_changes(gi_context *gi)
 	return tlas_upload(gi);
 }
 
+/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float steps there or
+ * more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
+static const float RAY_LIFT = 0x1p-18f;
+
+float scene_ray_lift(const gi_scene *s)
+{
+	const float *lower = &s->tlas[0].lower.x, *upper = &s->tlas[0].upper.x;
+	float largest = 0;
+	for (int k = 0; k < 3; k++)
+		largest = fmaxf(largest, fmaxf(fabsf(lower[k]), fabsf(upper[k])));
+	return RAY_LIFT * largest;
+}
+
 #define BUFFERS(X)                                                                                                     \
 	X(OBJECTS, objects_gpu)                                                                                        \
 	X(TOPOLOGY, topology_gpu)                                                                                      \

@@ -76,7 +76,7 @@ GI_API uint32_t gi_version(void);
 	X(GI_ERROR_INVALID_DEF, "a definition was not made by its _default function")                                  \
 	X(GI_ERROR_INVALID_HANDLE, "a handle is stale, was never valid or is another context's")                       \
 	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
-	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
+	X(GI_ERROR_INVALID_MATERIAL, "a value of a material is out of its range")                                      \
 	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
 	X(GI_ERROR_NOT_COMMITTED, "there was no gi_commit yet, or no gi_update since")                                 \
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
@@ -163,6 +163,10 @@ typedef struct gi_context_def {
 	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
 	uint32_t pixel_lamps;
 
+	/* Packets of light that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
+	 * 16384, 0: none. A packet takes some four rays, when something moved that it meets. */
+	uint32_t caustic_photons;
+
 	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
 	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
 	uint32_t estimate_leaves;
@@ -201,9 +205,19 @@ GI_API void gi_context_destroy(gi_context *gi);
 
 /* ---- objects ------------------------------------------------------------------------------------------------------ */
 
+/* A diffuse surface is described by rho and exitance; zeros for the rest are none of it.
+ *
+ * Mirrors and glass are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40
+ * degrees. What emitters send through them falls on other surfaces as caustics, leaf by leaf and, where gi_draw lights
+ * per pixel, as fine as gi_context_def.caustic_photons are many. Channel by channel rho + specular and rho + transmittance are at
+ * most 1; what is missing is absorbed. A material has specular or transmittance, not both. */
 typedef struct gi_material {
-	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
-	float exitance[3]; /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
+	float rho[3];           /* reflectance, linear RGB, each in [0,1) */
+	float exitance[3];      /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
+	float specular[3];      /* of a mirror: share that it reflects as one, at any angle, each in [0,1] */
+	float transmittance[3]; /* of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is
+				 * refracted and how much reflected Fresnel's equations say; it takes a closed object */
+	float index;            /* of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
 } gi_material;
 
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
@@ -460,6 +474,7 @@ typedef enum gi_pass {
 	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
 	GI_PASS_TRACE,      /* visibility rays */
 	GI_PASS_CLOSE,      /* row sums */
+	GI_PASS_CAUSTICS,   /* packets of light through mirrors and glass */
 	GI_PASS_SOLVE,      /* sweeps */
 	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
 	GI_PASS_ESTIMATE,   /* how far off the rows are (def.estimate_leaves) */
