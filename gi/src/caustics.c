@@ -1,10 +1,10 @@
 #include "caustics.h"
 
 #include "lights.h"
+#include "memory.h"
 #include "specular.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Of all pairs together; where there are more pairs each has fewer. */
@@ -45,7 +45,7 @@ static gi_result make(gi_context *gi)
 {
 	if (gi->caustics)
 		return GI_OK;
-	gi->caustics = calloc(1, sizeof *gi->caustics);
+	gi->caustics = gi_calloc(1, sizeof *gi->caustics);
 	if (!gi->caustics)
 		return out_of_memory(gi);
 	gpu_program_file list[PROGRAMS];
@@ -67,8 +67,8 @@ void caustics_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&c->lights, &c->pairs, &c->paths, &c->photons, &c->sums, &c->light, &c->cells};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	free(c->traced);
-	free(c);
+	gi_free(c->traced);
+	gi_free(c);
 	gi->caustics = NULL;
 }
 
@@ -153,8 +153,8 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 	c->built = false;
 	c->pair_count = pairs;
 	c->photons_a_pair = photons;
-	free(c->traced);
-	c->traced = calloc((size_t)pairs + 1, sizeof *c->traced);
+	gi_free(c->traced);
+	c->traced = gi_calloc((size_t)pairs + 1, sizeof *c->traced);
 	if (!c->traced)
 		return out_of_memory(gi);
 	const struct {
@@ -176,7 +176,7 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 {
 	gi_caustics *c = gi->caustics;
-	gi_caustic_pair *pairs = calloc((size_t)c->pair_count + 1, sizeof *pairs);
+	gi_caustic_pair *pairs = gi_calloc((size_t)c->pair_count + 1, sizeof *pairs);
 	if (!pairs)
 		return out_of_memory(gi);
 	list_pairs(gi, lights, pairs);
@@ -186,7 +186,7 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;
-	free(pairs);
+	gi_free(pairs);
 	return result;
 }
 
@@ -264,6 +264,11 @@ gi_result caustics_update(gi_context *gi)
 uint32_t caustics_emitted_program(const gi_context *gi)
 {
 	return gi->caustics ? gi->caustics->emitted_program : 0;
+}
+
+const gpu_buffer *caustics_light(const gi_context *gi)
+{
+	return gi->caustics && gi->caustics->built ? &gi->caustics->light : NULL;
 }
 
 void caustics_bind_light(const gi_context *gi)

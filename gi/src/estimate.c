@@ -10,7 +10,7 @@
  */
 #include "context.h"
 
-#include <stdlib.h>
+#include "memory.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };
@@ -75,12 +75,12 @@ static gi_result make_chances(gi_context *gi)
 	if (e->fresh)
 		return GI_OK;
 	const uint64_t bytes = 2 * sizeof(float) * (uint64_t)gi->scene.leaf_count;
-	float *chances = malloc(bytes);
+	float *chances = gi_malloc(bytes);
 	if (!chances)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	fill_chances(gi, chances);
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, bytes, chances);
-	free(chances);
+	gi_free(chances);
 	e->fresh = !result;
 	return result;
 }

@@ -3,6 +3,7 @@
 #include "caustics.h"
 #include "clock.h"
 #include "context.h"
+#include "memory.h"
 #include "specular.h"
 
 #include <math.h>
@@ -253,16 +254,8 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
-gi_result gi_update(gi_context *gi, const gi_budget *budget)
+static gi_result update(gi_context *gi, const gi_budget *budget)
 {
-	if (!gi)
-		return gi_fail_null(gi, "");
-	if (budget_check(gi, budget))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (gi_check_current(gi, "gi_update"))
-		return GI_ERROR_WRONG_CONTEXT;
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
@@ -300,6 +293,22 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	return result;
 }
 
+gi_result gi_update(gi_context *gi, const gi_budget *budget)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (budget_check(gi, budget))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (gi_check_current(gi, "gi_update"))
+		return GI_ERROR_WRONG_CONTEXT;
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = update(gi, budget);
+	gi_memory_from(before);
+	return result;
+}
+
 void gi_invalidate(gi_context *gi)
 {
 	if (gi)
@@ -318,9 +327,12 @@ gi_result gi_finish(gi_context *gi)
 		return gi_fail_null(gi, "");
 	if (gi_check_current(gi, "gi_finish"))
 		return GI_ERROR_WRONG_CONTEXT;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gpu_finish(&gi->gpu);
 	collect_reports(gi, true);
-	return grow_until_it_fits(gi);
+	const gi_result result = grow_until_it_fits(gi);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_report(gi_context *gi, gi_report *out)

@@ -2,11 +2,11 @@
  */
 #include "caustics.h"
 #include "context.h"
+#include "memory.h"
 #include "specular.h"
 #include "statics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
@@ -91,6 +91,11 @@ static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t 
 	return GI_OK;
 }
 
+static bool allocator_is_whole(const gi_allocator *a)
+{
+	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
+}
+
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
 	if (def->internal != CONTEXT_COOKIE)
@@ -119,6 +124,8 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (def->estimate_leaves > 65536)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
 			       def->estimate_leaves);
+	if (!allocator_is_whole(&def->allocator))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
@@ -181,12 +188,31 @@ static gi_result copy_texts(gi_context *gi, const gi_context_def *def)
 	if (!def->shader_directory)
 		return GI_OK;
 	const size_t size = strlen(def->shader_directory) + 1;
-	gi->gpu.shader_directory = malloc(size);
+	gi->gpu.shader_directory = gi_malloc(size);
 	if (!gi->gpu.shader_directory)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	memcpy(gi->gpu.shader_directory, def->shader_directory, size);
 	gi->def.shader_directory = gi->gpu.shader_directory;
 	return GI_OK;
+}
+
+static gi_result create_context(const gi_log *log, const gi_context_def *def, gi_context **out)
+{
+	gi_context *gi = gi_calloc(1, sizeof *gi);
+	if (!gi)
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	static uint32_t contexts;
+	gi->number = GI_COUNT_UP(&contexts);
+	gi->def = *def;
+	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
+	gi_result result = copy_texts(gi, def);
+	if (!result)
+		result = start_context(gi);
+	if (result)
+		gi_context_destroy(gi);
+	else
+		*out = gi;
+	return result;
 }
 
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
@@ -200,22 +226,10 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	gi_result result = check_context_def(&log, def);
 	if (result)
 		return result;
-	gi_context *gi = calloc(1, sizeof *gi);
-	if (!gi)
-		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	static uint32_t contexts;
-	gi->number = GI_COUNT_UP(&contexts);
-	gi->def = *def;
-	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
-	result = copy_texts(gi, def);
-	if (!result)
-		result = start_context(gi);
-	if (result) {
-		gi_context_destroy(gi);
-		return result;
-	}
-	*out = gi;
-	return GI_OK;
+	const gi_allocator *before = gi_memory_from(&def->allocator);
+	result = create_context(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 void gi_context_destroy(gi_context *gi)
@@ -246,7 +260,7 @@ void gi_context_destroy(gi_context *gi)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
 	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
 	gpu_close(&gi->gpu);
-	free(gi);
+	gi_free(gi);
 }
 
 gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out)
@@ -280,10 +294,14 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 		return gi_fail_null(gi, "gi_create_object: def and out");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_create_object(gi, def, out);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = scene_create_object(gi, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
-gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out)
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+			    const gi_allocator *allocator, gi_prepared_object **out)
 {
 	const gi_log log = {.message = message, .user = user};
 	if (out)
@@ -292,7 +310,12 @@ gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, vo
 		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_prepare_object: def and out must not be NULL");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_prepare_object(&log, def, out);
+	if (allocator && !allocator_is_whole(allocator))
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const gi_allocator *before = gi_memory_from(allocator);
+	const gi_result result = scene_prepare_object(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out)
@@ -301,7 +324,9 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 		*out = (gi_object){0};
 	if (!gi || !prepared || !*prepared || !out)
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
 	return result;
@@ -530,7 +555,10 @@ gi_result gi_commit(gi_context *gi)
 		return gi_fail_null(gi, "");
 	if (gi_check_current(gi, "gi_commit"))
 		return GI_ERROR_WRONG_CONTEXT;
-	return gi_take_in(gi);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = gi_take_in(gi);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)

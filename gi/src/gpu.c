@@ -1,12 +1,12 @@
 #include "gpu.h"
 
 #include "clock.h"
+#include "memory.h"
 
 #include <gi_gl.h>
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TEXEL_BYTES = 16, MARK_LABEL = 48 };
@@ -141,7 +141,7 @@ void gpu_close(gpu *g)
 	if (g->mark && !g->lost)
 		g->gl->DeleteVertexArrays(1, &g->mark);
 	gpu_free_functions(g);
-	free(g->shader_directory);
+	gi_free(g->shader_directory);
 	*g = (gpu){0};
 }
 

@@ -3,7 +3,6 @@
 #include <gi_gl.h>
 
 #include <stdint.h>
-#include <stdlib.h>
 
 /* ---- meshes ---- */
 

@@ -1,7 +1,7 @@
 #include "lights.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 double lights_luminance(gi_vec4 e)
@@ -66,9 +66,9 @@ bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_lights *l)
 	uint32_t most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		most += object_of(s, slot) ? 2 * object_of(s, slot)->bvh.primitive_count : 0;
-	*l = (gi_lights){.triangles = calloc(3 * (size_t)most + 1, sizeof *l->triangles),
-			 .powers = calloc((size_t)most + 1, sizeof *l->powers),
-			 .first = calloc((size_t)s->slot_count + 1, sizeof *l->first)};
+	*l = (gi_lights){.triangles = gi_calloc(3 * (size_t)most + 1, sizeof *l->triangles),
+			 .powers = gi_calloc((size_t)most + 1, sizeof *l->powers),
+			 .first = gi_calloc((size_t)s->slot_count + 1, sizeof *l->first)};
 	if (!l->triangles || !l->powers || !l->first) {
 		lights_free(l);
 		return false;
@@ -97,8 +97,8 @@ double lights_set_slices(gi_lights *l, uint32_t first, uint32_t end)
 
 void lights_free(gi_lights *l)
 {
-	free(l->triangles);
-	free(l->powers);
-	free(l->first);
+	gi_free(l->triangles);
+	gi_free(l->powers);
+	gi_free(l->first);
 	*l = (gi_lights){0};
 }

@@ -8,7 +8,8 @@
 #include "context.h"
 #include "lights.h"
 
-#include <stdlib.h>
+#include "memory.h"
+
 #include <string.h>
 
 /* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second
@@ -80,7 +81,7 @@ static gi_result make_paths(gi_context *gi)
 {
 	if (gi->paths)
 		return GI_OK;
-	gi_paths *p = gi->paths = calloc(1, sizeof *p);
+	gi_paths *p = gi->paths = gi_calloc(1, sizeof *p);
 	if (!p)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	uint32_t directions[GI_SOBOL_DIMENSIONS][32];
@@ -105,7 +106,7 @@ void paths_free(gi_context *gi)
 	gpu_buffer_free(&gi->gpu, &p->lights);
 	gpu_buffer_free(&gi->gpu, &p->slots);
 	gpu_buffer_free(&gi->gpu, &p->going);
-	free(p);
+	gi_free(p);
 	gi->paths = NULL;
 }
 
@@ -212,8 +213,8 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
 	if (result)
 		return result;
-	gi_path_slot *slots = malloc(bytes);
-	double *totals = calloc(3 * (size_t)leaves, sizeof *totals);
+	gi_path_slot *slots = gi_malloc(bytes);
+	double *totals = gi_calloc(3 * (size_t)leaves, sizeof *totals);
 	if (slots && totals) {
 		if (gi->scene.sky_slot != GI_NONE)
 			memcpy(scene.sky_and_lift, gi->def.sky_exitance, sizeof gi->def.sky_exitance);
@@ -232,8 +233,8 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	} else {
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
-	free(slots);
-	free(totals);
+	gi_free(slots);
+	gi_free(totals);
 	return result;
 }
 
@@ -257,6 +258,10 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	*count = leaves;
 	if (!leaves || !capacity)
 		return GI_OK;
-	const gi_result result = make_paths(gi);
-	return result ? result : trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gi_result result = make_paths(gi);
+	if (!result)
+		result = trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
+	gi_memory_from(before);
+	return result;
 }

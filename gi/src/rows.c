@@ -14,10 +14,10 @@
 #include "bits.h"
 #include "context.h"
 #include "loans.h"
+#include "memory.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps
@@ -238,7 +238,7 @@ static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
 {
 	if (at >= r->run_capacity) {
 		const uint32_t capacity = 2 * at + 64;
-		gi_uvec4 *grown = realloc(r->run_data, sizeof *grown * capacity);
+		gi_uvec4 *grown = gi_realloc(r->run_data, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		r->run_data = grown;
@@ -366,15 +366,11 @@ static bool boxes_overlap(const scene_object *a, const scene_object *b)
 	return true;
 }
 
-typedef struct slot_list {
-	uint32_t *slots, count, capacity;
-} slot_list;
-
-static bool append(slot_list *list, uint32_t slot)
+static bool append(gi_slot_list *list, uint32_t slot)
 {
 	if (list->count == list->capacity) {
 		const uint32_t capacity = 2 * list->capacity + 64;
-		uint32_t *grown = realloc(list->slots, sizeof *grown * capacity);
+		uint32_t *grown = gi_realloc(list->slots, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		list->slots = grown;
@@ -384,7 +380,7 @@ static bool append(slot_list *list, uint32_t slot)
 	return true;
 }
 
-static bool list_movers(const gi_context *gi, slot_list *list)
+static bool list_movers(const gi_context *gi, gi_slot_list *list)
 {
 	bool ok = true;
 	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++)
@@ -394,7 +390,7 @@ static bool list_movers(const gi_context *gi, slot_list *list)
 }
 
 /* Segments within a mover stay inside its box: only what is there too can hide them. */
-static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *list)
+static bool list_neighbours(const gi_context *gi, uint32_t mover, gi_slot_list *list)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -409,7 +405,7 @@ static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *lis
 enum { MOST_EMITTERS = 32 };
 
 /* Appends the emitting objects, [*first, *end); first > end: too many. */
-static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first, uint32_t *end)
+static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *first, uint32_t *end)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -424,7 +420,7 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 }
 
 /* As gi_shared.h says. */
-static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
+static bool append_swept(gi_slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
 {
 	uint32_t words[4 * GI_SWEPT_PARTS] = {change.x, change.y, change.z, change.w};
 	memcpy(words + 4, corners, sizeof *corners * (GI_SWEPT_PARTS - 1));
@@ -435,7 +431,7 @@ static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners
 }
 
 /* Where movers were and are, and what went. */
-static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
+static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_rows *r = &gi->rows;
@@ -464,7 +460,8 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
 	gpu_buffer *buffer = &gi->rows.suspects;
-	slot_list list = {0};
+	gi_slot_list list = gi->rows.suspect_list;
+	list.count = 0;
 	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
 	bool ok = !wanted || list_movers(gi, &list);
 	p->movers = list.count;
@@ -486,7 +483,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 		result = gpu_buffer_allocate(&gi->gpu, buffer, 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	free(list.slots);
+	gi->rows.suspect_list = list; /* its memory, for the next time */
 	return result;
 }
 
@@ -865,5 +862,6 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	free(r->run_data);
+	gi_free(r->run_data);
+	gi_free(r->suspect_list.slots);
 }

@@ -2,8 +2,9 @@
  * end to end. */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 bool scene_is_alive(const scene_object *o)
@@ -341,9 +342,10 @@ void scene_free(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		scene_free_object(&gi->scene.objects[k]);
-	free(gi->scene.objects);
+	gi_free(gi->scene.objects);
 	scene_release(gi, &gi->scene);
 	gi_arena_free(&gi->spare_arrays);
 	gi_arena_free(&gi->passing);
 	gi_arena_free(&gi->undo);
+	gi_arena_free(&gi->tree_arena);
 }

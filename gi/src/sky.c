@@ -3,8 +3,9 @@
  */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 
 enum { SKY_LEVELS = 3, SKY_GRID = 1 << SKY_LEVELS, SKY_POINTS = SKY_GRID + 1 };
 
@@ -83,9 +84,9 @@ bool sky_build(gi_hierarchy *out)
 	for (uint32_t level = 0, nodes = 1; level <= SKY_LEVELS; level++, nodes *= 4)
 		per_face += nodes;
 	*out = (gi_hierarchy){.node_count = 6 * per_face, .vertex_count = 6 * SKY_POINTS * SKY_POINTS};
-	out->geometry = calloc(out->node_count, sizeof *out->geometry);
-	out->topology = calloc(out->node_count, sizeof *out->topology);
-	out->vertices = calloc(out->vertex_count, sizeof *out->vertices);
+	out->geometry = gi_calloc(out->node_count, sizeof *out->geometry);
+	out->topology = gi_calloc(out->node_count, sizeof *out->topology);
+	out->vertices = gi_calloc(out->vertex_count, sizeof *out->vertices);
 	if (!out->geometry || !out->topology || !out->vertices) {
 		gi_hierarchy_free(out);
 		return false;

@@ -1,4 +1,5 @@
 #include "smooth.h"
+#include "memory.h"
 
 #include "vec3d.h"
 
@@ -81,7 +82,7 @@ static gi_vec3d mean_of(const corner *group, size_t count, const corner *own)
 
 bool gi_smooth_normals(const gi_primitive *primitives, uint32_t count, uint32_t *out)
 {
-	corner *corners = malloc(sizeof *corners * (4 * (size_t)count + 1));
+	corner *corners = gi_malloc(sizeof *corners * (4 * (size_t)count + 1));
 	if (!corners)
 		return false;
 	size_t corner_count = 0;
@@ -99,6 +100,6 @@ bool gi_smooth_normals(const gi_primitive *primitives, uint32_t count, uint32_t 
 	for (uint32_t p = 0; p < count; p++)
 		if (same_place(&primitives[p].c, &primitives[p].d))
 			out[4 * p + 3] = out[4 * p + 2];
-	free(corners);
+	gi_free(corners);
 	return true;
 }

@@ -1,9 +1,9 @@
 #include "specular.h"
 
 #include "material.h"
+#include "memory.h"
 #include "smooth.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct gi_specular {
@@ -60,7 +60,7 @@ static gi_smooth_material smooth_material(const gi_material *m)
 static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 {
 	const gi_scene *s = &gi->scene;
-	gi_uvec4 *normals = calloc((size_t)primitives + 1, sizeof *normals);
+	gi_uvec4 *normals = gi_calloc((size_t)primitives + 1, sizeof *normals);
 	bool enough = normals != NULL;
 	for (uint32_t slot = 0; enough && slot < s->slot_count; slot++) {
 		const scene_object *o = object_of(s, slot);
@@ -70,14 +70,14 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->specular->normals,
 							      sizeof *normals * primitives, normals)
 					: gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	free(normals);
+	gi_free(normals);
 	return result;
 }
 
 static gi_result upload_materials(gi_context *gi, uint32_t count)
 {
 	const gi_scene *s = &gi->scene;
-	gi_smooth_material *materials = calloc((size_t)count + 1, sizeof *materials);
+	gi_smooth_material *materials = gi_calloc((size_t)count + 1, sizeof *materials);
 	if (!materials)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
@@ -91,14 +91,14 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, buffer->size, materials);
 	else
 		result = gpu_buffer_allocate(&gi->gpu, buffer, sizeof *materials * count, materials);
-	free(materials);
+	gi_free(materials);
 	return result;
 }
 
 static gi_result upload_corner_lights(gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
-	gi_uvec4 *lights = calloc((size_t)s->leaf_count + 1, sizeof *lights);
+	gi_uvec4 *lights = gi_calloc((size_t)s->leaf_count + 1, sizeof *lights);
 	if (!lights)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
@@ -109,7 +109,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 	}
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->specular->corner_lights,
 						     sizeof *lights * s->leaf_count, lights);
-	free(lights);
+	gi_free(lights);
 	return result;
 }
 
@@ -128,7 +128,7 @@ gi_result specular_update(gi_context *gi)
 		return GI_OK;
 	}
 	if (!gi->specular)
-		gi->specular = calloc(1, sizeof *gi->specular);
+		gi->specular = gi_calloc(1, sizeof *gi->specular);
 	if (!gi->specular)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const bool changed = materials_changed(&gi->scene);
@@ -165,6 +165,6 @@ void specular_free(gi_context *gi)
 	gpu_buffer_free(&gi->gpu, &gi->specular->normals);
 	gpu_buffer_free(&gi->gpu, &gi->specular->materials);
 	gpu_buffer_free(&gi->gpu, &gi->specular->corner_lights);
-	free(gi->specular);
+	gi_free(gi->specular);
 	gi->specular = NULL;
 }
