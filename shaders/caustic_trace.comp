@@ -35,27 +35,30 @@ layout(location = 2) uniform float lift;
 const float PI = 3.14159265358979;
 const uint STEPS = 16u;
 
-// 2^32 times the powers of 1/g, g^6 = g + 1: their multiples fill five dimensions evenly (Roberts, "The unreasonable
-// effectiveness of quasirandom sequences", 2018).
-const uint STRIDES[5] = uint[5](0xE19B01AAu, 0xC6D1D6C8u, 0xAF36D01Eu, 0x9A69443Fu, 0x881403B9u);
+// 2^32 over the powers of g, g^3 = g + 1: their multiples fill a square evenly (Roberts, "The unreasonable effectiveness of
+// quasirandom sequences", 2018). Directions are drawn by them, on which most depends; points of the emitter by hashes.
+const uvec2 STRIDES = uvec2(0xC13FA9A9u, 0x91E10DA5u);
 
 float unit(uint x)
 {
 	return (float(x >> 9u) + 0.5) * (1.0 / 8388608.0);
 }
 
-uint number(uint photon, uint dimension)
+vec2 direction_numbers(uint photon)
 {
-	return 0x80000000u + photon * STRIDES[dimension];
+	return vec2(unit(0x80000000u + photon * STRIDES.x), unit(0x80000000u + photon * STRIDES.y));
 }
 
-float chance_at(uint photon, uint step)
+uint hash_of(uint photon, uint what)
 {
-	uint x = photon * 0x9E3779B9u ^ (step + 1u) * 0x85EBCA6Bu;
+	uint x = photon * 0x9E3779B9u ^ (what + 1u) * 0x85EBCA6Bu;
 	x = (x ^ (x >> 16u)) * 0x7FEB352Du;
 	x = (x ^ (x >> 15u)) * 0x846CA68Bu;
-	return unit(x ^ (x >> 16u));
+	return x ^ (x >> 16u);
 }
+
+// Hashes of a packet: of each step, and before those of where it begins.
+const uint OF_EMITTER = 0u, OF_POINT = 1u, OF_STEP = 3u;
 
 uint pick_light(uint u, uvec4 lights)
 {
@@ -73,18 +76,19 @@ uint pick_light(uint u, uvec4 lights)
 // Where the packet begins, and what it carries; throughput 0: nothing.
 light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 {
-	uint k = 3u * pick_light(number(photon, 0u), pair.lights);
+	uint k = 3u * pick_light(hash_of(photon, OF_EMITTER), pair.lights);
 	vec3 a = uintBitsToFloat(load_light_triangle(k).xyz), b = uintBitsToFloat(load_light_triangle(k + 1u).xyz),
 	     c = uintBitsToFloat(load_light_triangle(k + 2u).xyz);
 	vec3 n = normalize(cross(b - a, c - a));
-	float root = sqrt(unit(number(photon, 1u))), v = unit(number(photon, 2u));
+	float root = sqrt(unit(hash_of(photon, OF_POINT))), v = unit(hash_of(photon, OF_POINT + 1u));
 	vec3 p = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
 	vec3 to = pair.sphere.xyz - p;
 	float away = length(to), sine = min(pair.sphere.w / max(away, 1e-30), 1.0);
 	// A cap of so much of 1 - cosine; a point within the sphere looks everywhere.
 	float cap = away > pair.sphere.w ? sine * sine / (1.0 + sqrt(1.0 - sine * sine)) : 2.0;
 	vec3 axis = away > 0.0 ? to / away : n;
-	float down = cap * unit(number(photon, 3u)), phi = 2.0 * PI * unit(number(photon, 4u));
+	vec2 u = direction_numbers(photon);
+	float down = cap * u.x, phi = 2.0 * PI * u.y;
 	float s = axis.z >= 0.0 ? 1.0 : -1.0, d = -1.0 / (s + axis.z), m = axis.x * axis.y * d;
 	vec3 tangent = vec3(1.0 + s * axis.x * axis.x * d, s * m, -s * axis.x), bitangent = vec3(m, s + axis.y * axis.y * d, -axis.y);
 	float radius = sqrt(max(down * (2.0 - down), 0.0));
@@ -126,7 +130,7 @@ gi_photon follow(uint number_of_pair, uint photon)
 		uint first = floatBitsToUint(q.a.w);
 		gi_smooth_material m = load_smooth_material(load_leaf(first).z);
 		if (is_smooth(m)) {
-			on = go_on(hit, m, WAY_BY_CHANCE, chance_at(photon, step), lift, r);
+			on = go_on(hit, m, WAY_BY_CHANCE, unit(hash_of(photon, OF_STEP + step)), lift, r);
 		} else {
 			on = false;
 			vec3 at = r.origin + r.direction * hit.distance;

@@ -16,7 +16,7 @@ typedef struct corner {
 	float at[3];
 	uint32_t number;  /* 4 * primitive + corner */
 	gi_vec3d normal;  /* unit, of the primitive there */
-	double angle;
+	gi_vec3d part;    /* of the mean normal */
 } corner;
 
 static const gi_vec4 *corner_at(const gi_primitive *p, uint32_t k)
@@ -29,7 +29,9 @@ static bool same_place(const gi_vec4 *a, const gi_vec4 *b)
 	return a->x == b->x && a->y == b->y && a->z == b->z;
 }
 
-/* A quad may be bent: its normal at a corner is that of the two edges there. A triangle repeats its third corner. */
+/* A quad may be bent: its normal at a corner is that of the two edges there. A triangle repeats its third corner. What it is of
+ * the mean, a x b / (a^2 b^2) for edges a and b, makes that exact where all vertices lie on a sphere (Max, "Weights for computing
+ * vertex normals from facet normals", 1999): light that is reflected shows a hundredth of a degree. */
 static corner make_corner(const gi_primitive *p, uint32_t primitive, uint32_t k)
 {
 	const uint32_t count = same_place(&p->c, &p->d) ? 3 : 4;
@@ -41,7 +43,7 @@ static corner make_corner(const gi_primitive *p, uint32_t primitive, uint32_t k)
 	return (corner){.at = {corner_at(p, k)->x + 0.0f, corner_at(p, k)->y + 0.0f, corner_at(p, k)->z + 0.0f},
 			.number = 4 * primitive + k,
 			.normal = gi_vec3d_unit(cross),
-			.angle = atan2(gi_vec3d_length(cross), gi_vec3d_dot(next, last))};
+			.part = gi_vec3d_scale(cross, 1 / fmax(gi_vec3d_dot(next, next) * gi_vec3d_dot(last, last), 1e-300))};
 }
 
 static int by_place(const void *a, const void *b)
@@ -76,7 +78,7 @@ static gi_vec3d mean_of(const corner *group, size_t count, const corner *own)
 	gi_vec3d sum = {0, 0, 0};
 	for (size_t k = 0; k < count; k++)
 		if (gi_vec3d_dot(group[k].normal, own->normal) >= LEAST_COSINE)
-			sum = gi_vec3d_add(sum, gi_vec3d_scale(group[k].normal, group[k].angle));
+			sum = gi_vec3d_add(sum, group[k].part);
 	return gi_vec3d_length(sum) > 0 ? gi_vec3d_unit(sum) : own->normal;
 }
 

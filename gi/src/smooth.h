@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-/* Of each corner of each primitive the mean of the normals that meet there within 40 degrees of its own, weighted by their
- * angles, as octahedron.glsl packs it; rest frame. out: 4 * count. False: out of memory. */
+/* Of each corner of each primitive the mean of the normals that meet there within 40 degrees of its own, as
+ * octahedron.glsl packs it; rest frame. out: 4 * count. False: out of memory. */
 bool gi_smooth_normals(const gi_primitive *primitives, uint32_t count, uint32_t *out);
 
 #endif

@@ -13,8 +13,9 @@
 
 static const float BLACK[3] = {0, 0, 0}, LAMP[3] = {1000, 1000, 1000};
 
-/* A room of 2 x 2 x 2 m, floor at y = 0, of walls of `cells` leaves a side. */
-enum { CELLS = 20 };
+/* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and each gets
+ * some hundred of the packets. */
+enum { CELLS = 10, PHOTONS = 131072 };
 static const float BALL[3] = {0.1f, 0.7f, -0.1f}, RADIUS = 0.4f;
 
 typedef struct box_scene {
@@ -196,7 +197,7 @@ static void check_flux(bool glass, uint32_t faces)
 {
 	gi_leaf *leaves = NULL;
 	uint32_t count;
-	double *flux = caustic_flux(glass, faces, 65536, &leaves, &count);
+	double *flux = caustic_flux(glass, faces, PHOTONS, &leaves, &count);
 	copy c = make_copy(leaves, count, glass);
 	c.scene.surfaces = c.surfaces;
 	light_result truth;
@@ -234,11 +235,99 @@ static void test_glass_flux(void **state)
 	check_flux(true, 16);
 }
 
+/* ---- what moves ---- */
+
+enum { MOVERS = 3, FRAMES = 12 };
+
+typedef struct moving_box {
+	box_scene box;
+	gi_object movers[MOVERS]; /* a glass ball, a mirror ball, a block */
+} moving_box;
+
+static moving_box open_moving(const gi_pose *poses)
+{
+	moving_box m = {.box = open_box(true, 8, 4096)};
+	m.movers[0] = m.box.ball;
+	m.movers[1] = add_ball(m.box.gi, false, 6);
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){-0.2f, -0.2f, -0.2f}, (const float[]){0.2f, 0.2f, 0.2f}, 2, false, &mesh));
+	const scene_body block = {.name = "block", .rho = BLACK, .moves = true};
+	assert_gi(scene_add_body(m.box.gi, &block, &mesh, &m.movers[2]));
+	for (int k = 0; k < MOVERS; k++)
+		assert_gi(gi_set_pose(m.box.gi, m.movers[k], poses[k]));
+	assert_gi(gi_commit(m.box.gi));
+	return m;
+}
+
+static float random_float(uint32_t *state)
+{
+	*state = *state * 1664525u + 1013904223u;
+	return (float)(*state >> 8) * 0x1p-24f;
+}
+
+static gi_pose random_pose(uint32_t *state)
+{
+	gi_pose pose = gi_pose_identity();
+	for (int c = 0; c < 3; c++)
+		pose.position[c] = (c == 1 ? 0.9f : 0.0f) + 1.1f * (random_float(state) - 0.5f);
+	for (int c = 0; c < 4; c++)
+		pose.rotation[c] = random_float(state) - 0.5f;
+	return pose;
+}
+
+static gi_leaf *read_all(gi_context *gi, uint32_t *count)
+{
+	assert_gi(gi_read_leaves(gi, NULL, 0, count));
+	gi_leaf *leaves = calloc(*count, sizeof *leaves);
+	assert_non_null(leaves);
+	assert_gi(gi_read_leaves(gi, leaves, *count, count));
+	return leaves;
+}
+
+/* No surface reflects, so that irradiance is what lamps and packets bring: the same bits as of a scene made at once. */
+static void check_same_as_new(moving_box *m, const gi_pose *poses)
+{
+	uint32_t count, new_count;
+	moving_box fresh = open_moving(poses);
+	harness_update(fresh.box.gi);
+	gi_leaf *leaves = read_all(m->box.gi, &count), *new_leaves = read_all(fresh.box.gi, &new_count);
+	assert_int_equal(count, new_count);
+	for (uint32_t k = 0; k < count; k++)
+		assert_memory_equal(leaves[k].irradiance, new_leaves[k].irradiance, sizeof leaves[k].irradiance);
+	free(leaves);
+	free(new_leaves);
+	gi_context_destroy(fresh.box.gi);
+}
+
+/* One or two of them move a frame, some frames none. */
+static void test_moves(void **state)
+{
+	(void)state;
+	harness_require_context();
+	uint32_t random = 7;
+	gi_pose poses[MOVERS];
+	for (int k = 0; k < MOVERS; k++)
+		poses[k] = random_pose(&random);
+	moving_box m = open_moving(poses);
+	for (uint32_t frame = 0; frame < (harness_is_long() ? 100u : FRAMES); frame++) {
+		for (int k = 0; k < MOVERS; k++)
+			if (random_float(&random) < 0.4f)
+				poses[k] = random_pose(&random);
+		for (int k = 0; k < MOVERS; k++)
+			assert_gi(gi_set_pose(m.box.gi, m.movers[k], poses[k]));
+		harness_update(m.box.gi);
+		if (frame % 4 == 3)
+			check_same_as_new(&m, poses);
+	}
+	gi_context_destroy(m.box.gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_mirror_flux),
 		cmocka_unit_test(test_glass_flux),
+		cmocka_unit_test(test_moves),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
