@@ -130,7 +130,7 @@ gi_photon follow(uint number_of_pair, uint photon)
 		uint first = floatBitsToUint(q.a.w);
 		gi_smooth_material m = load_smooth_material(load_leaf(first).z);
 		if (is_smooth(m)) {
-			on = go_on(hit, m, WAY_BY_CHANCE, unit(hash_of(photon, OF_STEP + step)), lift, r);
+			on = go_on(smooth_point_of(hit, r.direction), m, WAY_BY_CHANCE, unit(hash_of(photon, OF_STEP + step)), lift, r);
 		} else {
 			on = false;
 			vec3 at = r.origin + r.direction * hit.distance;

@@ -41,8 +41,13 @@ vec3 smooth_normal(nearest hit)
 	return normalize(world_direction_from_rest(hit.object, n));
 }
 
-// False where the light ends: at the back of a mirror, or where the way is closed.
-bool go_on(nearest hit, gi_smooth_material m, uint way, float chance, float lift, inout light_ray r)
+// What a ray met, or a pixel shows: a point, its normals, both against the ray, and whether it is the front.
+struct smooth_point {
+	vec3 at, flat_normal, normal;
+	bool front;
+};
+
+smooth_point smooth_point_of(nearest hit, vec3 direction)
 {
 	gi_primitive q = load_primitive(hit.primitive);
 	vec3 a = q.a.xyz, b = hit.second ? q.c.xyz : q.b.xyz, c = hit.second ? q.d.xyz : q.c.xyz;
@@ -51,11 +56,16 @@ bool go_on(nearest hit, gi_smooth_material m, uint way, float chance, float lift
 	vec3 flat_normal = side * normalize(world_direction_from_rest(hit.object, cross(b - a, c - a)));
 	vec3 n = side * smooth_normal(hit);
 	// At the rim of a round object the smooth normal may look away.
-	n = dot(n, r.direction) < 0.0 ? n : flat_normal;
+	return smooth_point(at, flat_normal, dot(n, direction) < 0.0 ? n : flat_normal, hit.front);
+}
+
+// False where the light ends: at the back of a mirror, or where the way is closed.
+bool go_on(smooth_point p, gi_smooth_material m, uint way, float chance, float lift, inout light_ray r)
+{
 	bool glass = is_glass(m);
-	if (!glass && !hit.front)
+	if (!glass && !p.front)
 		return false;
-	float cosine = -dot(r.direction, n), index = hit.front ? m.specular.w : 1.0 / m.specular.w;
+	float cosine = min(-dot(r.direction, p.normal), 1.0), index = p.front ? m.specular.w : 1.0 / m.specular.w;
 	float reflected = glass ? fresnel(cosine, index) : 1.0;
 	bool reflects = way == WAY_REFLECTED || (way == WAY_BY_CHANCE && chance < reflected) || (way == WAY_LARGER && reflected >= 0.5);
 	if (!reflects && reflected >= 1.0)
@@ -63,11 +73,11 @@ bool go_on(nearest hit, gi_smooth_material m, uint way, float chance, float lift
 	vec3 tint = reflects ? (glass ? vec3(1.0) : m.specular.xyz) : m.transmittance.xyz;
 	r.throughput *= way == WAY_BY_CHANCE ? tint : tint * (reflects ? reflected : 1.0 - reflected);
 	float inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
-	vec3 ahead = reflects ? r.direction + 2.0 * cosine * n : r.direction / index + n * (cosine / index - inside);
+	vec3 ahead = reflects ? r.direction + 2.0 * cosine * p.normal : r.direction / index + p.normal * (cosine / index - inside);
 	// A smooth normal may lead through a leaf where light is reflected by it, or back where it is refracted.
-	float along = dot(ahead, flat_normal), least = 1e-3;
-	ahead += flat_normal * (reflects ? max(least - along, 0.0) : min(-least - along, 0.0));
+	float along = dot(ahead, p.flat_normal), least = 1e-3;
+	ahead += p.flat_normal * (reflects ? max(least - along, 0.0) : min(-least - along, 0.0));
 	r.direction = normalize(ahead);
-	r.origin = at + flat_normal * (reflects ? lift : -lift);
+	r.origin = p.at + p.flat_normal * (reflects ? lift : -lift);
 	return true;
 }

@@ -206,6 +206,7 @@ struct gi_context {
 	gi_frame frame;
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
+	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t wanted;   /* how many elements it lacked */
 	bool wanted_all;   /* and all rows were built: with those they fit */
@@ -311,6 +312,9 @@ gi_result scene_upload(gi_context *gi);
 
 /* sky.c: the patches at infinity as a hierarchy of directions. */
 bool sky_build(gi_hierarchy *out);
+bool sky_is_lit(const gi_context_def *def);
+/* Where the scene has a sky: its light is that of the definition. */
+void sky_relight(gi_context *gi);
 
 /* frame.c: of the first rows after a commit, tells the host that this pass begins. */
 void frame_progress(const gi_context *gi, gi_pass pass);

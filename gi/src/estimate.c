@@ -18,7 +18,8 @@ enum { CHUNK = 256 };
 static gi_result make_programs(gi_context *gi)
 {
 	gi_estimate *e = &gi->estimate;
-	if (e->mean_program && e->results.name) /* the last that is made */
+	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
+	if (e->mean_program && e->results.size >= sizeof(gi_estimate_leaf) * leaves) /* the last that is made */
 		return GI_OK;
 	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
 					     {"estimate_trace.comp", &e->trace_program},
@@ -27,7 +28,6 @@ static gi_result make_programs(gi_context *gi)
 	gi_result result = GI_OK;
 	if (!e->mean_program)
 		result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
-	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
 	const uint64_t items = (uint64_t)GI_ESTIMATE_ITEMS * most;
 	const struct {
 		gpu_buffer *buffer;
@@ -124,6 +124,9 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 gi_result estimate_update(gi_context *gi)
 {
 	const uint32_t leaves = gi->def.estimate_leaves;
+	if (!leaves && gi->estimate.results.name) /* there was one before the host wanted none */
+		gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ESTIMATE_LOCAL,
+				 sizeof(uint32_t) * (GI_STATE_ESTIMATE_RAYS + 1 - GI_STATE_ESTIMATE_LOCAL), 0);
 	if (!leaves || !gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = make_programs(gi);

@@ -156,7 +156,7 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed;
+	c->light = c->light || gi->solve_changed || gi->light_changed;
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
@@ -170,7 +170,7 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 
 static void changes_done(gi_context *gi)
 {
-	gi->solve_changed = false;
+	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
 		o->moved = o->relit = o->material_changed = o->arrives = false;

@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+static const uint32_t MOST_CAUSTIC_PHOTONS = 1u << 20;
+
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
 
 uint32_t gi_version(void)
@@ -81,27 +83,18 @@ gi_result gi_check_current(const gi_context *gi, const char *function)
 
 /* ---- context ---- */
 
-static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t max_sweeps)
+static gi_result check_solve(const gi_log *log, const gi_context_def *def)
 {
-	if (!(solve_tolerance > 0.0f && solve_tolerance <= 1.0f))
+	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
-			       (double)solve_tolerance);
-	if (max_sweeps < 1 || max_sweeps > 1000)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", max_sweeps);
+			       (double)def->solve_tolerance);
+	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
 	return GI_OK;
 }
 
-static bool allocator_is_whole(const gi_allocator *a)
+static gi_result check_rows(const gi_log *log, const gi_context_def *def)
 {
-	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
-}
-
-static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
-{
-	if (def->internal != CONTEXT_COOKIE)
-		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
-	if (!def->get_proc_address)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
 	if (!(def->row_tolerance > 1e-6f && def->row_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "row_tolerance %g is outside (1e-6, 1]",
 			       (double)def->row_tolerance);
@@ -113,25 +106,59 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
-	if (check_solve(log, def->solve_tolerance, def->max_sweeps))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (def->pixel_lamps > GI_LAMP_MAX)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
-			       GI_LAMP_MAX);
-	if (def->caustic_photons > 1u << 20)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "caustic_photons %u is outside 0..%u",
-			       def->caustic_photons, 1u << 20);
-	if (def->estimate_leaves > 65536)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
-			       def->estimate_leaves);
-	if (!allocator_is_whole(&def->allocator))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	return GI_OK;
+}
+
+static gi_result check_sky(const gi_log *log, const gi_context_def *def)
+{
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
 		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= SCENE_MAX_EXITANCE))
 			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance is outside [0, 1e12] W/m2");
 	return GI_OK;
+}
+
+static gi_result check_lamps(const gi_log *log, const gi_context_def *def)
+{
+	if (def->pixel_lamps > GI_LAMP_MAX)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
+			       GI_LAMP_MAX);
+	return GI_OK;
+}
+
+static gi_result check_estimate(const gi_log *log, const gi_context_def *def)
+{
+	if (def->estimate_leaves > 65536)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
+			       def->estimate_leaves);
+	return GI_OK;
+}
+
+static bool allocator_is_whole(const gi_allocator *a)
+{
+	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
+}
+
+static gi_result check_caustics(const gi_log *log, const gi_context_def *def)
+{
+	if (def->caustic_photons > MOST_CAUSTIC_PHOTONS)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "caustic_photons %u is outside 0..%u",
+			       def->caustic_photons, MOST_CAUSTIC_PHOTONS);
+	return GI_OK;
+}
+
+static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
+{
+	if (def->internal != CONTEXT_COOKIE)
+		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
+	if (!def->get_proc_address)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
+	if (!allocator_is_whole(&def->allocator))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const bool right = !check_rows(log, def) && !check_solve(log, def) && !check_lamps(log, def) &&
+			   !check_caustics(log, def) && !check_estimate(log, def) && !check_sky(log, def);
+	return right ? GI_OK : GI_ERROR_INVALID_ARGUMENT;
 }
 
 /* The programs that every frame takes; others are compiled when first wanted. */
@@ -275,12 +302,77 @@ gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweep
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (check_solve(&gi->gpu.log, solve_tolerance, max_sweeps))
+	gi_context_def def = gi->def;
+	def.solve_tolerance = solve_tolerance;
+	def.max_sweeps = max_sweeps;
+	if (check_solve(&gi->gpu.log, &def))
 		return GI_ERROR_INVALID_ARGUMENT;
 	gi->solve_changed =
 	    gi->solve_changed || solve_tolerance != gi->def.solve_tolerance || max_sweeps != gi->def.max_sweeps;
-	gi->def.solve_tolerance = solve_tolerance;
-	gi->def.max_sweeps = max_sweeps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3])
+{
+	if (!gi || !exitance)
+		return gi_fail_null(gi, "gi_set_sky: exitance");
+	gi_context_def def = gi->def;
+	def.sky = sky;
+	memcpy(def.sky_exitance, exitance, sizeof def.sky_exitance);
+	if (check_sky(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	const bool seen = gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
+	const bool changed = memcmp(def.sky_exitance, gi->def.sky_exitance, sizeof def.sky_exitance) != 0;
+	gi->light_changed = gi->light_changed || (seen && changed);
+	gi->rows.rebuild = gi->rows.rebuild || (seen && sky_is_lit(&def) != sky_is_lit(&gi->def));
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
+		      uint32_t near_samples)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.row_tolerance = row_tolerance;
+	def.emitter_refinement = emitter_refinement;
+	def.emitter_samples = emitter_samples;
+	def.near_samples = near_samples;
+	if (check_rows(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (row_tolerance == gi->def.row_tolerance && emitter_refinement == gi->def.emitter_refinement &&
+	    emitter_samples == gi->def.emitter_samples && near_samples == gi->def.near_samples)
+		return GI_OK;
+	gi->def = def;
+	gi->light_changed = gi->rows.rebuild = true;
+	gi->rows.fitted = false; /* how large they are is not known */
+	return GI_OK;
+}
+
+gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.pixel_lamps = pixel_lamps;
+	if (check_lamps(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->light_changed = gi->light_changed || pixel_lamps != gi->def.pixel_lamps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.estimate_leaves = estimate_leaves;
+	if (check_estimate(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->def = def;
 	return GI_OK;
 }
 

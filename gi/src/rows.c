@@ -504,6 +504,8 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 
 static bool materials_changed(const gi_context *gi)
 {
+	if (gi->light_changed)
+		return true;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].material_changed || gi->scene.objects[k].relit)
 			return true;
@@ -542,8 +544,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_context_def *def = &gi->def;
-	const float *sky = def->sky_exitance;
-	const bool lit = sky[0] + sky[1] + sky[2] > 0;
+	const bool lit = sky_is_lit(def);
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},

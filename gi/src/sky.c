@@ -102,3 +102,25 @@ bool sky_build(gi_hierarchy *out)
 	}
 	return true;
 }
+
+bool sky_is_lit(const gi_context_def *def)
+{
+	const float *e = def->sky_exitance;
+	return e[0] + e[1] + e[2] > 0;
+}
+
+/* Its B is E, which no pass works out. */
+void sky_relight(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	if (!s->slot_count || s->sky_slot == GI_NONE)
+		return;
+	const uint32_t first = s->object_data[s->sky_slot].nodes.x, count = s->object_data[s->sky_slot].nodes.y - first;
+	const float *e = gi->def.sky_exitance;
+	for (uint32_t k = 0; k < count; k++)
+		s->node_exitance[first + k] = (gi_vec4){e[0], e[1], e[2], 0};
+	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * first, sizeof(gi_vec4) * count,
+			  s->node_exitance + first);
+	gpu_buffer_upload(&gi->gpu, &gi->solver.radiosity, sizeof(gi_vec4) * (GI_NODE_B * s->node_count + first),
+			  sizeof(gi_vec4) * count, s->node_exitance + first);
+}

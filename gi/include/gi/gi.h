@@ -213,8 +213,25 @@ GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 /* The settings in force: those of creation, and what was set since. shader_directory is the library's copy. */
 GI_API gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out);
 
-/* Other values than those of gi_context_def from the next gi_update on, which solves anew from the light that is there. */
+/* Other values than those of gi_context_def, with the same ranges; the light becomes what a context created with them
+ * would have. What the next gi_update then takes, whatever its budget: */
+
+/* A solve, from the light that is there. */
 GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps);
+
+/* Another colour: a solve, no rays. Every row anew where the sky begins to shine or ceases to: a black one is cut coarser.
+ * `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
+GI_API gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3]);
+
+/* Every row anew, as after a gi_commit that keeps none; nothing where the values are those in force. */
+GI_API gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
+			     uint32_t near_samples);
+
+/* A solve: what is drawn per pixel is left out of the light of leaves. */
+GI_API gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps);
+
+/* Nothing more than gi_context_def says of it; where nothing else changes, an update at rest estimates nothing. */
+GI_API gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves);
 
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
