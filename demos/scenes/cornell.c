@@ -186,6 +186,8 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 				      .rho = WHITE,
 				      .position = {places[k][0], places[k][1], places[k][2]}};
 		result = scene_add_body(gi, &b, &mesh, &out->balls[k]);
+		if (!result && def->ball_materials)
+			result = gi_set_material(gi, out->balls[k], 0, def->ball_materials[k]);
 	}
 	return result;
 }

@@ -177,8 +177,8 @@ gi_result casters_create(gi_context *gi, gi_casters *casters)
 	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
 	gi_result result = GI_OK;
 	if (ok)
-		result = gpu_mesh_create(&gi->gpu, &casters->mesh, attributes, sizeof *vertices, s->vertex_count,
-					 vertices, index_count, indices);
+		result = gpu_mesh_create(&gi->gpu, &casters->mesh, "shadow casters", attributes, sizeof *vertices,
+					 s->vertex_count, vertices, index_count, indices);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_free(vertices);

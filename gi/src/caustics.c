@@ -159,16 +159,17 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 		return out_of_memory(gi);
 	const struct {
 		gpu_buffer *buffer;
+		const char *label;
 		uint64_t size;
-	} wanted[] = {{&c->paths, sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
-		      {&c->photons, sizeof(gi_photon) * (uint64_t)pairs * photons},
-		      {&c->sums, sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
-		      {&c->light, sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
-		      {&c->cells, sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
+	} wanted[] = {{&c->paths, "caustics: paths", sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
+		      {&c->photons, "caustics: packets", sizeof(gi_photon) * (uint64_t)pairs * photons},
+		      {&c->sums, "caustics: sums", sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
+		      {&c->light, "caustics: light", sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
+		      {&c->cells, "caustics: cells", sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof wanted / sizeof *wanted; k++)
 		if (wanted[k].buffer->size != wanted[k].size)
-			result = gpu_buffer_allocate(&gi->gpu, wanted[k].buffer, wanted[k].size, NULL);
+			result = gpu_buffer_allocate(&gi->gpu, wanted[k].buffer, wanted[k].label, wanted[k].size, NULL);
 	return result;
 }
 
@@ -180,9 +181,10 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	if (!pairs)
 		return out_of_memory(gi);
 	list_pairs(gi, lights, pairs);
-	gi_result result = gpu_buffer_allocate(&gi->gpu, &c->pairs, sizeof *pairs * c->pair_count, pairs);
+	gi_result result = gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &c->lights, sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
+		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights", sizeof(gi_uvec4) * 3 * lights->count,
+					     lights->triangles);
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;

@@ -31,12 +31,14 @@ static gi_result make_programs(gi_context *gi)
 	const uint64_t items = (uint64_t)GI_ESTIMATE_ITEMS * most;
 	const struct {
 		gpu_buffer *buffer;
+		const char *label;
 		uint64_t size;
-	} buffers[] = {{&e->items, sizeof(gi_uvec4) * items},
-		       {&e->shares, sizeof(float) * items},
-		       {&e->results, sizeof(gi_estimate_leaf) * leaves}};
+	} buffers[] = {{&e->items, "estimate: items", sizeof(gi_uvec4) * items},
+		       {&e->shares, "estimate: shares", sizeof(float) * items},
+		       {&e->results, "estimate: leaves", sizeof(gi_estimate_leaf) * leaves}};
 	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
-		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].size, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].label, buffers[k].size,
+					     NULL);
 	return result;
 }
 
@@ -79,7 +81,7 @@ static gi_result make_chances(gi_context *gi)
 	if (!chances)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	fill_chances(gi, chances);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, bytes, chances);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, "estimate: chances", bytes, chances);
 	gi_free(chances);
 	e->fresh = !result;
 	return result;

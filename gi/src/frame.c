@@ -304,7 +304,9 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_update");
 	const gi_result result = update(gi, budget);
+	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;
 }

@@ -199,7 +199,8 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = begin_programs(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WORDS, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS,
+					     NULL);
 	if (!result)
 		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
 	if (!result)
@@ -232,6 +233,9 @@ static gi_result create_context(const gi_log *log, const gi_context_def *def, gi
 	gi->number = GI_COUNT_UP(&contexts);
 	gi->def = *def;
 	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
+	for (int k = 0; k < GI_PASS_COUNT; k++)
+		gi->timers[k].name = gi_pass_name((gi_pass)k);
+	gi->rations.assess_timer.name = "assess";
 	gi_result result = copy_texts(gi, def);
 	if (!result)
 		result = start_context(gi);
@@ -648,7 +652,9 @@ gi_result gi_commit(gi_context *gi)
 	if (gi_check_current(gi, "gi_commit"))
 		return GI_ERROR_WRONG_CONTEXT;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_commit");
 	const gi_result result = gi_take_in(gi);
+	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;
 }

@@ -125,6 +125,7 @@ static gi_result attach_shader(const gpu *g, GLuint program, GLenum kind, const 
 		return result;
 	}
 	GLuint shader = g->gl->CreateShader(kind);
+	gpu_label(g, GL_SHADER, shader, file);
 	const char *text = source.data;
 	g->gl->ShaderSource(shader, 1, &text, NULL);
 	gi_free(source.data);
@@ -146,6 +147,7 @@ static gi_result begin_program(const gpu *g, const char *vertex_file, const char
 		return result;
 	}
 	g->gl->LinkProgram(program);
+	gpu_label(g, GL_PROGRAM, program, file);
 	*out = program;
 	return GI_OK;
 }

@@ -157,7 +157,7 @@ gi_result loans_find(gi_context *gi, loans *out)
 			out->count += list_object(s, slot, searches, list + 2 * (size_t)out->count);
 	gi_result result = GI_OK;
 	if (out->count)
-		result = gpu_buffer_allocate(&gi->gpu, &out->list, 2 * sizeof *list * out->count, list);
+		result = gpu_buffer_allocate(&gi->gpu, &out->list, "loans", 2 * sizeof *list * out->count, list);
 	gi_free(list);
 	return result;
 }

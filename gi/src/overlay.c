@@ -59,11 +59,11 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 						   {1, true, offsetof(overlay_vertex, leaf)},
 						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->faces, attributes, sizeof *vertices, 4 * leaves, vertices,
-					 6 * leaves, faces);
+		result = gpu_mesh_create(&gi->gpu, &overlays->faces, "leaves", attributes, sizeof *vertices, 4 * leaves,
+					 vertices, 6 * leaves, faces);
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->edges, attributes, sizeof *vertices, 4 * leaves, vertices,
-					 8 * leaves, edges);
+		result = gpu_mesh_create(&gi->gpu, &overlays->edges, "edges of leaves", attributes, sizeof *vertices,
+					 4 * leaves, vertices, 8 * leaves, edges);
 	gi_free(vertices);
 	gi_free(faces);
 	gi_free(edges);

@@ -88,9 +88,9 @@ static gi_result make_paths(gi_context *gi)
 	sobol_directions(directions);
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, sizeof directions, directions);
+		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->going, sizeof(uint32_t), NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -115,13 +115,11 @@ void paths_free(gi_context *gi)
 static gi_result upload_lights(gi_context *gi, path_scene *out)
 {
 	gi_lights l;
-	gi_result result = GI_OK;
-	if (lights_find(&gi->scene, lights_luminance, &l)) {
-		lights_set_slices(&l, 0, l.count);
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, sizeof(gi_uvec4) * 3 * l.count, l.triangles);
-	} else {
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	}
+	if (!lights_find(&gi->scene, lights_luminance, &l))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	lights_set_slices(&l, 0, l.count);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+						     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
 	lights_free(&l);
@@ -216,7 +214,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
 	if (!result && gi->paths->slots.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, "paths: slots", bytes, NULL);
 	if (result)
 		return result;
 	gi_path_slot *slots = gi_malloc(bytes);

@@ -44,7 +44,7 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 
 gi_result rows_init(gi_context *gi)
 {
-	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, sizeof(gi_frame), NULL);
+	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, "frame", sizeof(gi_frame), NULL);
 }
 
 /* Free lists of all classes of a pool together, in words. */
@@ -56,10 +56,10 @@ static uint64_t list_words(uint64_t limit)
 	return words;
 }
 
-static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
+static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, const char *label, uint64_t limit)
 {
 	const uint64_t list = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
-	return gpu_buffer_allocate(&gi->gpu, pool, sizeof(uint32_t) * (list + list_words(limit)), NULL);
+	return gpu_buffer_allocate(&gi->gpu, pool, label, sizeof(uint32_t) * (list + list_words(limit)), NULL);
 }
 
 static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
@@ -74,17 +74,17 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->entries, "entries", sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->targets, "targets", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->queue, "queue", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, 2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->links, "links", 2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, "free entries", r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, "free links", r->link_limit);
 	return result;
 }
 
@@ -480,7 +480,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, "suspects", 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
 	gi->rows.suspect_list = list; /* its memory, for the next time */
@@ -492,7 +492,7 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	gi_rows *r = &gi->rows;
 	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
 	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, bytes + bytes / 2, NULL);
+		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, "runs", bytes + bytes / 2, NULL);
 		if (result)
 			return result;
 	}

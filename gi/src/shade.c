@@ -147,8 +147,8 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 						   {4, false, offsetof(draw_vertex, weight)},
 						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &shade->mesh, attributes, sizeof *vertices, vertex_count, vertices,
-					 index_count, indices);
+		result = gpu_mesh_create(&gi->gpu, &shade->mesh, "drawn surfaces", attributes, sizeof *vertices,
+					 vertex_count, vertices, index_count, indices);
 	gi_free(order);
 	gi_free(vertices);
 	gi_free(indices);
@@ -349,11 +349,12 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
 		result = want_program(gi, k);
 	if (!result && !shade->screen.array)
-		result = gpu_mesh_create(g, &shade->screen, attributes, sizeof *corners, 3, corners, 3, indices);
+		result = gpu_mesh_create(g, &shade->screen, "whole picture", attributes, sizeof *corners, 3, corners, 3,
+					 indices);
 	if (!result)
-		result = gpu_target_create(g, &shade->surfaces, surfaces, true, view->width, view->height);
+		result = gpu_target_create(g, &shade->surfaces, "surfaces", surfaces, true, view->width, view->height);
 	if (!result && more)
-		result = gpu_target_create(g, &shade->so_far, so_far, false, view->width, view->height);
+		result = gpu_target_create(g, &shade->so_far, "light so far", so_far, false, view->width, view->height);
 	return result;
 }
 
@@ -466,7 +467,9 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 	if (!gi->scene.leaf_count)
 		return GI_OK;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_draw");
 	const gi_result result = draw(gi, view);
+	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;
 }

@@ -29,9 +29,10 @@ gi_result shadow_create(gi_context *gi, gi_shadow *shadow)
 	if (!result && !shadow->program)
 		result = gpu_program_draw(&gi->gpu, "shadow.vert", "shadow.frag", &shadow->program);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &shadow->uniforms, sizeof shadow->lamps, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &shadow->uniforms, "lamps", sizeof shadow->lamps, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &shadow->mask_words, GI_LAMP_MAX * OCCLUDER_MASK_BYTES, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &shadow->mask_words, "occluder masks",
+					     GI_LAMP_MAX * OCCLUDER_MASK_BYTES, NULL);
 	return result;
 }
 

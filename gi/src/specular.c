@@ -67,7 +67,7 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 		if (o && specular_object_is_smooth(o))
 			enough = gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
 	}
-	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->specular->normals,
+	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->specular->normals, "smooth normals",
 							      sizeof *normals * primitives, normals)
 					: gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_free(normals);
@@ -90,7 +90,7 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 	if (buffer->size == sizeof *materials * count)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, buffer->size, materials);
 	else
-		result = gpu_buffer_allocate(&gi->gpu, buffer, sizeof *materials * count, materials);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, "smooth materials", sizeof *materials * count, materials);
 	gi_free(materials);
 	return result;
 }
@@ -107,7 +107,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 			for (int k = 0; k < 4; k++)
 				(&lights[o->leaf_base + leaf].x)[k] = o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
 	}
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->specular->corner_lights,
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->specular->corner_lights, "light at corners of leaves",
 						     sizeof *lights * s->leaf_count, lights);
 	gi_free(lights);
 	return result;
