@@ -59,6 +59,11 @@ gi_object_def gi_object_def_default(void)
 	};
 }
 
+gi_material gi_material_default(void)
+{
+	return (gi_material){.index = 1};
+}
+
 gi_pose gi_pose_identity(void)
 {
 	return (gi_pose){.rotation = {0, 0, 0, 1}};

@@ -254,6 +254,9 @@ typedef struct gi_material {
 	float index;            /* of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
 } gi_material;
 
+/* Black: all of it 0, the index of refraction 1. */
+GI_API gi_material gi_material_default(void);
+
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
 typedef struct gi_pose {
 	float position[3]; /* metres, each within 1e9 of 0 */
