@@ -24,8 +24,7 @@ typedef struct two_balls {
 
 static const char *const NAMES[OBJECTS] = {"floor", "ceiling", "back", "left", "right", "light", "mirror", "glass"};
 
-static const gi_material MATERIALS[2] = {{.specular = {.92f, .92f, .92f}},
-					 {.transmittance = {1, 1, 1}, .index = 1.5f}};
+static const gi_specular SPECULAR[2] = {{.reflectance = {.92f, .92f, .92f}}, {.transmittance = {1, 1, 1}, .index = 1.5f}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -55,7 +54,7 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	def.leaf_size = b->options.leaf_size;
 	def.buddha = false;
 	def.ball_faces = BALL_FACES;
-	def.ball_materials = MATERIALS;
+	def.ball_specular = SPECULAR;
 	const gi_result result = cornell_create(gi, &def, &b->box);
 	if (result && !message[0])
 		snprintf(message, message_size, "the box cannot be built: %s", gi_result_text(result));

@@ -16,6 +16,8 @@
  * A budget of time is shared out to what updates before were seen to take: a solve and rows to assess get their shares
  * of it, but a sweep and LEAST_ROWS at least, and rays what is left.
  */
+#include "budget.h"
+
 #include "bits.h"
 #include "context.h"
 
@@ -221,14 +223,6 @@ void budget_bound(gi_context *gi)
 	}
 }
 
-void budget_bind(const gi_context *gi)
-{
-	const gi_rations *r = &gi->rations;
-	gpu_bind(&gi->gpu, GI_BIND_CHOICES, &r->choices);
-	gpu_bind(&gi->gpu, GI_BIND_PENDING, &r->pending);
-	gpu_bind(&gi->gpu, GI_BIND_SHINE, &r->shine);
-}
-
 void budget_free(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
@@ -240,4 +234,5 @@ void budget_free(gi_context *gi)
 				&r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
+	gpu_timer_free(&gi->gpu, &r->assess_timer);
 }

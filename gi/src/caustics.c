@@ -1,5 +1,7 @@
 #include "caustics.h"
 
+#include "binding.h"
+#include "context.h"
 #include "lights.h"
 #include "memory.h"
 #include "specular.h"
@@ -83,7 +85,7 @@ void caustics_invalidate(gi_context *gi)
 static const scene_object *seen_in(const gi_scene *s, uint32_t slot)
 {
 	const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-	return o && scene_is_seen(o) ? o : NULL;
+	return o && object_is_seen(o) ? o : NULL;
 }
 
 static bool changed(const scene_object *o)
@@ -116,7 +118,7 @@ static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_p
 		const double power = pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
 		for (uint32_t to = 0; to < s->slot_count; to++) {
 			const scene_object *smooth = to == from ? NULL : seen_in(s, to);
-			if (!smooth || !specular_object_is_smooth(smooth) || count == MOST_PAIRS)
+			if (!smooth || !object_is_smooth(smooth) || count == MOST_PAIRS)
 				continue;
 			if (pairs) {
 				const scene_object *emitter = &s->objects[s->slots[from]];
@@ -233,7 +235,7 @@ static void trace(gi_context *gi)
 gi_result caustics_update(gi_context *gi)
 {
 	gi_lights lights = {0};
-	if (!gi->specular || !gi->def.caustic_photons) {
+	if (!gi->smooth || !gi->def.caustic_photons) {
 		caustics_free(gi);
 		return GI_OK;
 	}
@@ -252,10 +254,10 @@ gi_result caustics_update(gi_context *gi)
 	lights_free(&lights);
 	if (result || !pairs)
 		return result;
-	frame_progress(gi, GI_PASS_CAUSTICS);
+	rows_progress(gi, GI_PASS_CAUSTICS);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
-	scene_bind(gi);
-	rows_bind(gi);
+	bind_scene(gi);
+	bind_rows(gi);
 	bind(gi);
 	trace(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);

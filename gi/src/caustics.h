@@ -4,7 +4,9 @@
 #ifndef GI_CAUSTICS_H
 #define GI_CAUSTICS_H
 
-#include "context.h"
+#include "gpu.h"
+
+typedef struct gi_caustics gi_caustics;
 
 /* After the rows of an update, before its solve; specular_update() went before. */
 gi_result caustics_update(gi_context *gi);

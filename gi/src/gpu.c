@@ -25,55 +25,6 @@ ASSERT_TEXELS(gi_move, 2);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 #undef ASSERT_TEXELS
 
-/* Names of objects and folders may hold anything, ends of lines and commands to a terminal too. */
-static void keep_to_one_line(char *line)
-{
-	for (; *line; line++)
-		if ((unsigned char)*line < ' ' || *line == 127)
-			*line = ' ';
-}
-
-static void say(const gi_log *log, gi_result result, const char *format, va_list arguments)
-{
-	char line[1024];
-	vsnprintf(line, sizeof line, format, arguments);
-	keep_to_one_line(line);
-	if (log->message)
-		log->message(result, line, log->user);
-	else
-		fprintf(stderr, "gi: %s\n", line);
-}
-
-gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	say(log, result, format, arguments);
-	va_end(arguments);
-	return result;
-}
-
-void gi_warn(const gi_log *log, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	say(log, GI_OK, format, arguments);
-	va_end(arguments);
-}
-
-void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...)
-{
-	if (!log->progress)
-		return;
-	char what[128];
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(what, sizeof what, format, arguments);
-	va_end(arguments);
-	keep_to_one_line(what);
-	log->progress(what, done, total, log->user);
-}
-
 /* ---- start ---- */
 
 /* What the shaders of gi take of a device. OpenGL promises less of the first two, and as much of the others. */
@@ -151,6 +102,15 @@ bool gpu_is_current(const gpu *g)
 	g->gl->GetObjectLabel(GL_VERTEX_ARRAY, g->mark, sizeof found, NULL, found);
 	mark_label(g, label);
 	return strcmp(label, found) == 0;
+}
+
+gi_result gpu_check_current(const gpu *g, const char *function)
+{
+	if (gpu_is_current(g))
+		return GI_OK;
+	return gi_fail(&g->log, GI_ERROR_WRONG_CONTEXT,
+		       "%s: make the OpenGL context current on this thread that was current in gi_context_create",
+		       function);
 }
 
 void gpu_close(gpu *g)

@@ -2,7 +2,7 @@
 #ifndef GI_LIGHTS_H
 #define GI_LIGHTS_H
 
-#include "context.h"
+#include "scene.h"
 
 typedef struct gi_lights {
 	gi_uvec4 *triangles; /* 3 each, as shaders have them (GI_BIND_PATH_LIGHTS); slices are set last */

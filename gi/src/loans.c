@@ -1,6 +1,7 @@
 #include "loans.h"
 
 #include "bits.h"
+#include "context.h"
 #include "frames.h"
 #include "memory.h"
 
@@ -16,7 +17,7 @@ static const double ALIKE = 0.5;
 static bool is_new(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].arrives &&
-	       scene_is_seen(&s->objects[s->slots[slot]]);
+	       object_is_seen(&s->objects[s->slots[slot]]);
 }
 
 /* ---- the nearest leaf ---- */

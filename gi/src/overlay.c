@@ -1,5 +1,6 @@
 #include "overlay.h"
 
+#include "binding.h"
 #include "context.h"
 #include "memory.h"
 #include "view.h"
@@ -82,7 +83,7 @@ gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *vie
 	const gpu_convention convention = view_convention(view);
 	float eye[4];
 	view_eye(view, eye);
-	rows_bind(gi);
+	bind_rows(gi);
 	gpu_set_matrices(&gi->gpu, overlays->program, 0, 1, clip_from_world);
 	gpu_set_uint(&gi->gpu, overlays->program, 1, (uint32_t)view->overlay);
 	gpu_set_floats(&gi->gpu, overlays->program, 2, 4, 1, eye);

@@ -5,9 +5,11 @@
  * left, so that no dispatch is long. A slot leaves one sum, which is read back and added in double. How runs are cut
  * depends on the scene and the renderer alone: the same seed gives the same bits.
  */
+#include "paths.h"
+
+#include "binding.h"
 #include "context.h"
 #include "lights.h"
-
 #include "memory.h"
 
 #include <string.h>
@@ -153,8 +155,8 @@ static uint32_t slots_of(const batch *b)
 static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 {
 	const gi_paths *p = gi->paths;
-	scene_bind(gi);
-	rows_bind(gi); /* for the frame's trees; the rest goes to others */
+	bind_scene(gi);
+	bind_rows(gi); /* for the frame's trees; the rest goes to others */
 	gpu_bind(&gi->gpu, GI_BIND_PATH_SLOTS, &p->slots);
 	gpu_bind(&gi->gpu, GI_BIND_PATH_GOING, &p->going);
 	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &p->lights);
@@ -256,7 +258,7 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 		    "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
-	if (gi_check_current(gi, "gi_trace_paths"))
+	if (gpu_check_current(&gi->gpu, "gi_trace_paths"))
 		return GI_ERROR_WRONG_CONTEXT;
 	const uint32_t leaves = gi->scene.leaf_count;
 	*count = leaves;

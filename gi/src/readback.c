@@ -2,6 +2,7 @@
 #include "bits.h"
 #include "caustics.h"
 #include "context.h"
+#include "handles.h"
 #include "memory.h"
 
 #include <math.h>
@@ -31,7 +32,7 @@ static gi_result begin_read(gi_context *gi, const char *function, const void *pl
 	if (!place)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "%s: the place for the result must not be NULL",
 			       function);
-	return gi_check_current(gi, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
+	return gpu_check_current(&gi->gpu, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
 }
 
 static gi_result no_memory(const gi_context *gi)
@@ -55,7 +56,7 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
 			 .row_sum = fabsf(gi_float_from_bits(a->headers[leaf].w)),
-			 .object = scene_handle(gi, index)};
+			 .object = handles_of(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
 	memcpy(out->rho, m->rho, sizeof out->rho);
@@ -251,7 +252,7 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 
 static bool is_known(const gi_context *gi, gi_object object)
 {
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	return o && o->committed;
 }
 
@@ -259,7 +260,7 @@ static bool is_known(const gi_context *gi, gi_object object)
 static double part_of(const gi_context *gi, const double *sums, gi_object to)
 {
 	if (to.index1 != 0)
-		return sums[scene_find(gi, to)->slot];
+		return sums[handles_find(gi, to)->slot];
 	double sum = 0;
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
 		sum += slot != gi->scene.sky_slot ? sums[slot] : 0;
@@ -282,7 +283,7 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 	double *sums = allocate(gi, sizeof *sums * gi->scene.slot_count), area = 0;
 	if (!sums)
 		return no_memory(gi);
-	result = sum_links(gi, scene_find(gi, from), sums, &area);
+	result = sum_links(gi, handles_find(gi, from), sums, &area);
 	for (uint32_t k = 0; !result && k < count; k++)
 		out[k] = part_of(gi, sums, to[k]) / area;
 	gi_free(sums);

@@ -1,8 +1,8 @@
 #include "reflections.h"
 
+#include "binding.h"
 #include "caustics.h"
 #include "context.h"
-#include "material.h"
 #include "specular.h"
 #include "view.h"
 
@@ -12,14 +12,6 @@ enum { CORNER = 0, LIT = 1 };
 
 /* specular.glsl */
 static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
-
-static bool has_glass(const scene_object *o)
-{
-	bool glass = false;
-	for (uint32_t m = 0; m < o->material_count && !glass; m++)
-		glass = material_is_glass(&o->materials[m]);
-	return glass;
-}
 
 /* The balls around smooth objects. */
 static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *view)
@@ -32,11 +24,11 @@ static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *vi
 	r->glass = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-		if (!o || !scene_slot_is_seen(s, slot) || !specular_object_is_smooth(o))
+		if (!o || !scene_slot_is_seen(s, slot) || !object_is_smooth(o))
 			continue;
 		const gi_vec4 sphere = s->object_data[slot].sphere;
 		screen_rect_add(&r->rect, window_from_world, size, gi_vec3d_from(sphere), sphere.w);
-		r->glass = r->glass || has_glass(o);
+		r->glass = r->glass || object_has_glass(o);
 	}
 }
 
@@ -74,9 +66,9 @@ void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const 
 	const float sky[4] = {beyond * exitance[0], beyond * exitance[1], beyond * exitance[2], 0};
 	float eye[4];
 	view_eye(view, eye);
-	scene_bind(gi);
-	rows_bind(gi); /* for the frame's trees */
-	solver_bind(gi);
+	bind_scene(gi);
+	bind_rows(gi); /* for the frame's trees */
+	bind_solver(gi);
 	specular_bind(gi);
 	gpu_set_floats(g, program, EYE, 4, 1, eye);
 	gpu_set_uint(g, program, WAY, WAYS[layer]);

@@ -10,6 +10,9 @@
  *
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
+#include "shade.h"
+
+#include "binding.h"
 #include "context.h"
 #include "memory.h"
 #include "overlay.h"
@@ -282,7 +285,7 @@ static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, cons
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
-	const bool caustics = gi->specular && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
+	const bool caustics = gi->smooth && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
 	shade->others = lamps > 1;
 	if (lamps <= 1 && !caustics)
 		return;
@@ -342,7 +345,7 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
-	const bool more = lamps > 1 || gi->specular;
+	const bool more = lamps > 1 || gi->smooth;
 	gi_result result = want_program(gi, PROGRAM_SURFACE);
 	if (!result && !lamps)
 		result = want_program(gi, PROGRAM_SURFACE_LAST);
@@ -372,10 +375,10 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
-	if (!lamps && !gi->specular)
+	if (!lamps && !gi->smooth)
 		return draw_own(gi, view, clip_from_world);
 	gi_result result = prepare_lamps(gi, view, lamps);
-	if (!result && gi->specular)
+	if (!result && gi->smooth)
 		result = reflections_prepare(gi, &shade->reflections, view);
 	if (result)
 		return result;
@@ -390,7 +393,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 	else
 		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width, (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
-	if (gi->specular)
+	if (gi->smooth)
 		draw_reflections(gi, lamps, view, state, corner);
 	return GI_OK;
 }
@@ -440,8 +443,8 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 		return result;
 	gpu_draw_state state;
 	gpu_draw_begin(&gi->gpu, &state);
-	scene_bind(gi);
-	solver_bind(gi);
+	bind_scene(gi);
+	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
 		result = shadow_update(gi, &gi->shade->shadow);
 	if (!result)
@@ -458,7 +461,7 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 		return GI_ERROR_INVALID_ARGUMENT;
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_draw()");
-	if (gi_check_current(gi, "gi_draw"))
+	if (gpu_check_current(&gi->gpu, "gi_draw"))
 		return GI_ERROR_WRONG_CONTEXT;
 	if (!gpu_host_is_complete(&gi->gpu))
 		return gi_fail(&gi->gpu.log, GI_ERROR_FRAMEBUFFER,

@@ -7,6 +7,9 @@
  * nodes their area means. Every sweep certifies its bound and leaves the light too, so that a solve may end with any:
  * under a budget of time it takes as many as fit, and the next update goes on from there.
  */
+#include "solver.h"
+
+#include "binding.h"
 #include "caustics.h"
 #include "context.h"
 
@@ -141,7 +144,7 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 {
 	gi_solver *s = &gi->solver;
 	const bool cold = s->cold || !is_lit(&gi->scene);
-	frame_progress(gi, GI_PASS_SOLVE);
+	rows_progress(gi, GI_PASS_SOLVE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 	if (stage == STAGE_BEGIN)
 		gather_emitted(gi);
@@ -163,25 +166,14 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	gi_solver *s = &gi->solver;
 	const bool timed = budget_times_solve(gi, budget);
 	const bool begin = anew || s->cold || !is_lit(&gi->scene);
-	scene_bind(gi);
-	rows_bind(gi);
-	solver_bind(gi);
+	bind_all(gi);
 	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps);
 	s->cold = false;
 
-	frame_progress(gi, GI_PASS_LIGHT);
+	rows_progress(gi, GI_PASS_LIGHT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 	gpu_dispatch(&gi->gpu, s->light_program, gi->scene.light_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
-}
-
-void solver_bind(const gi_context *gi)
-{
-	const gi_solver *s = &gi->solver;
-	gpu_bind(&gi->gpu, GI_BIND_RADIOSITY, &s->radiosity);
-	gpu_bind(&gi->gpu, GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
-	gpu_bind(&gi->gpu, GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
-	gpu_bind(&gi->gpu, GI_BIND_LIGHT, &s->light);
 }
 
 void solver_forget(gi_solver *s)

@@ -1,12 +1,13 @@
 #include "specular.h"
 
-#include "material.h"
+#include "binding.h"
+#include "context.h"
 #include "memory.h"
 #include "smooth.h"
 
 #include <string.h>
 
-struct gi_specular {
+struct gi_smooth {
 	bool built; /* for the committed scene */
 	gpu_buffer normals, materials, corner_lights;
 };
@@ -21,19 +22,12 @@ static const scene_object *object_of(const gi_scene *s, uint32_t slot)
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
 
-bool specular_object_is_smooth(const scene_object *o)
-{
-	bool smooth = false;
-	for (uint32_t m = 0; m < o->material_count && !smooth; m++)
-		smooth = material_is_smooth(&o->materials[m]);
-	return smooth;
-}
-
-bool specular_is_wanted(const gi_context *gi)
+/* Does anything that is seen reflect as a mirror or refract, as of the last commit and the materials of now? */
+static bool is_wanted(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (object_of(s, slot) && scene_is_seen(object_of(s, slot)) && specular_object_is_smooth(object_of(s, slot)))
+		if (object_of(s, slot) && object_is_seen(object_of(s, slot)) && object_is_smooth(object_of(s, slot)))
 			return true;
 	return false;
 }
@@ -51,10 +45,10 @@ static specular_sizes sizes_of(const gi_scene *s)
 	return sizes;
 }
 
-static gi_smooth_material smooth_material(const gi_material *m)
+static gi_smooth_material smooth_material(const gi_specular *s)
 {
-	return (gi_smooth_material){{m->specular[0], m->specular[1], m->specular[2], m->index},
-				    {m->transmittance[0], m->transmittance[1], m->transmittance[2], 0}};
+	return (gi_smooth_material){{s->reflectance[0], s->reflectance[1], s->reflectance[2], s->index},
+				    {s->transmittance[0], s->transmittance[1], s->transmittance[2], 0}};
 }
 
 static gi_result upload_normals(gi_context *gi, uint32_t primitives)
@@ -64,10 +58,10 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 	bool enough = normals != NULL;
 	for (uint32_t slot = 0; enough && slot < s->slot_count; slot++) {
 		const scene_object *o = object_of(s, slot);
-		if (o && specular_object_is_smooth(o))
+		if (o && object_is_smooth(o))
 			enough = gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
 	}
-	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->specular->normals, "smooth normals",
+	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->smooth->normals, "smooth normals",
 							      sizeof *normals * primitives, normals)
 					: gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_free(normals);
@@ -82,10 +76,10 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		const scene_object *o = object_of(s, slot);
-		for (uint32_t m = 0; o && m < o->material_count; m++)
-			materials[o->material_base + m] = smooth_material(&o->materials[m]);
+		for (uint32_t m = 0; o && o->specular && m < o->material_count; m++)
+			materials[o->material_base + m] = smooth_material(&o->specular[m]);
 	}
-	gpu_buffer *buffer = &gi->specular->materials;
+	gpu_buffer *buffer = &gi->smooth->materials;
 	gi_result result = GI_OK;
 	if (buffer->size == sizeof *materials * count)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, buffer->size, materials);
@@ -107,7 +101,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 			for (int k = 0; k < 4; k++)
 				(&lights[o->leaf_base + leaf].x)[k] = o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
 	}
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->specular->corner_lights, "light at corners of leaves",
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, "light at corners of leaves",
 						     sizeof *lights * s->leaf_count, lights);
 	gi_free(lights);
 	return result;
@@ -123,48 +117,48 @@ static bool materials_changed(const gi_scene *s)
 
 gi_result specular_update(gi_context *gi)
 {
-	if (!specular_is_wanted(gi)) {
+	if (!is_wanted(gi)) {
 		specular_free(gi);
 		return GI_OK;
 	}
-	if (!gi->specular)
-		gi->specular = gi_calloc(1, sizeof *gi->specular);
-	if (!gi->specular)
+	if (!gi->smooth)
+		gi->smooth = gi_calloc(1, sizeof *gi->smooth);
+	if (!gi->smooth)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const bool changed = materials_changed(&gi->scene);
-	if (gi->specular->built && !changed)
+	if (gi->smooth->built && !changed)
 		return GI_OK;
 	/* Another object may have become smooth: all is made anew. */
 	const specular_sizes sizes = sizes_of(&gi->scene);
 	gi_result result = upload_materials(gi, sizes.materials);
 	if (!result)
 		result = upload_normals(gi, sizes.primitives);
-	if (!result && !gi->specular->built)
+	if (!result && !gi->smooth->built)
 		result = upload_corner_lights(gi);
-	gi->specular->built = !result;
+	gi->smooth->built = !result;
 	return result;
 }
 
 void specular_invalidate(gi_context *gi)
 {
-	if (gi->specular)
-		gi->specular->built = false;
+	if (gi->smooth)
+		gi->smooth->built = false;
 }
 
 void specular_bind(const gi_context *gi)
 {
-	gpu_bind(&gi->gpu, GI_BIND_SMOOTH, &gi->specular->normals);
-	gpu_bind(&gi->gpu, GI_BIND_SMOOTH_MATERIALS, &gi->specular->materials);
-	gpu_bind(&gi->gpu, GI_BIND_CORNER_LIGHTS, &gi->specular->corner_lights);
+	gpu_bind(&gi->gpu, GI_BIND_SMOOTH, &gi->smooth->normals);
+	gpu_bind(&gi->gpu, GI_BIND_SMOOTH_MATERIALS, &gi->smooth->materials);
+	gpu_bind(&gi->gpu, GI_BIND_CORNER_LIGHTS, &gi->smooth->corner_lights);
 }
 
 void specular_free(gi_context *gi)
 {
-	if (!gi->specular)
+	if (!gi->smooth)
 		return;
-	gpu_buffer_free(&gi->gpu, &gi->specular->normals);
-	gpu_buffer_free(&gi->gpu, &gi->specular->materials);
-	gpu_buffer_free(&gi->gpu, &gi->specular->corner_lights);
-	gi_free(gi->specular);
-	gi->specular = NULL;
+	gpu_buffer_free(&gi->gpu, &gi->smooth->normals);
+	gpu_buffer_free(&gi->gpu, &gi->smooth->materials);
+	gpu_buffer_free(&gi->gpu, &gi->smooth->corner_lights);
+	gi_free(gi->smooth);
+	gi->smooth = NULL;
 }

@@ -2,11 +2,9 @@
 #ifndef GI_SPECULAR_H
 #define GI_SPECULAR_H
 
-#include "context.h"
+#include "gi/gi.h"
 
-/* Does anything that is seen reflect as a mirror or refract, as of the last commit and the materials of now? */
-bool specular_is_wanted(const gi_context *gi);
-bool specular_object_is_smooth(const scene_object *object);
+typedef struct gi_smooth gi_smooth;
 
 /* Makes what is not there for the committed scene; frees all where nothing wants it. */
 gi_result specular_update(gi_context *gi);

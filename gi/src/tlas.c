@@ -5,6 +5,8 @@
  *
  * Objects that are not seen are in neither.
  */
+#include "tlas.h"
+
 #include "bits.h"
 #include "context.h"
 #include "pack.h"

@@ -18,11 +18,7 @@ static gi_result room_add(gi_context *gi, const float *corners, uint32_t levels,
 {
 	static const uint32_t indices[4] = {0, 1, 2, 3};
 	const float rho = exitance > 0 ? 0 : .5f;
-	gi_material material = gi_material_default();
-	for (int c = 0; c < 3; c++) {
-		material.rho[c] = rho;
-		material.exitance[c] = exitance;
-	}
+	const gi_material material = {{rho, rho, rho}, {exitance, exitance, exitance}};
 	gi_object_def def = gi_object_def_default();
 	def.positions = corners;
 	def.vertex_count = 4;

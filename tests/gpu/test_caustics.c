@@ -23,22 +23,24 @@ typedef struct box_scene {
 	gi_object room, lamp, ball;
 } box_scene;
 
-static gi_material ball_material(bool glass)
+static gi_specular ball_specular(bool glass)
 {
-	gi_material m = {.index = 1.5f};
+	gi_specular s = {.index = 1.5f};
 	for (int c = 0; c < 3; c++)
-		(glass ? m.transmittance : m.specular)[c] = glass ? 1.0f : 0.9f;
-	return m;
+		(glass ? s.transmittance : s.reflectance)[c] = glass ? 1.0f : 0.9f;
+	return s;
 }
 
 static gi_object add_ball(gi_context *gi, bool glass, uint32_t faces)
 {
 	engine_mesh mesh;
 	assert_true(shape_sphere(RADIUS, faces, &mesh));
-	const gi_material material = ball_material(glass);
+	const gi_material black = {.rho = {0}};
+	const gi_specular specular = ball_specular(glass);
 	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = glass ? "glass ball" : "mirror ball";
-	def.materials = &material;
+	def.materials = &black;
+	def.specular = &specular;
 	def.material_count = 1;
 	memcpy(def.pose.position, BALL, sizeof BALL);
 	gi_object ball;
@@ -126,9 +128,9 @@ static copy make_copy(const gi_leaf *leaves, uint32_t count, bool glass)
 {
 	copy c = {.surfaces = {{.index = 0}, {.exitance = {1000, 1000, 1000}}, {.index = 1.5f}}};
 	const uint32_t triangles = 2 * count + 12 * REFERENCE_FACES * REFERENCE_FACES, vertices = 4 * count + triangles;
-	const gi_material material = ball_material(glass);
-	memcpy(c.surfaces[2].specular, material.specular, sizeof material.specular);
-	memcpy(c.surfaces[2].transmittance, material.transmittance, sizeof material.transmittance);
+	const gi_specular specular = ball_specular(glass);
+	memcpy(c.surfaces[2].specular, specular.reflectance, sizeof specular.reflectance);
+	memcpy(c.surfaces[2].transmittance, specular.transmittance, sizeof specular.transmittance);
 	c.positions = calloc(3 * (size_t)vertices, sizeof(float));
 	c.normals = calloc(3 * (size_t)vertices, sizeof(float));
 	c.corners = calloc(3 * (size_t)triangles, sizeof(uint32_t));

@@ -239,23 +239,23 @@ GI_API void gi_context_destroy(gi_context *gi);
 
 /* ---- objects ------------------------------------------------------------------------------------------------------ */
 
-/* A diffuse surface is described by rho and exitance; zeros for the rest are none of it.
- *
- * Mirrors and glass are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40
- * degrees. What emitters send through them falls on other surfaces as caustics, leaf by leaf and, where gi_draw lights
- * per pixel, as fine as gi_context_def.caustic_photons are many. Channel by channel rho + specular and rho + transmittance are at
- * most 1; what is missing is absorbed. A material has specular or transmittance, not both. */
 typedef struct gi_material {
-	float rho[3];           /* reflectance, linear RGB, each in [0,1) */
-	float exitance[3];      /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
-	float specular[3];      /* of a mirror: share that it reflects as one, at any angle, each in [0,1] */
+	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
+	float exitance[3]; /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
+} gi_material;
+
+/* What a material is besides: a mirror or glass. All 0: neither.
+ *
+ * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees. What
+ * emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are many,
+ * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. Channel by channel rho + reflectance and
+ * rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both. */
+typedef struct gi_specular {
+	float reflectance[3];   /* of a mirror, at any angle, each in [0,1]; its back is black */
 	float transmittance[3]; /* of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is
 				 * refracted and how much reflected Fresnel's equations say; it takes a closed object */
 	float index;            /* of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
-} gi_material;
-
-/* Black: all of it 0, the index of refraction 1. */
-GI_API gi_material gi_material_default(void);
+} gi_specular;
 
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
 typedef struct gi_pose {
@@ -337,6 +337,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
+	const gi_specular *specular; /* material_count, or one without materials; default NULL: no mirrors, no glass */
 	gi_mobility mobility; /* default automatic */
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
@@ -429,6 +430,8 @@ GI_API gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 GI_API gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 GI_API gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
+GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
+GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
 
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
  * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
