@@ -30,6 +30,11 @@ x11.XSendEvent.argtypes = [ctypes.c_void_p, WINDOW, ctypes.c_int, ctypes.c_long,
 x11.XFlush.argtypes = [ctypes.c_void_p]
 
 
+# The window may be gone while a key is on its way to it.
+IGNORE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(lambda display, error: 0)
+x11.XSetErrorHandler(IGNORE)
+
+
 class KeyEvent(ctypes.Structure):
     """XKeyEvent, as large as XEvent."""
     _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
