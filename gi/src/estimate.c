@@ -23,7 +23,7 @@ static gi_result make_programs(gi_context *gi)
 	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
 	if (e->mean_program && e->results.size >= sizeof(gi_estimate_leaf) * leaves) /* the last that is made */
 		return GI_OK;
-	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
+	const gpu_program_file programs[] = {{"estimate.comp", &e->samples_program},
 					     {"estimate_trace.comp", &e->trace_program},
 					     {"estimate_sum.comp", &e->sum_program},
 					     {"estimate_mean.comp", &e->mean_program}};
@@ -109,11 +109,11 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 	gi_estimate *e = &gi->estimate;
 	const uint32_t salt = salt_of(gi->frame_number, first);
 	const float area = (float)e->area;
-	gpu_set_uint(&gi->gpu, e->choose_program, 0, salt);
-	gpu_set_uint(&gi->gpu, e->choose_program, 1, first);
-	gpu_set_uint(&gi->gpu, e->choose_program, 2, count);
-	gpu_set_uint(&gi->gpu, e->choose_program, 3, gi->def.estimate_leaves);
-	gpu_dispatch(&gi->gpu, e->choose_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
+	gpu_set_uint(&gi->gpu, e->samples_program, 0, salt);
+	gpu_set_uint(&gi->gpu, e->samples_program, 1, first);
+	gpu_set_uint(&gi->gpu, e->samples_program, 2, count);
+	gpu_set_uint(&gi->gpu, e->samples_program, 3, gi->def.estimate_leaves);
+	gpu_dispatch(&gi->gpu, e->samples_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
 	gpu_set_uint(&gi->gpu, e->trace_program, 0, salt ^ 0x68e31da4u);
 	gpu_set_uint(&gi->gpu, e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
 	gpu_dispatch(&gi->gpu, e->trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
@@ -159,7 +159,7 @@ void estimate_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&e->chances, &e->items, &e->shares, &e->results};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&e->choose_program, &e->trace_program, &e->sum_program, &e->mean_program};
+	uint32_t *programs[] = {&e->samples_program, &e->trace_program, &e->sum_program, &e->mean_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 }

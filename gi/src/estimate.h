@@ -8,7 +8,7 @@ typedef struct gi_estimate {
 	bool fresh; /* chances are those of the committed scene */
 	double area; /* of all its leaves, m2 */
 	/* Made by the first update that wants them, as the buffers. */
-	uint32_t choose_program, trace_program, sum_program, mean_program;
+	uint32_t samples_program, trace_program, sum_program, mean_program;
 	gpu_buffer chances, items, shares, results;
 } gi_estimate;
 

@@ -7,12 +7,12 @@
 #include "scene_upload.h"
 
 #include "bits.h"
+#include "bvh_pack.h"
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
 #include "limits.h"
 #include "memory.h"
-#include "pack.h"
 #include "rank.h"
 #include "sky.h"
 #include "statics.h"

@@ -8,9 +8,9 @@
 #include "tlas.h"
 
 #include "bits.h"
+#include "bvh_pack.h"
 #include "context.h"
 #include "frames.h"
-#include "pack.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* Bounding volume hierarchies as rays read them: a node in 16 bytes, bounds on a grid of 65,535 cells over the tree's
  * box (the layout is in gi_shared.h).
  */
-#ifndef GI_PACK_H
-#define GI_PACK_H
+#ifndef GI_BVH_PACK_H
+#define GI_BVH_PACK_H
 
 #include "gi_shared.h"
 

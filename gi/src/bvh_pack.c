@@ -1,4 +1,4 @@
-#include "pack.h"
+#include "bvh_pack.h"
 
 #include "bits.h"
 
