@@ -1,7 +1,7 @@
 /* The demo: a Buddha moves through the Cornell box and the light follows.
  *
- * Without a window it records: every eighth frame in the three modes of the paper's figure 4, and figures of all
- * frames.
+ * Without a window it records: every eighth frame in direct, indirect and global light, as figure 4 of Song et al.
+ * (README), and figures of all frames.
  */
 #include "figure.h"
 #include "player.h"

@@ -126,7 +126,8 @@ static bool write_picture(player *p, const char *name)
 	return true;
 }
 
-/* One frame in all three modes, as the paper's figure 4 compares them; the player's own mode last, for the window. */
+/* One frame in all three modes, as figure 4 of Song et al. (README) compares them; the player's own mode last, for the
+ * window. */
 static bool write_gallery(player *p)
 {
 	bool written = true;

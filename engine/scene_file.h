@@ -15,9 +15,9 @@
  *
  * In all of them:
  * - Faces without any material, and glTF materials without a base colour, have rho 0.5. A rho of 1 or more becomes
- * 0.98: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room).
+ *   0.98: white that gives everything back has no solution (M = I - diag(rho) F is singular in a closed room).
  * - Vertices of equal position are one; faces without area are dropped; those that are not convex, or have a hole
- * joined to their rim, are cut into triangles of the same area.
+ *   joined to their rim, are cut into triangles of the same area.
  * - A transform that shears is baked into the mesh; an object whose scale is 0 is left out, for as long as that lasts.
  * - Faces whose material lets more than half of the light through (alpha) are left out.
  * - A scene far from the origin, in the coordinates of a map, is moved to its middle in double precision.

@@ -82,7 +82,7 @@ uint candidates_of(pair p, bool emitter)
 }
 
 #if TOPS
-// One of the objects below a top, by area; u becomes the digits that are left.
+// One of the objects below a top, by area; u becomes where in its share it was, uniform in [0, 1) again.
 void choose_object(inout pair p, inout float u)
 {
 	uint n = p.node;

@@ -83,7 +83,8 @@ vec3 point_on(quad q, vec2 u)
 // Leaves of less than this part of what is summed up before them drown in it.
 const float LEAST_AREA = 1e-6;
 
-// One of the node's leaves, by area, or by number where the areas drown; u becomes the digits that are left.
+// One of the node's leaves, by area, or by number where the areas drown; u becomes where in the leaf's share it
+// was, uniform in [0, 1) again.
 uint leaf_at(pair p, inout float u)
 {
 	uint low = p.t.range.y, high = low + p.t.range.z - 1u;

@@ -18,7 +18,7 @@ typedef struct cornell_def {
 	const engine_mesh *figure; /* drawn in the Buddha's place, fitted to its height; NULL: the project's own */
 	const engine_mesh *figure_cage; /* what lights it (triangles); required with figure */
 	float leaf_size;       /* > 0: mean leaf edge of everything, metres, instead of all levels; default 0 */
-	bool balls;            /* two balls beside it, as in the paper; default true */
+	bool balls;            /* two balls beside it, as in Song et al. (README); default true */
 	uint32_t ball_faces;   /* base faces of a ball: 6 n^2; default 5 */
 	const gi_specular *ball_specular; /* of both, which are black else; default NULL: they are white */
 } cornell_def;

@@ -17,8 +17,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A face below this part of its own squared diagonal is a line or a point: it has no normal worth the name. Its own: a
- * small lamp on a large object is a face as others are. */
+/* A face below this part of its own squared diagonal is a line or a point: its normal would be rounding. Of
+ * its own, for a small lamp on a large object is a face as others are. */
 #define ZERO_AREA 1e-12
 /* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
  * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */

@@ -55,7 +55,8 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget);
 /* Where values of materials are all that changed: rows stay what they are. */
 gi_result rows_relight(gi_context *gi);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
-void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
+/* Has no buffers of those that a commit makes, and deletes none: a copy of the rows has them. */
+void rows_forget(gi_rows *rows);
 void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
 void rows_retire(gi_context *gi, gi_rows *rows);      /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);

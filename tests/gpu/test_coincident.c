@@ -199,7 +199,7 @@ static void compare(const snapshot *right, const snapshot *got, double *rms, dou
 	*mean = sum_got / sum_right - 1;
 }
 
-/* What the issue asks for. */
+/* How far H may be off by surfaces that lie in one place, RMS over that of H; and a form factor. */
 static const double TOLERANCE = .01;
 
 /* The walls' H in `with` is theirs in `alone`. */

@@ -36,7 +36,8 @@ static room lit_room(float row_tolerance)
 
 /* ---- furnace ---- */
 
-/* The tolerance. Rows sum to 1 within about 3e-7, which 1 / (1 - rho) amplifies: 3e-5 at rho = 0.99. */
+/* What is asked of a closed room of one rho and E, over B = E / (1 - rho). Rows sum to 1 within about
+ * 3e-7, which 1 / (1 - rho) amplifies: 3e-5 at rho = 0.99. */
 static const double FURNACE_TOLERANCE = 1e-4;
 
 static void expect_furnace(gi_context *gi, float rho, const char *what)

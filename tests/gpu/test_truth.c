@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The tolerance for form factors; the row tolerance it is reached at stands in each test. */
+/* What is asked of form factors between objects; the row tolerance it is reached at stands in each test. */
 static const double HALF_PER_CENT = 0.005;
 
 static void expect_near(const char *what, double value, double truth, double relative)

@@ -13,8 +13,9 @@
 #include <string.h>
 #include <sys/resource.h>
 
-/* The issue's tolerance for B. Both solves stop within 1e-6 of the largest B of the same fixed point; the rest is room
- * for the rounding of sums of some hundred products in single precision. */
+/* How far B of an update may be from a rebuild's, over the largest. Both solves stop within 1e-6 of
+ * the largest B of the same fixed point; the rest is room for the rounding of sums of some hundred products in single
+ * precision. */
 static const double RADIOSITY_TOLERANCE = 1e-5;
 static const float SOLVE_TOLERANCE = 1e-4f;
 
