@@ -85,7 +85,7 @@ bool is_flagged_for(watch w, gi_node_geometry p, suspect s, uvec4 entry, bool sk
 {
 	uint blocker = entry.z >> 16u;
 	bool hid = w.moved ? s.first && blocker != w.mine && blocker != GI_BLOCKER_NONE : blocker == s.object;
-	bool crossed = crosses(s, p, entry.x, (entry.z & 0xFFFFu) != 0u, blocker == GI_BLOCKER_MIXED, sky);
+	bool crossed = crosses(s, p, entry.x, (entry.z & 0xFFFFu) != 0u, is_hidden_by_several(w, blocker), sky);
 	return samples_of(entry) > 0u && (hid || crossed);
 }
 

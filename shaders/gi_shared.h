@@ -272,7 +272,7 @@ GI_STRUCT(gi_pending) {
 #define GI_ENTRY_EXACT 0x20000000u /* a polygon or a patch of sky, whose form factors are hardly off */
 #define GI_ENTRY_BACK 0x80000000u
 #define GI_ENTRY_GONE 0x40000000u /* its node was changed or went; x is the node whose B its link takes: to be cut anew */
-#define GI_BLOCKER_STATICS 0xFFFDu /* several objects, all of them static: only a commit changes that */
+#define GI_BLOCKER_STATICS 0xFFFDu /* static objects, one or several: nothing else changes that */
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 

@@ -124,13 +124,12 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 	return sum > 0.0;
 }
 
-// Of samples that one blocker hides and one that another does. Static objects have the first slots.
+// Of samples that one blocker hides and one that another does. Static objects have the first slots and are asked first (tlas.c): that
+// they hide it is said the same way whichever of them does, and whatever else is there.
 uint joined_blocker(uint blocker, uint by)
 {
-	if (blocker == GI_BLOCKER_NONE || blocker == by)
-		return by;
-	bool stay = by < frame.swept.z && (blocker < frame.swept.z || blocker == GI_BLOCKER_STATICS);
-	return stay ? GI_BLOCKER_STATICS : GI_BLOCKER_MIXED;
+	uint kind = by < frame.swept.z ? GI_BLOCKER_STATICS : by;
+	return blocker == GI_BLOCKER_NONE || blocker == kind ? kind : GI_BLOCKER_MIXED;
 }
 
 void main()

@@ -148,16 +148,52 @@ static bool encloses(const gi_scene *s, uint32_t slot)
 	return !(front && behind);
 }
 
-/* The tree over some slots, behind the nodes that are there. False when memory ran out. */
+/* Puts a tree of its own at node `base` of a larger one, whose boxes are numbered on from `first`. */
+static void shift_tree(gi_bvh_node *nodes, uint32_t count, uint32_t base, uint32_t first)
+{
+	for (uint32_t k = 0; k < count; k++) {
+		const uint32_t primitive = gi_bits_from_float(nodes[k].upper.w);
+		nodes[k].lower.w = gi_float_from_bits(gi_bits_from_float(nodes[k].lower.w) + base);
+		if (primitive != GI_NONE)
+			nodes[k].upper.w = gi_float_from_bits(primitive + first);
+	}
+}
+
+/* The tree over boxes, of which `statics` come before the others, in its order too: what hides a segment is a static
+ * object wherever one does, whatever moved before it. */
+static bool build_in_order(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, uint32_t statics,
+			   gi_bvh_node *nodes, uint32_t *order)
+{
+	if (statics == 0 || statics == count)
+		return gi_bvh_build_boxes(lower, upper, count, nodes, order);
+	const uint32_t others = count - statics, behind = 2 * statics;
+	if (!gi_bvh_build_boxes(lower, upper, statics, nodes + 1, order) ||
+	    !gi_bvh_build_boxes(lower + statics, upper + statics, others, nodes + behind, order + statics))
+		return false;
+	shift_tree(nodes + 1, 2 * statics - 1, 1, 0);
+	shift_tree(nodes + behind, 2 * others - 1, behind, statics);
+	for (uint32_t k = statics; k < count; k++)
+		order[k] += statics;
+	for (int k = 0; k < 3; k++) {
+		(&nodes->lower.x)[k] = fminf((&nodes[1].lower.x)[k], (&nodes[behind].lower.x)[k]);
+		(&nodes->upper.x)[k] = fmaxf((&nodes[1].upper.x)[k], (&nodes[behind].upper.x)[k]);
+	}
+	nodes->lower.w = gi_float_from_bits(2 * count - 1);
+	nodes->upper.w = gi_float_from_bits(GI_NONE);
+	return true;
+}
+
+/* The tree over some slots, in ascending order, behind the nodes that are there. False when memory ran out. */
 static bool build(gi_scene *s, const uint32_t *slots, uint32_t count, uint32_t base, gi_bvh_node *nodes)
 {
 	gi_vec4 *lower = calloc(count + 1, sizeof *lower), *upper = calloc(count + 1, sizeof *upper);
-	uint32_t *order = calloc(count + 1, sizeof *order);
+	uint32_t *order = calloc(count + 1, sizeof *order), statics = 0;
 	for (uint32_t k = 0; lower && upper && k < count; k++) {
 		lower[k] = s->objects[s->slots[slots[k]]].world_lower;
 		upper[k] = s->objects[s->slots[slots[k]]].world_upper;
+		statics += slots[k] < s->first_source;
 	}
-	const bool ok = lower && upper && order && gi_bvh_build_boxes(lower, upper, count, nodes, order);
+	const bool ok = lower && upper && order && build_in_order(lower, upper, count, statics, nodes, order);
 	if (ok && base == 0 && count)
 		gi_pack_grid(&(gi_vec4){nodes[0].lower.x, nodes[0].lower.y, nodes[0].lower.z, 0},
 			     &(gi_vec4){nodes[0].upper.x, nodes[0].upper.y, nodes[0].upper.z, 0}, &s->tlas_grid,
