@@ -18,6 +18,7 @@
 #define READ_ENTRIES
 #define READ_QUEUE
 #define READ_NODE_EXITANCE
+#define READ_TOUCHED
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
 #define WRITE_TOUCHED
@@ -132,6 +133,15 @@ uint joined_blocker(uint blocker, uint by)
 	return blocker == GI_BLOCKER_NONE || blocker == kind ? kind : GI_BLOCKER_MIXED;
 }
 
+// Does a static face hide all of the source, a mover, from the leaf (covered.comp)? Then all rays would be hidden.
+bool is_behind_face(pair p)
+{
+	if (TOPS == 1 || p.sky)
+		return false;
+	uint k = object_extra(p.source.object).w;
+	return k > 0u && is_covered(p.leaf, k - 1u);
+}
+
 void main()
 {
 	uint t = thread_number();
@@ -167,6 +177,8 @@ void main()
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
+	uint hidden_probes = emitter ? min(wanted, HIDDEN_PROBES) : probes;
+	bool covered = is_new && is_behind_face(p);
 	while (taken < wanted) {
 		segment_end a, b;
 		body on = p.source;
@@ -174,7 +186,8 @@ void main()
 		uint by = p.receiver.object;
 		uint k = reordered ? ((taken < 8u ? ORDER.x : ORDER.y) >> (4u * (taken & 7u))) & 15u : taken;
 		if (choose_segment(p, k, candidates, a, b, on)) {
-			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
+			if (!covered)
+				by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
@@ -184,11 +197,13 @@ void main()
 			visible |= 1u << taken;
 		else
 			blocker = joined_blocker(blocker, by);
-		taken++;
+		// Only where its light would come from is still to be found.
+		taken = covered && found != GI_NONE ? hidden_probes : taken + 1u;
 		bool agree = visible == 0u || visible == (1u << taken) - 1u;
-		if (agree && taken == (emitter && visible == 0u ? min(wanted, HIDDEN_PROBES) : probes))
+		if (agree && taken == (visible == 0u ? hidden_probes : probes))
 			break;
 	}
+	blocker = covered ? GI_BLOCKER_STATICS : blocker;
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
 		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
@@ -203,5 +218,5 @@ void main()
 	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
 		note_changed(p.leaf);
 	targets[slot] = target;
-	atomicAdd(state[GI_STATE_RAYS], taken);
+	atomicAdd(state[GI_STATE_RAYS], covered ? 0u : taken);
 }

@@ -133,7 +133,7 @@ typedef struct gi_rows {
 	uint32_t run_capacity;
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
-		kept_program;
+		kept_program, covered_program;
 } gi_rows;
 
 /* ---- budget ---- */
@@ -305,7 +305,7 @@ bool sky_build(gi_hierarchy *out);
 void frame_progress(const gi_context *gi, gi_pass pass);
 
 /* rows.c */
-enum { ROWS_PROGRAMS = 14 };
+enum { ROWS_PROGRAMS = 15 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 /* Are the tables of that many leaves and objects within what the renderer binds? */
