@@ -1,6 +1,6 @@
 #include "arena.h"
 
-#include <stdlib.h>
+#include "memory.h"
 
 /* Of a line of a cache. */
 static const size_t ALIGNMENT = 64;
@@ -20,7 +20,7 @@ bool gi_arena_reserve(gi_arena *a)
 		return true;
 	gi_arena_free(a);
 	const size_t capacity = wanted + wanted / 8;
-	a->memory = malloc(capacity);
+	a->memory = gi_malloc(capacity);
 	a->capacity = a->memory ? capacity : 0;
 	return a->memory;
 }
@@ -34,6 +34,6 @@ void *gi_arena_take(gi_arena *a, size_t count, size_t size)
 
 void gi_arena_free(gi_arena *a)
 {
-	free(a->memory);
+	gi_free(a->memory);
 	*a = (gi_arena){0};
 }

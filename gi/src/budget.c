@@ -61,16 +61,17 @@ gi_result budget_allocate(gi_context *gi)
 	const uint64_t leaves = gi->scene.leaf_count, slots = gi->scene.slot_count;
 	const struct {
 		gpu_buffer *buffer;
+		const char *label;
 		uint64_t bytes;
-	} sizes[] = {{&r->choices, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-		     {&r->pending, sizeof(gi_pending) * leaves},
-		     {&r->shine, sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	} sizes[] = {{&r->choices, "choices", sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+		     {&r->pending, "pending", sizeof(gi_pending) * leaves},
+		     {&r->shine, "shine", sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
 		if (buffer->name && buffer->size >= sizes[k].bytes)
 			continue;
-		result = gpu_buffer_allocate(g, buffer, sizes[k].bytes, NULL);
+		result = gpu_buffer_allocate(g, buffer, sizes[k].label, sizes[k].bytes, NULL);
 		if (!result)
 			gpu_buffer_clear(&gi->gpu, buffer, 0, buffer->size, 0); /* no row was assessed */
 	}

@@ -6,11 +6,11 @@
 #include "bvh.h"
 
 #include "bits.h"
+#include "memory.h"
 #include "vec3d.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 #define BINS 16
 /* Below this depth splits are at the median, so that no input makes the recursion deep: 40 + log2(count) at most. */
@@ -19,12 +19,8 @@
  * the distance from the ray's origin: 8 ulps cover origins as far away as twice the size of what the boxes hold. */
 #define PAD_ULPS 8.0f
 
-typedef struct box {
-	float lower[3], upper[3];
-} box;
-
 typedef struct builder {
-	const box *boxes;
+	const gi_box *boxes;
 	uint32_t *order;
 	gi_bvh_node *nodes;
 	uint32_t node_count;
@@ -33,7 +29,7 @@ typedef struct builder {
 } builder;
 
 typedef struct bin {
-	box bounds;
+	gi_box bounds;
 	uint32_t count;
 } bin;
 
@@ -44,13 +40,13 @@ typedef struct split {
 	float cost;
 } split;
 
-static box empty_box(void)
+static gi_box empty_box(void)
 {
-	return (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+	return (gi_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
 /* No box has a NaN; without that, compilers call fminf. */
-static void grow(box *to, const box *by)
+static void grow(gi_box *to, const gi_box *by)
 {
 	for (int axis = 0; axis < 3; axis++) {
 		to->lower[axis] = by->lower[axis] < to->lower[axis] ? by->lower[axis] : to->lower[axis];
@@ -58,39 +54,39 @@ static void grow(box *to, const box *by)
 	}
 }
 
-static float half_area(const box *b)
+static float half_area(const gi_box *b)
 {
 	const float x = b->upper[0] - b->lower[0], y = b->upper[1] - b->lower[1], z = b->upper[2] - b->lower[2];
 	return x * y + y * z + z * x;
 }
 
 /* Halves before adding: no overflow near the end of the floats. */
-static float centre(const box *b, int axis)
+static float centre(const gi_box *b, int axis)
 {
 	return 0.5f * b->lower[axis] + 0.5f * b->upper[axis];
 }
 
-static box bounds_of(const builder *b, uint32_t begin, uint32_t end)
+static gi_box bounds_of(const builder *b, uint32_t begin, uint32_t end)
 {
-	box bounds = empty_box();
+	gi_box bounds = empty_box();
 	for (uint32_t i = begin; i < end; i++)
 		grow(&bounds, &b->boxes[b->order[i]]);
 	return bounds;
 }
 
-static box bounds_of_centres(const builder *b, uint32_t begin, uint32_t end)
+static gi_box bounds_of_centres(const builder *b, uint32_t begin, uint32_t end)
 {
-	box bounds = empty_box();
+	gi_box bounds = empty_box();
 	for (uint32_t i = begin; i < end; i++) {
-		const box *item = &b->boxes[b->order[i]];
-		const box point = {{centre(item, 0), centre(item, 1), centre(item, 2)},
-				   {centre(item, 0), centre(item, 1), centre(item, 2)}};
+		const gi_box *item = &b->boxes[b->order[i]];
+		const gi_box point = {{centre(item, 0), centre(item, 1), centre(item, 2)},
+				      {centre(item, 0), centre(item, 1), centre(item, 2)}};
 		grow(&bounds, &point);
 	}
 	return bounds;
 }
 
-static int bin_of(const box *item, const box *centres, int axis)
+static int bin_of(const gi_box *item, const gi_box *centres, int axis)
 {
 	const float extent = centres->upper[axis] - centres->lower[axis];
 	const int index = (int)(BINS * ((centre(item, axis) - centres->lower[axis]) / extent));
@@ -102,7 +98,7 @@ static int bin_of(const box *item, const box *centres, int axis)
 static split best_on_axis(const bin bins[BINS], int axis)
 {
 	float right_cost[BINS];
-	box side = empty_box();
+	gi_box side = empty_box();
 	uint32_t count = 0;
 	for (int i = BINS - 1; i > 0; i--) {
 		grow(&side, &bins[i].bounds);
@@ -122,7 +118,7 @@ static split best_on_axis(const bin bins[BINS], int axis)
 	return best;
 }
 
-static split best_split(const builder *b, uint32_t begin, uint32_t end, const box *centres)
+static split best_split(const builder *b, uint32_t begin, uint32_t end, const gi_box *centres)
 {
 	split best = {-1, 0, INFINITY};
 	for (int axis = 0; axis < 3; axis++) {
@@ -132,7 +128,7 @@ static split best_split(const builder *b, uint32_t begin, uint32_t end, const bo
 		for (int i = 0; i < BINS; i++)
 			bins[i] = (bin){empty_box(), 0};
 		for (uint32_t i = begin; i < end; i++) {
-			const box *item = &b->boxes[b->order[i]];
+			const gi_box *item = &b->boxes[b->order[i]];
 			bin *into = &bins[bin_of(item, centres, axis)];
 			grow(&into->bounds, item);
 			into->count++;
@@ -145,7 +141,7 @@ static split best_split(const builder *b, uint32_t begin, uint32_t end, const bo
 }
 
 /* Left items forward in order, right ones backward: a function of the input alone. */
-static uint32_t partition(builder *b, uint32_t begin, uint32_t end, const split *cut, const box *centres)
+static uint32_t partition(builder *b, uint32_t begin, uint32_t end, const split *cut, const gi_box *centres)
 {
 	while (begin < end) {
 		if (bin_of(&b->boxes[b->order[begin]], centres, cut->axis) < cut->bin) {
@@ -159,7 +155,7 @@ static uint32_t partition(builder *b, uint32_t begin, uint32_t end, const split 
 	return begin;
 }
 
-static void store_bounds(builder *b, uint32_t node, const box *bounds)
+static void store_bounds(builder *b, uint32_t node, const gi_box *bounds)
 {
 	const float *l = bounds->lower, *u = bounds->upper, pad = b->pad;
 	b->nodes[node].lower = (gi_vec4){l[0] - pad, l[1] - pad, l[2] - pad, 0.0f};
@@ -181,12 +177,12 @@ static void swap_halves(builder *b, uint32_t begin, uint32_t middle, uint32_t en
 /* Cuts [begin, end) in two, the half of larger area first: a ray more likely meets it, and any-hit rays end there. */
 static uint32_t cut_in_two(builder *b, uint32_t begin, uint32_t end, int depth)
 {
-	const box centres = bounds_of_centres(b, begin, end);
+	const gi_box centres = bounds_of_centres(b, begin, end);
 	const split cut = depth < MAX_SAH_DEPTH ? best_split(b, begin, end, &centres) : (split){-1, 0, 0.0f};
 	uint32_t middle = begin + (end - begin) / 2;
 	if (cut.axis >= 0)
 		middle = partition(b, begin, end, &cut, &centres);
-	const box left = bounds_of(b, begin, middle), right = bounds_of(b, middle, end);
+	const gi_box left = bounds_of(b, begin, middle), right = bounds_of(b, middle, end);
 	if (half_area(&right) > half_area(&left)) {
 		swap_halves(b, begin, middle, end);
 		middle = begin + (end - middle);
@@ -197,7 +193,7 @@ static uint32_t cut_in_two(builder *b, uint32_t begin, uint32_t end, int depth)
 static void build_node(builder *b, uint32_t begin, uint32_t end, int depth)
 {
 	const uint32_t node = b->node_count++;
-	const box bounds = bounds_of(b, begin, end);
+	const gi_box bounds = bounds_of(b, begin, end);
 	store_bounds(b, node, &bounds);
 	if (end - begin == 1) {
 		b->nodes[node].upper.w = gi_float_from_bits(b->leaf_count++);
@@ -209,7 +205,7 @@ static void build_node(builder *b, uint32_t begin, uint32_t end, int depth)
 	b->nodes[node].lower.w = gi_float_from_bits(b->node_count);
 }
 
-static float padding(const box *boxes, uint32_t count)
+static float padding(const gi_box *boxes, uint32_t count)
 {
 	float largest = 0.0f;
 	for (uint32_t i = 0; i < count; i++)
@@ -218,7 +214,7 @@ static float padding(const box *boxes, uint32_t count)
 	return PAD_ULPS * FLT_EPSILON * largest;
 }
 
-static void build(const box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t *order)
+void gi_bvh_build_boxes(const gi_box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t *order)
 {
 	builder b = {.boxes = boxes, .order = order, .nodes = nodes, .pad = padding(boxes, count)};
 	for (uint32_t i = 0; i < count; i++)
@@ -230,19 +226,7 @@ static void build(const box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t
 /* One more than asked for: no size is zero. */
 static void *allocate(size_t count, size_t size)
 {
-	return calloc(count + 1, size);
-}
-
-bool gi_bvh_build_boxes(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, gi_bvh_node *nodes, uint32_t *order)
-{
-	box *boxes = allocate(count, sizeof *boxes);
-	if (!boxes)
-		return false;
-	for (uint32_t i = 0; i < count; i++)
-		boxes[i] = (box){{lower[i].x, lower[i].y, lower[i].z}, {upper[i].x, upper[i].y, upper[i].z}};
-	build(boxes, count, nodes, order);
-	free(boxes);
-	return true;
+	return gi_calloc(count + 1, size);
 }
 
 /* ---- an object's primitives ---- */
@@ -266,13 +250,13 @@ static gi_primitive primitive_of(const gi_hierarchy *h, uint32_t node)
 	return p;
 }
 
-static box box_of(const gi_primitive *p)
+static gi_box box_of(const gi_primitive *p)
 {
 	const gi_vec4 corners[4] = {p->a, p->b, p->c, p->d};
-	box bounds = empty_box();
+	gi_box bounds = empty_box();
 	for (int i = 0; i < 4; i++) {
-		const box point = {{corners[i].x, corners[i].y, corners[i].z},
-				   {corners[i].x, corners[i].y, corners[i].z}};
+		const gi_box point = {{corners[i].x, corners[i].y, corners[i].z},
+				      {corners[i].x, corners[i].y, corners[i].z}};
 		grow(&bounds, &point);
 	}
 	return bounds;
@@ -300,7 +284,7 @@ bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
 {
 	const uint32_t count = collect(hierarchy, NULL);
 	gi_primitive *found = allocate(count, sizeof *found);
-	box *boxes = allocate(count, sizeof *boxes);
+	gi_box *boxes = allocate(count, sizeof *boxes);
 	uint32_t *order = allocate(count, sizeof *order);
 	*out = (gi_bvh){.nodes = allocate(2 * (size_t)count, sizeof *out->nodes),
 			.primitives = allocate(count, sizeof *out->primitives)};
@@ -309,7 +293,7 @@ bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
 		collect(hierarchy, found);
 		for (uint32_t i = 0; i < count; i++)
 			boxes[i] = box_of(&found[i]);
-		build(boxes, count, out->nodes, order);
+		gi_bvh_build_boxes(boxes, count, out->nodes, order);
 		for (uint32_t i = 0; i < count; i++)
 			out->primitives[i] = found[order[i]];
 		out->primitive_count = count;
@@ -317,9 +301,9 @@ bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
 	} else {
 		gi_bvh_free(out);
 	}
-	free(found);
-	free(boxes);
-	free(order);
+	gi_free(found);
+	gi_free(boxes);
+	gi_free(order);
 	return enough;
 }
 
@@ -327,7 +311,7 @@ void gi_bvh_free(gi_bvh *bvh)
 {
 	if (!bvh)
 		return;
-	free(bvh->nodes);
-	free(bvh->primitives);
+	gi_free(bvh->nodes);
+	gi_free(bvh->primitives);
 	*bvh = (gi_bvh){0};
 }

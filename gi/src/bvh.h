@@ -18,9 +18,13 @@ typedef struct gi_bvh {
 /* Binned surface-area heuristic, one primitive a leaf, the larger-area child first. False when memory ran out. */
 bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out);
 
+typedef struct gi_box {
+	float lower[3], upper[3];
+} gi_box;
+
 /* The same over boxes alone (the scene's objects): order[k] is the box of BVH leaf k, nodes' primitive numbers index
- * `order`. `nodes` holds 2 * count - 1, `order` count. False when memory ran out; count 0 gives no nodes. */
-bool gi_bvh_build_boxes(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, gi_bvh_node *nodes, uint32_t *order);
+ * `order`. `nodes` holds 2 * count - 1, `order` count. Takes no memory; count 0 gives no nodes. */
+void gi_bvh_build_boxes(const gi_box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t *order);
 
 void gi_bvh_free(gi_bvh *bvh);
 

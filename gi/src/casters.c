@@ -2,9 +2,9 @@
 
 #include "context.h"
 #include "frames.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
@@ -53,7 +53,7 @@ static uint32_t add_polygon(uint32_t *indices, const gi_node_topology *t, uint32
 
 static bool add_walls(const gi_hierarchy *h, gi_caster *c, uint32_t polygons)
 {
-	c->walls = calloc(polygons + 1, sizeof *c->walls);
+	c->walls = gi_calloc(polygons + 1, sizeof *c->walls);
 	if (!c->walls)
 		return false;
 	uint32_t at = c->range.first, node = 0, found;
@@ -108,7 +108,7 @@ static bool add_spheres(const gi_hierarchy *h, gi_caster *c, uint32_t limit)
 {
 	uint32_t nodes[MOST_SPHERES];
 	c->sphere_count = part(h, nodes, limit);
-	c->spheres = malloc(sizeof *c->spheres * c->sphere_count);
+	c->spheres = gi_malloc(sizeof *c->spheres * c->sphere_count);
 	for (uint32_t k = 0; c->spheres && k < c->sphere_count; k++)
 		c->spheres[k] = h->geometry[nodes[k]].sphere;
 	return c->spheres;
@@ -164,10 +164,10 @@ static bool add_caster(const scene_object *o, uint32_t slot, gi_caster *c, caste
 gi_result casters_create(gi_context *gi, gi_casters *casters)
 {
 	const gi_scene *s = &gi->scene;
-	casters->list = calloc(s->slot_count + 1, sizeof *casters->list);
+	casters->list = gi_calloc(s->slot_count + 1, sizeof *casters->list);
 	casters->count = s->slot_count;
-	caster_vertex *vertices = calloc(s->vertex_count + 1, sizeof *vertices);
-	uint32_t *indices = calloc(6 * (size_t)s->leaf_count + 1, sizeof *indices), index_count = 0;
+	caster_vertex *vertices = gi_calloc(s->vertex_count + 1, sizeof *vertices);
+	uint32_t *indices = gi_calloc(6 * (size_t)s->leaf_count + 1, sizeof *indices), index_count = 0;
 	bool ok = casters->list && vertices && indices;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
 		if (scene_slot_is_seen(s, slot))
@@ -177,23 +177,23 @@ gi_result casters_create(gi_context *gi, gi_casters *casters)
 	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
 	gi_result result = GI_OK;
 	if (ok)
-		result = gpu_mesh_create(&gi->gpu, &casters->mesh, attributes, sizeof *vertices, s->vertex_count,
-					 vertices, index_count, indices);
+		result = gpu_mesh_create(&gi->gpu, &casters->mesh, "shadow casters", attributes, sizeof *vertices,
+					 s->vertex_count, vertices, index_count, indices);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	free(vertices);
-	free(indices);
+	gi_free(vertices);
+	gi_free(indices);
 	return result;
 }
 
 void casters_free(gi_context *gi, gi_casters *casters)
 {
 	for (uint32_t k = 0; casters->list && k < casters->count; k++) {
-		free(casters->list[k].walls);
-		free(casters->list[k].spheres);
+		gi_free(casters->list[k].walls);
+		gi_free(casters->list[k].spheres);
 	}
-	free(casters->list);
-	free(casters->ranges);
+	gi_free(casters->list);
+	gi_free(casters->ranges);
 	gpu_mesh_free(&gi->gpu, &casters->mesh);
 	*casters = (gi_casters){0};
 }
@@ -249,7 +249,7 @@ static bool add_range(gi_casters *casters, uint32_t *count, gpu_range range, boo
 	}
 	if (*count == casters->range_capacity) {
 		const uint32_t capacity = 2 * *count + 64;
-		gpu_range *grown = realloc(casters->ranges, sizeof *grown * capacity);
+		gpu_range *grown = gi_realloc(casters->ranges, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		casters->ranges = grown;

@@ -1,5 +1,7 @@
 #include "cells.h"
 
+#include "memory.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -96,7 +98,7 @@ static uint32_t build(const cells_key *keys, uint32_t first, uint32_t end, uint3
 bool cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_node *nodes,
 		 uint32_t *order)
 {
-	cells_key *keys = malloc(sizeof *keys * ((size_t)count + 1));
+	cells_key *keys = gi_malloc(sizeof *keys * ((size_t)count + 1));
 	if (!keys)
 		return false;
 	for (uint32_t k = 0; k < count; k++)
@@ -106,6 +108,6 @@ bool cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *tie
 		order[k] = keys[k].box;
 	if (count)
 		build(keys, 0, count, 0, nodes);
-	free(keys);
+	gi_free(keys);
 	return true;
 }

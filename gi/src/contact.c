@@ -9,6 +9,7 @@
 #include "bits.h"
 #include "bvh.h"
 #include "faces.h"
+#include "memory.h"
 #include "vec3d.h"
 
 #include <stdlib.h>
@@ -60,7 +61,7 @@ typedef struct finder {
 
 static void *allocate(size_t count, size_t size, bool *enough)
 {
-	void *memory = calloc(count + 1, size);
+	void *memory = gi_calloc(count + 1, size);
 	*enough = *enough && memory;
 	return memory;
 }
@@ -170,7 +171,7 @@ static bool find_places(finder *f)
 	for (uint32_t k = 0; k < f->corner_count; k++)
 		f->places[keys[k].corner] =
 		    k > 0 && same_place(&keys[k], &keys[k - 1]) ? f->places[keys[k - 1].corner] : keys[k].corner;
-	free(keys);
+	gi_free(keys);
 	return true;
 }
 
@@ -238,7 +239,7 @@ static bool add_cut(gi_contact_object *o, uint32_t face_number, gi_vec3d from, g
 {
 	/* Doubles at powers of two. */
 	if ((o->cut_count & (o->cut_count - 1)) == 0) {
-		gi_leaf_cut *grown = realloc(o->cuts, sizeof *grown * (o->cut_count ? 2 * (size_t)o->cut_count : 1));
+		gi_leaf_cut *grown = gi_realloc(o->cuts, sizeof *grown * (o->cut_count ? 2 * (size_t)o->cut_count : 1));
 		if (!grown)
 			return false;
 		o->cuts = grown;
@@ -380,7 +381,7 @@ static bool project_edge(finder *f, const face *on, const edge *e)
 
 /* ---- pairs ---- */
 
-static void bounds(const finder *f, const face *of, double grown, gi_vec4 *lower, gi_vec4 *upper)
+static gi_box bounds(const finder *f, const face *of, double grown)
 {
 	gi_vec3d l = {INFINITY, INFINITY, INFINITY}, u = {-INFINITY, -INFINITY, -INFINITY};
 	for (uint32_t k = of->first; k < of->first + of->count; k++) {
@@ -388,14 +389,14 @@ static void bounds(const finder *f, const face *of, double grown, gi_vec4 *lower
 		l = (gi_vec3d){fmin(l.x, c.x), fmin(l.y, c.y), fmin(l.z, c.z)};
 		u = (gi_vec3d){fmax(u.x, c.x), fmax(u.y, c.y), fmax(u.z, c.z)};
 	}
-	*lower = (gi_vec4){(float)(l.x - grown), (float)(l.y - grown), (float)(l.z - grown), 0};
-	*upper = (gi_vec4){(float)(u.x + grown), (float)(u.y + grown), (float)(u.z + grown), 0};
+	return (gi_box){{(float)(l.x - grown), (float)(l.y - grown), (float)(l.z - grown)},
+			{(float)(u.x + grown), (float)(u.y + grown), (float)(u.z + grown)}};
 }
 
-static bool boxes_meet(const gi_bvh_node *n, gi_vec4 lower, gi_vec4 upper)
+static bool boxes_meet(const gi_bvh_node *n, const gi_box *box)
 {
-	return lower.x <= n->upper.x && upper.x >= n->lower.x && lower.y <= n->upper.y && upper.y >= n->lower.y &&
-	       lower.z <= n->upper.z && upper.z >= n->lower.z;
+	return box->lower[0] <= n->upper.x && box->upper[0] >= n->lower.x && box->lower[1] <= n->upper.y &&
+	       box->upper[1] >= n->lower.y && box->lower[2] <= n->upper.z && box->upper[2] >= n->lower.z;
 }
 
 static bool meet(finder *f, const face *on, uint32_t other)
@@ -412,10 +413,9 @@ static bool find_pairs(finder *f)
 	bool enough = true;
 	const uint32_t nodes = f->face_count ? 2 * f->face_count - 1 : 0;
 	for (uint32_t other = 0; other < f->face_count && enough; other++) {
-		gi_vec4 lower, upper;
-		bounds(f, &f->faces[other], 0, &lower, &upper);
+		const gi_box box = bounds(f, &f->faces[other], 0);
 		for (uint32_t n = 0; n < nodes && enough;) {
-			if (!boxes_meet(&f->nodes[n], lower, upper)) {
+			if (!boxes_meet(&f->nodes[n], &box)) {
 				n = gi_bits_from_float(f->nodes[n].lower.w);
 				continue;
 			}
@@ -431,15 +431,14 @@ static bool find_pairs(finder *f)
 static bool build_tree(finder *f)
 {
 	bool enough = true;
-	gi_vec4 *lower = allocate(f->face_count, sizeof *lower, &enough),
-		*upper = allocate(f->face_count, sizeof *upper, &enough);
+	gi_box *boxes = allocate(f->face_count, sizeof *boxes, &enough);
 	f->nodes = allocate(2 * (size_t)f->face_count, sizeof *f->nodes, &enough);
 	f->order = allocate(f->face_count, sizeof *f->order, &enough);
 	for (uint32_t k = 0; enough && k < f->face_count; k++)
-		bounds(f, &f->faces[k], fmax(f->reach, TOUCH) * f->faces[k].size, &lower[k], &upper[k]);
-	enough = enough && gi_bvh_build_boxes(lower, upper, f->face_count, f->nodes, f->order);
-	free(lower);
-	free(upper);
+		boxes[k] = bounds(f, &f->faces[k], fmax(f->reach, TOUCH) * f->faces[k].size);
+	if (enough)
+		gi_bvh_build_boxes(boxes, f->face_count, f->nodes, f->order);
+	gi_free(boxes);
 	return enough;
 }
 
@@ -463,12 +462,12 @@ bool gi_find_contacts(gi_contact_object *objects, uint32_t count, double reach, 
 {
 	finder f = {.objects = objects, .reach = reach, .strips = strips};
 	const bool done = place_all(&f, count) && find_places(&f) && find_edges(&f) && build_tree(&f) && find_pairs(&f);
-	free(f.corners);
-	free(f.places);
-	free(f.faces);
-	free(f.edges);
-	free(f.first_edge);
-	free(f.nodes);
-	free(f.order);
+	gi_free(f.corners);
+	gi_free(f.places);
+	gi_free(f.faces);
+	gi_free(f.edges);
+	gi_free(f.first_edge);
+	gi_free(f.nodes);
+	gi_free(f.order);
 	return done;
 }

@@ -117,6 +117,10 @@ typedef struct gi_scene {
 
 /* ---- rows ---- */
 
+typedef struct gi_slot_list {
+	uint32_t *slots, count, capacity;
+} gi_slot_list;
+
 typedef struct gi_rows {
 	uint32_t update;   /* number of the last update of the rows, from 1 */
 	uint32_t current;  /* every row has seen all that changed up to this one */
@@ -131,6 +135,7 @@ typedef struct gi_rows {
 		frame;
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
+	gi_slot_list suspect_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
 		kept_program, covered_program;
@@ -186,6 +191,7 @@ struct gi_context {
 	gi_arena spare_arrays; /* of the scene before, for the next one */
 	gi_arena passing;      /* what a step of a commit takes, one after the other */
 	gi_arena undo;         /* what it needs to the end */
+	gi_arena tree_arena;   /* what building the trees over the objects takes, for every frame */
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
@@ -196,6 +202,7 @@ struct gi_context {
 	gi_frame frame;
 	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
+	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
 	bool truncated;    /* a report said that a pool was full */
 	uint64_t wanted;   /* how many elements it lacked */
 	bool wanted_all;   /* and all rows were built: with those they fit */
@@ -300,6 +307,9 @@ gi_result scene_upload(gi_context *gi);
 
 /* sky.c: the patches at infinity as a hierarchy of directions. */
 bool sky_build(gi_hierarchy *out);
+bool sky_is_lit(const gi_context_def *def);
+/* Where the scene has a sky: its light is that of the definition. */
+void sky_relight(gi_context *gi);
 
 /* frame.c: of the first rows after a commit, tells the host that this pass begins. */
 void frame_progress(const gi_context *gi, gi_pass pass);

@@ -1,6 +1,7 @@
 #include "duplicates.h"
 
 #include "faces.h"
+#include "memory.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@ typedef struct face {
 /* One more than asked for: no size is zero. */
 static void *allocate(size_t count, size_t size)
 {
-	return calloc(count + 1, size);
+	return gi_calloc(count + 1, size);
 }
 
 static int compare_places(const void *left, const void *right)
@@ -51,7 +52,7 @@ static bool find_first_vertices(const gi_object_def *def, uint32_t *first)
 		if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
 			first[places[k].vertex] = first[places[k - 1].vertex];
 	}
-	free(places);
+	gi_free(places);
 	return true;
 }
 
@@ -116,9 +117,9 @@ static bool find_repeats(const gi_object_def *def, bool *repeats, uint32_t *coun
 			corners[k] = first[def->indices[k]];
 		*count = mark_repeats(def, corners, faces, repeats);
 	}
-	free(first);
-	free(corners);
-	free(faces);
+	gi_free(first);
+	gi_free(corners);
+	gi_free(faces);
 	return enough;
 }
 
@@ -140,7 +141,7 @@ static bool copy_fineness(const gi_object_def *def, const bool *repeats, gi_uniq
 		out->leaf_cuts[cuts] = def->leaf_cuts[k];
 		out->leaf_cuts[cuts++].face = number[def->leaf_cuts[k].face];
 	}
-	free(number);
+	gi_free(number);
 	out->def.leaf_sizes = out->leaf_sizes;
 	out->def.leaf_cuts = out->leaf_cuts;
 	out->def.leaf_cut_count = cuts;
@@ -182,7 +183,7 @@ bool gi_unique_faces_make(const gi_object_def *def, gi_unique_faces *out)
 	bool enough = repeats && find_repeats(def, repeats, &out->dropped);
 	if (enough && out->dropped)
 		enough = copy_others(def, repeats, out) && copy_fineness(def, repeats, out);
-	free(repeats);
+	gi_free(repeats);
 	if (!enough)
 		gi_unique_faces_free(out);
 	return enough;
@@ -190,11 +191,11 @@ bool gi_unique_faces_make(const gi_object_def *def, gi_unique_faces *out)
 
 void gi_unique_faces_free(gi_unique_faces *unique)
 {
-	free(unique->face_counts);
-	free(unique->indices);
-	free(unique->face_materials);
-	free(unique->origin);
-	free(unique->leaf_sizes);
-	free(unique->leaf_cuts);
+	gi_free(unique->face_counts);
+	gi_free(unique->indices);
+	gi_free(unique->face_materials);
+	gi_free(unique->origin);
+	gi_free(unique->leaf_sizes);
+	gi_free(unique->leaf_cuts);
 	*unique = (gi_unique_faces){.dropped = 0};
 }

@@ -11,6 +11,8 @@
  */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +22,7 @@ static const double ALIKE = 1.001;
 bool scene_measure_materials(scene_object *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	o->emission = calloc(o->material_count, sizeof *o->emission);
+	o->emission = gi_calloc(o->material_count, sizeof *o->emission);
 	if (!o->emission)
 		return false;
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
@@ -79,7 +81,7 @@ gi_result scene_weigh_emitters(gi_context *gi)
 	size_t most = 1;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		most += s->slots[slot] == GI_NONE ? 0 : s->objects[s->slots[slot]].material_count;
-	emitting *list = malloc(sizeof *list * most);
+	emitting *list = gi_malloc(sizeof *list * most);
 	if (!list)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	double scene_area;
@@ -92,6 +94,6 @@ gi_result scene_weigh_emitters(gi_context *gi)
 		for (size_t k = first; k < end; k++)
 			set_steps(&list[k], steps_of(gi, counted / scene_area));
 	}
-	free(list);
+	gi_free(list);
 	return GI_OK;
 }

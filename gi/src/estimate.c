@@ -10,7 +10,7 @@
  */
 #include "context.h"
 
-#include <stdlib.h>
+#include "memory.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };
@@ -18,7 +18,8 @@ enum { CHUNK = 256 };
 static gi_result make_programs(gi_context *gi)
 {
 	gi_estimate *e = &gi->estimate;
-	if (e->mean_program && e->results.name) /* the last that is made */
+	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
+	if (e->mean_program && e->results.size >= sizeof(gi_estimate_leaf) * leaves) /* the last that is made */
 		return GI_OK;
 	const gpu_program_file programs[] = {{"estimate.comp", &e->choose_program},
 					     {"estimate_trace.comp", &e->trace_program},
@@ -27,16 +28,17 @@ static gi_result make_programs(gi_context *gi)
 	gi_result result = GI_OK;
 	if (!e->mean_program)
 		result = gpu_programs_compute(&gi->gpu, programs, sizeof programs / sizeof *programs);
-	const uint32_t leaves = gi->def.estimate_leaves, most = leaves < CHUNK ? leaves : CHUNK;
 	const uint64_t items = (uint64_t)GI_ESTIMATE_ITEMS * most;
 	const struct {
 		gpu_buffer *buffer;
+		const char *label;
 		uint64_t size;
-	} buffers[] = {{&e->items, sizeof(gi_uvec4) * items},
-		       {&e->shares, sizeof(float) * items},
-		       {&e->results, sizeof(gi_estimate_leaf) * leaves}};
+	} buffers[] = {{&e->items, "estimate: items", sizeof(gi_uvec4) * items},
+		       {&e->shares, "estimate: shares", sizeof(float) * items},
+		       {&e->results, "estimate: leaves", sizeof(gi_estimate_leaf) * leaves}};
 	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
-		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].size, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].label, buffers[k].size,
+					     NULL);
 	return result;
 }
 
@@ -75,12 +77,12 @@ static gi_result make_chances(gi_context *gi)
 	if (e->fresh)
 		return GI_OK;
 	const uint64_t bytes = 2 * sizeof(float) * (uint64_t)gi->scene.leaf_count;
-	float *chances = malloc(bytes);
+	float *chances = gi_malloc(bytes);
 	if (!chances)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	fill_chances(gi, chances);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, bytes, chances);
-	free(chances);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, "estimate: chances", bytes, chances);
+	gi_free(chances);
 	e->fresh = !result;
 	return result;
 }
@@ -124,6 +126,9 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 gi_result estimate_update(gi_context *gi)
 {
 	const uint32_t leaves = gi->def.estimate_leaves;
+	if (!leaves && gi->estimate.results.name) /* there was one before the host wanted none */
+		gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ESTIMATE_LOCAL,
+				 sizeof(uint32_t) * (GI_STATE_ESTIMATE_RAYS + 1 - GI_STATE_ESTIMATE_LOCAL), 0);
 	if (!leaves || !gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = make_programs(gi);

@@ -2,6 +2,7 @@
 #include "bits.h"
 #include "clock.h"
 #include "context.h"
+#include "memory.h"
 
 #include <math.h>
 #include <string.h>
@@ -153,7 +154,7 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed;
+	c->light = c->light || gi->solve_changed || gi->light_changed;
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
@@ -167,7 +168,7 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 
 static void changes_done(gi_context *gi)
 {
-	gi->solve_changed = false;
+	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
 		o->moved = o->relit = o->material_changed = o->arrives = false;
@@ -247,16 +248,8 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
-gi_result gi_update(gi_context *gi, const gi_budget *budget)
+static gi_result update(gi_context *gi, const gi_budget *budget)
 {
-	if (!gi)
-		return gi_fail_null(gi, "");
-	if (budget_check(gi, budget))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (gi_check_current(gi, "gi_update"))
-		return GI_ERROR_WRONG_CONTEXT;
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
 	const double began = gi_clock_ms();
 	collect_reports(gi, false);
 	gi->frame_number++;
@@ -294,6 +287,24 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 	return result;
 }
 
+gi_result gi_update(gi_context *gi, const gi_budget *budget)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (budget_check(gi, budget))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (gi_check_current(gi, "gi_update"))
+		return GI_ERROR_WRONG_CONTEXT;
+	if (!gi->scene.ever_committed)
+		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_update");
+	const gi_result result = update(gi, budget);
+	gpu_group_end(&gi->gpu);
+	gi_memory_from(before);
+	return result;
+}
+
 void gi_invalidate(gi_context *gi)
 {
 	if (gi)
@@ -312,9 +323,12 @@ gi_result gi_finish(gi_context *gi)
 		return gi_fail_null(gi, "");
 	if (gi_check_current(gi, "gi_finish"))
 		return GI_ERROR_WRONG_CONTEXT;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gpu_finish(&gi->gpu);
 	collect_reports(gi, true);
-	return grow_until_it_fits(gi);
+	const gi_result result = grow_until_it_fits(gi);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_report(gi_context *gi, gi_report *out)

@@ -1,10 +1,10 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
 #include "context.h"
+#include "memory.h"
 #include "statics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
@@ -78,22 +78,18 @@ gi_result gi_check_current(const gi_context *gi, const char *function)
 
 /* ---- context ---- */
 
-static gi_result check_solve(const gi_log *log, float solve_tolerance, uint32_t max_sweeps)
+static gi_result check_solve(const gi_log *log, const gi_context_def *def)
 {
-	if (!(solve_tolerance > 0.0f && solve_tolerance <= 1.0f))
+	if (!(def->solve_tolerance > 0.0f && def->solve_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "solve_tolerance %g is outside (0, 1]",
-			       (double)solve_tolerance);
-	if (max_sweeps < 1 || max_sweeps > 1000)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", max_sweeps);
+			       (double)def->solve_tolerance);
+	if (def->max_sweeps < 1 || def->max_sweeps > 1000)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "max_sweeps %u is outside 1..1000", def->max_sweeps);
 	return GI_OK;
 }
 
-static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
+static gi_result check_rows(const gi_log *log, const gi_context_def *def)
 {
-	if (def->internal != CONTEXT_COOKIE)
-		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
-	if (!def->get_proc_address)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
 	if (!(def->row_tolerance > 1e-6f && def->row_tolerance <= 1.0f))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "row_tolerance %g is outside (1e-6, 1]",
 			       (double)def->row_tolerance);
@@ -105,20 +101,51 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 			       def->emitter_samples);
 	if (def->near_samples < 1 || def->near_samples > 16)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "near_samples %u is outside 1..16", def->near_samples);
-	if (check_solve(log, def->solve_tolerance, def->max_sweeps))
-		return GI_ERROR_INVALID_ARGUMENT;
-	if (def->pixel_lamps > GI_LAMP_MAX)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
-			       GI_LAMP_MAX);
-	if (def->estimate_leaves > 65536)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
-			       def->estimate_leaves);
+	return GI_OK;
+}
+
+static gi_result check_sky(const gi_log *log, const gi_context_def *def)
+{
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
 		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= SCENE_MAX_EXITANCE))
 			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance is outside [0, 1e12] W/m2");
 	return GI_OK;
+}
+
+static gi_result check_lamps(const gi_log *log, const gi_context_def *def)
+{
+	if (def->pixel_lamps > GI_LAMP_MAX)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
+			       GI_LAMP_MAX);
+	return GI_OK;
+}
+
+static gi_result check_estimate(const gi_log *log, const gi_context_def *def)
+{
+	if (def->estimate_leaves > 65536)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "estimate_leaves %u is outside 0..65536",
+			       def->estimate_leaves);
+	return GI_OK;
+}
+
+static bool allocator_is_whole(const gi_allocator *a)
+{
+	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
+}
+
+static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
+{
+	if (def->internal != CONTEXT_COOKIE)
+		return gi_fail(log, GI_ERROR_INVALID_DEF, "start from gi_context_def_default()");
+	if (!def->get_proc_address)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "get_proc_address is required");
+	if (!allocator_is_whole(&def->allocator))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const bool right = !check_rows(log, def) && !check_solve(log, def) && !check_lamps(log, def) &&
+			   !check_estimate(log, def) && !check_sky(log, def);
+	return right ? GI_OK : GI_ERROR_INVALID_ARGUMENT;
 }
 
 /* The programs that every frame takes; others are compiled when first wanted. */
@@ -159,7 +186,8 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = begin_programs(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WORDS, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS,
+					     NULL);
 	if (!result)
 		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
 	if (!result)
@@ -175,12 +203,34 @@ static gi_result copy_texts(gi_context *gi, const gi_context_def *def)
 	if (!def->shader_directory)
 		return GI_OK;
 	const size_t size = strlen(def->shader_directory) + 1;
-	gi->gpu.shader_directory = malloc(size);
+	gi->gpu.shader_directory = gi_malloc(size);
 	if (!gi->gpu.shader_directory)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	memcpy(gi->gpu.shader_directory, def->shader_directory, size);
 	gi->def.shader_directory = gi->gpu.shader_directory;
 	return GI_OK;
+}
+
+static gi_result create_context(const gi_log *log, const gi_context_def *def, gi_context **out)
+{
+	gi_context *gi = gi_calloc(1, sizeof *gi);
+	if (!gi)
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	static uint32_t contexts;
+	gi->number = GI_COUNT_UP(&contexts);
+	gi->def = *def;
+	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
+	for (int k = 0; k < GI_PASS_COUNT; k++)
+		gi->timers[k].name = gi_pass_name((gi_pass)k);
+	gi->rations.assess_timer.name = "assess";
+	gi_result result = copy_texts(gi, def);
+	if (!result)
+		result = start_context(gi);
+	if (result)
+		gi_context_destroy(gi);
+	else
+		*out = gi;
+	return result;
 }
 
 gi_result gi_context_create(const gi_context_def *def, gi_context **out)
@@ -194,22 +244,10 @@ gi_result gi_context_create(const gi_context_def *def, gi_context **out)
 	gi_result result = check_context_def(&log, def);
 	if (result)
 		return result;
-	gi_context *gi = calloc(1, sizeof *gi);
-	if (!gi)
-		return gi_fail(&log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	static uint32_t contexts;
-	gi->number = GI_COUNT_UP(&contexts);
-	gi->def = *def;
-	gi->gpu = (gpu){.log = log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
-	result = copy_texts(gi, def);
-	if (!result)
-		result = start_context(gi);
-	if (result) {
-		gi_context_destroy(gi);
-		return result;
-	}
-	*out = gi;
-	return GI_OK;
+	const gi_allocator *before = gi_memory_from(&def->allocator);
+	result = create_context(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 void gi_context_destroy(gi_context *gi)
@@ -238,7 +276,7 @@ void gi_context_destroy(gi_context *gi)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
 	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
 	gpu_close(&gi->gpu);
-	free(gi);
+	gi_free(gi);
 }
 
 gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out)
@@ -253,12 +291,77 @@ gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweep
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (check_solve(&gi->gpu.log, solve_tolerance, max_sweeps))
+	gi_context_def def = gi->def;
+	def.solve_tolerance = solve_tolerance;
+	def.max_sweeps = max_sweeps;
+	if (check_solve(&gi->gpu.log, &def))
 		return GI_ERROR_INVALID_ARGUMENT;
 	gi->solve_changed =
 	    gi->solve_changed || solve_tolerance != gi->def.solve_tolerance || max_sweeps != gi->def.max_sweeps;
-	gi->def.solve_tolerance = solve_tolerance;
-	gi->def.max_sweeps = max_sweeps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3])
+{
+	if (!gi || !exitance)
+		return gi_fail_null(gi, "gi_set_sky: exitance");
+	gi_context_def def = gi->def;
+	def.sky = sky;
+	memcpy(def.sky_exitance, exitance, sizeof def.sky_exitance);
+	if (check_sky(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	const bool seen = gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
+	const bool changed = memcmp(def.sky_exitance, gi->def.sky_exitance, sizeof def.sky_exitance) != 0;
+	gi->light_changed = gi->light_changed || (seen && changed);
+	gi->rows.rebuild = gi->rows.rebuild || (seen && sky_is_lit(&def) != sky_is_lit(&gi->def));
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
+		      uint32_t near_samples)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.row_tolerance = row_tolerance;
+	def.emitter_refinement = emitter_refinement;
+	def.emitter_samples = emitter_samples;
+	def.near_samples = near_samples;
+	if (check_rows(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (row_tolerance == gi->def.row_tolerance && emitter_refinement == gi->def.emitter_refinement &&
+	    emitter_samples == gi->def.emitter_samples && near_samples == gi->def.near_samples)
+		return GI_OK;
+	gi->def = def;
+	gi->light_changed = gi->rows.rebuild = true;
+	gi->rows.fitted = false; /* how large they are is not known */
+	return GI_OK;
+}
+
+gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.pixel_lamps = pixel_lamps;
+	if (check_lamps(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->light_changed = gi->light_changed || pixel_lamps != gi->def.pixel_lamps;
+	gi->def = def;
+	return GI_OK;
+}
+
+gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	gi_context_def def = gi->def;
+	def.estimate_leaves = estimate_leaves;
+	if (check_estimate(&gi->gpu.log, &def))
+		return GI_ERROR_INVALID_ARGUMENT;
+	gi->def = def;
 	return GI_OK;
 }
 
@@ -272,10 +375,14 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 		return gi_fail_null(gi, "gi_create_object: def and out");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_create_object(gi, def, out);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = scene_create_object(gi, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
-gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, gi_prepared_object **out)
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
+			    const gi_allocator *allocator, gi_prepared_object **out)
 {
 	const gi_log log = {.message = message, .user = user};
 	if (out)
@@ -284,7 +391,12 @@ gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, vo
 		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "gi_prepare_object: def and out must not be NULL");
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
-	return scene_prepare_object(&log, def, out);
+	if (allocator && !allocator_is_whole(allocator))
+		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
+	const gi_allocator *before = gi_memory_from(allocator);
+	const gi_result result = scene_prepare_object(&log, def, out);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out)
@@ -293,7 +405,9 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 		*out = (gi_object){0};
 	if (!gi || !prepared || !*prepared || !out)
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
 	return result;
@@ -520,7 +634,12 @@ gi_result gi_commit(gi_context *gi)
 		return gi_fail_null(gi, "");
 	if (gi_check_current(gi, "gi_commit"))
 		return GI_ERROR_WRONG_CONTEXT;
-	return gi_take_in(gi);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_commit");
+	const gi_result result = gi_take_in(gi);
+	gpu_group_end(&gi->gpu);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)

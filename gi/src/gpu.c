@@ -1,12 +1,12 @@
 #include "gpu.h"
 
 #include "clock.h"
+#include "memory.h"
 
 #include <gi_gl.h>
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TEXEL_BYTES = 16, MARK_LABEL = 48 };
@@ -112,6 +112,23 @@ static gi_result check_limits(gpu *g)
 	return GI_OK;
 }
 
+void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what)
+{
+	char label[96];
+	snprintf(label, sizeof label, "gi %s", what);
+	g->gl->ObjectLabel(kind, name, -1, label);
+}
+
+void gpu_group_begin(const gpu *g, const char *what)
+{
+	g->gl->PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, what);
+}
+
+void gpu_group_end(const gpu *g)
+{
+	g->gl->PopDebugGroup();
+}
+
 /* Names of vertex arrays are a context's own, even where contexts share objects, and nobody else writes this label. */
 static int mark_label(const gpu *g, char label[MARK_LABEL])
 {
@@ -141,7 +158,7 @@ void gpu_close(gpu *g)
 	if (g->mark && !g->lost)
 		g->gl->DeleteVertexArrays(1, &g->mark);
 	gpu_free_functions(g);
-	free(g->shader_directory);
+	gi_free(g->shader_directory);
 	*g = (gpu){0};
 }
 
@@ -165,10 +182,12 @@ gi_result gpu_init(gpu *g, gi_get_proc_address_fn *get_proc_address, void *user)
 /* ---- buffers ---- */
 
 /* Every buffer can be read as a texture of four words a texel (buffers.glsl). */
-static void make_texture(const gpu *g, gpu_buffer *buffer)
+static void make_texture(const gpu *g, gpu_buffer *buffer, const char *label)
 {
 	g->gl->CreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texture);
 	g->gl->TextureBuffer(buffer->texture, GL_RGBA32UI, buffer->name);
+	gpu_label(g, GL_BUFFER, buffer->name, label);
+	gpu_label(g, GL_TEXTURE, buffer->texture, label);
 }
 
 /* Where a deleted buffer was bound by index, Mesa (22.3) empties the general binding too, which is the host's. */
@@ -289,7 +308,8 @@ static gi_result check_size(gpu *g, uint64_t size)
 }
 
 /* Of a size that was checked. */
-static gi_result make_buffer(gpu *g, gpu_buffer *buffer, uint64_t size, uint64_t capacity, const void *data)
+static gi_result make_buffer(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, uint64_t capacity,
+			     const void *data)
 {
 	gpu_buffer fresh = {.size = whole_texels(size), .capacity = capacity};
 	if (!make_storage(g, &fresh, capacity == size ? data : NULL)) {
@@ -301,18 +321,46 @@ static gi_result make_buffer(gpu *g, gpu_buffer *buffer, uint64_t size, uint64_t
 		g->gl->NamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);
 	if (data)
 		g->uploaded_bytes += size;
-	make_texture(g, &fresh);
+	make_texture(g, &fresh, label);
 	gpu_buffer_free(g, buffer);
 	*buffer = fresh;
 	g->buffer_bytes += capacity;
 	return GI_OK;
 }
 
-gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data)
+gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data)
 {
 	const gi_result result = check_size(g, whole_texels(size));
-	return result ? result : make_buffer(g, buffer, size, whole_texels(size), data);
+	return result ? result : make_buffer(g, buffer, label, size, whole_texels(size), data);
 }
+
+/* Labels of what a commit makes anew. */
+static const char *const RENEWED[GPU_BINDINGS] = {
+    [GI_BIND_OBJECTS] = "objects",
+    [GI_BIND_TOPOLOGY] = "node topology",
+    [GI_BIND_REST] = "nodes at rest",
+    [GI_BIND_WORLD] = "nodes in the world",
+    [GI_BIND_VERTICES_REST] = "vertices at rest",
+    [GI_BIND_VERTICES_WORLD] = "vertices in the world",
+    [GI_BIND_LEAVES] = "leaves",
+    [GI_BIND_MATERIALS] = "materials",
+    [GI_BIND_BVH] = "trees of objects",
+    [GI_BIND_PRIMITIVES] = "primitives",
+    [GI_BIND_TLAS] = "trees over objects",
+    [GI_BIND_SEGMENTS] = "segments",
+    [GI_BIND_ROWS] = "rows",
+    [GI_BIND_RADIOSITY] = "radiosity of nodes",
+    [GI_BIND_LEAF_RADIOSITY] = "radiosity of leaves",
+    [GI_BIND_NODE_EXITANCE] = "exitance of nodes",
+    [GI_BIND_WIDE_NODES] = "wide nodes",
+    [GI_BIND_LEAF_INDIRECT] = "indirect light of leaves",
+    [GI_BIND_LIGHT_LINKS] = "light links",
+    [GI_BIND_LIGHT_FIRST] = "first light links",
+    [GI_BIND_LIGHT] = "light of vertices",
+    [GI_BIND_TOUCHED] = "touched",
+    [GI_BIND_SPREAD] = "spread of nodes",
+    [GI_BIND_LEAF_QUADS] = "corners of leaves",
+};
 
 /* Whatever is larger is not worth to be there twice. */
 static const uint64_t LARGEST_SPARE = 32 << 20;
@@ -334,7 +382,7 @@ gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_
 	if (!is_fitting(spare, padded)) {
 		const uint64_t roomy = whole_texels(padded + padded / 8), limit = gpu_buffer_limit(g, roomy);
 		gpu_buffer_free(g, spare);
-		return make_buffer(g, buffer, size, roomy < limit ? roomy : padded, data);
+		return make_buffer(g, buffer, RENEWED[binding], size, roomy < limit ? roomy : padded, data);
 	}
 	gpu_buffer_free(g, buffer);
 	*buffer = *spare;
@@ -471,8 +519,17 @@ static void note_time(const gpu *g, gpu_timer *timer, float ms)
 	timer->ms[timer->next] = ms;
 }
 
+static void make_queries(const gpu *g, gpu_timer *timer)
+{
+	g->gl->CreateQueries(GL_TIMESTAMP, 2 * GPU_TIMER_RING, timer->query[0]);
+	for (int k = 0; k < 2 * GPU_TIMER_RING; k++)
+		gpu_label(g, GL_QUERY, timer->query[k / 2][k % 2], timer->name ? timer->name : "time");
+}
+
 void gpu_timer_begin(gpu *g, gpu_timer *timer)
 {
+	if (timer->name)
+		gpu_group_begin(g, timer->name);
 	if (!g->profile)
 		return;
 	if (g->software) {
@@ -481,26 +538,31 @@ void gpu_timer_begin(gpu *g, gpu_timer *timer)
 		return;
 	}
 	if (!timer->query[0][0])
-		g->gl->CreateQueries(GL_TIMESTAMP, 2 * GPU_TIMER_RING, timer->query[0]);
+		make_queries(g, timer);
 	if (timer->pending == GPU_TIMER_RING)
 		timer->pending--; /* nobody asked: the oldest is lost */
 	note_time(g, timer, -1);
 	g->gl->QueryCounter(timer->query[timer->next][0], GL_TIMESTAMP);
 }
 
-void gpu_timer_end(gpu *g, gpu_timer *timer)
+static void end_time(gpu *g, gpu_timer *timer)
 {
-	if (!g->profile)
-		return;
 	if (g->software) {
 		g->gl->Finish();
 		note_time(g, timer, (float)(gi_clock_ms() - timer->began_ms));
-		timer->next = (timer->next + 1) % GPU_TIMER_RING;
-		return;
+	} else {
+		g->gl->QueryCounter(timer->query[timer->next][1], GL_TIMESTAMP);
+		timer->pending++;
 	}
-	g->gl->QueryCounter(timer->query[timer->next][1], GL_TIMESTAMP);
 	timer->next = (timer->next + 1) % GPU_TIMER_RING;
-	timer->pending++;
+}
+
+void gpu_timer_end(gpu *g, gpu_timer *timer)
+{
+	if (g->profile)
+		end_time(g, timer);
+	if (timer->name)
+		gpu_group_end(g);
 }
 
 void gpu_timer_poll(const gpu *g, gpu_timer *timer, bool wait)
@@ -560,6 +622,7 @@ gi_result gpu_readback_create(gpu *g, gpu_readback *r, uint32_t bytes)
 	r->buffer.capacity = r->buffer.size;
 	GLbitfield access = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
 	g->gl->CreateBuffers(1, &r->buffer.name);
+	gpu_label(g, GL_BUFFER, r->buffer.name, "read-back");
 	g->gl->NamedBufferStorage(r->buffer.name, (GLsizeiptr)r->buffer.size, NULL, access);
 	r->mapped = g->gl->MapNamedBufferRange(r->buffer.name, 0, (GLsizeiptr)r->buffer.size, access);
 	g->buffer_bytes += r->buffer.size;

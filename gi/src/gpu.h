@@ -45,6 +45,7 @@ typedef struct gpu_timer {
 	float ms[GPU_TIMER_RING];     /* below 0: not finished */
 	uint32_t next, pending;       /* ring position, queries not yet read */
 	double began_ms;              /* software renderers: by the clock */
+	const char *name;             /* of what it measures, a debug group; NULL: none */
 } gpu_timer;
 
 typedef struct gpu {
@@ -84,6 +85,12 @@ bool gpu_is_current(const gpu *g);
 /* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
 void gpu_forget_errors(const gpu *g);
 
+/* What a debugger shows of OpenGL's objects: "gi " and what it is. `kind` as of glObjectLabel. */
+void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what);
+/* And of calls: what is issued between the two. Groups nest. */
+void gpu_group_begin(const gpu *g, const char *what);
+void gpu_group_end(const gpu *g);
+
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
 uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
@@ -92,7 +99,7 @@ const char *gpu_limit_text(const gpu *g, uint64_t limit);
 
 /* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
  */
-gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, uint64_t size, const void *data);
+gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
 /* The same for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
  * binding, where that is enough and not far too much. */
@@ -140,8 +147,8 @@ void gpu_dispatch(gpu *g, uint32_t program, uint64_t threads);
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups);
 void gpu_dispatch_indirect(gpu *g, uint32_t program, const gpu_buffer *arguments, uint64_t offset);
 
-/* Time between begin and end; timers do not nest. Without profile they do nothing. On a software renderer they wait for
- * the work, which runs on the same cores anyway. */
+/* Time between begin and end, a debug group too; timers do not nest. Without profile no time is taken. On a software
+ * renderer they wait for the work, which runs on the same cores anyway. */
 void gpu_timer_begin(gpu *g, gpu_timer *timer);
 void gpu_timer_end(gpu *g, gpu_timer *timer);
 /* Reads what is finished, or waits for all of it. */

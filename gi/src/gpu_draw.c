@@ -3,7 +3,6 @@
 #include <gi_gl.h>
 
 #include <stdint.h>
-#include <stdlib.h>
 
 /* ---- meshes ---- */
 
@@ -25,18 +24,20 @@ static void describe_vertices(const gpu *g, const gpu_mesh *mesh, const gpu_attr
 	}
 }
 
-gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes,
-			  uint64_t vertex_count, const void *vertices, uint64_t index_count, const uint32_t *indices)
+gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_attribute *attributes,
+			  uint32_t vertex_bytes, uint64_t vertex_count, const void *vertices, uint64_t index_count,
+			  const uint32_t *indices)
 {
 	gpu_mesh_free(g, mesh);
-	gi_result result = gpu_buffer_allocate(g, &mesh->vertices, vertex_bytes * vertex_count, vertices);
+	gi_result result = gpu_buffer_allocate(g, &mesh->vertices, label, vertex_bytes * vertex_count, vertices);
 	if (!result)
-		result = gpu_buffer_allocate(g, &mesh->indices, sizeof *indices * index_count, indices);
+		result = gpu_buffer_allocate(g, &mesh->indices, label, sizeof *indices * index_count, indices);
 	if (result) {
 		gpu_mesh_free(g, mesh);
 		return result;
 	}
 	g->gl->CreateVertexArrays(1, &mesh->array);
+	gpu_label(g, GL_VERTEX_ARRAY, mesh->array, label);
 	describe_vertices(g, mesh, attributes, vertex_bytes);
 	mesh->index_count = index_count;
 	return GI_OK;
@@ -95,6 +96,7 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	if (!layers)
 		return GI_OK;
 	g->gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &maps->texture);
+	gpu_label(g, GL_TEXTURE, maps->texture, "shadow maps");
 	g->gl->TextureStorage3D(maps->texture, 1, GL_DEPTH_COMPONENT32F, (GLsizei)size, (GLsizei)size, (GLsizei)layers);
 	if (!has_storage(g, maps->texture)) {
 		gpu_depth_maps_free(g, maps);
@@ -108,11 +110,13 @@ gi_result gpu_depth_maps_create(gpu *g, gpu_depth_maps *maps, uint32_t size, uin
 	g->gl->TextureParameteri(maps->texture, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
 	g->gl->TextureParameteri(maps->texture, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 	g->gl->CreateSamplers(1, &maps->plain_sampler);
+	gpu_label(g, GL_SAMPLER, maps->plain_sampler, "shadow maps' depths");
 	g->gl->SamplerParameteri(maps->plain_sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	g->gl->SamplerParameteri(maps->plain_sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	g->gl->SamplerParameteri(maps->plain_sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
 	g->gl->SamplerParameteri(maps->plain_sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 	g->gl->CreateFramebuffers(1, &maps->framebuffer);
+	gpu_label(g, GL_FRAMEBUFFER, maps->framebuffer, "shadow maps");
 	g->gl->NamedFramebufferDrawBuffer(maps->framebuffer, GL_NONE);
 	g->gl->NamedFramebufferReadBuffer(maps->framebuffer, GL_NONE);
 	maps->size = size;
@@ -157,44 +161,46 @@ void gpu_depth_maps_bind(const gpu *g, const gpu_depth_maps *maps, uint32_t unit
 
 /* ---- targets ---- */
 
-static GLuint make_texture(const gpu *g, GLenum format, const gpu_target *t)
+static GLuint make_texture(const gpu *g, const char *label, GLenum format, const gpu_target *t)
 {
 	GLuint texture = 0;
 	g->gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+	gpu_label(g, GL_TEXTURE, texture, label);
 	g->gl->TextureStorage2D(texture, 1, format, (GLsizei)t->width, (GLsizei)t->height);
 	g->gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 	g->gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	return texture;
 }
 
-static void attach_textures(const gpu *g, gpu_target *t, const gpu_format formats[2], bool depth)
+static void attach_textures(const gpu *g, gpu_target *t, const char *label, const gpu_format formats[2], bool depth)
 {
 	static const GLenum internal[] = {GL_NONE, GL_RGBA32F, GL_RGBA32UI};
 	const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, formats[1] ? GL_COLOR_ATTACHMENT1 : GL_NONE};
 	const uint64_t pixels = (uint64_t)t->width * t->height;
 	g->gl->CreateFramebuffers(1, &t->framebuffer);
+	gpu_label(g, GL_FRAMEBUFFER, t->framebuffer, label);
 	for (GLuint k = 0; k < 2 && formats[k]; k++) {
-		t->color[k] = make_texture(g, internal[formats[k]], t);
+		t->color[k] = make_texture(g, label, internal[formats[k]], t);
 		g->gl->NamedFramebufferTexture(t->framebuffer, attached[k], t->color[k], 0);
 		t->bytes += 4 * sizeof(float) * pixels;
 	}
 	g->gl->NamedFramebufferDrawBuffers(t->framebuffer, 2, attached);
 	if (!depth)
 		return;
-	t->depth = make_texture(g, GL_DEPTH_COMPONENT32F, t);
+	t->depth = make_texture(g, label, GL_DEPTH_COMPONENT32F, t);
 	g->gl->NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->depth, 0);
 	t->bytes += sizeof(float) * pixels;
 }
 
-gi_result gpu_target_create(gpu *g, gpu_target *t, const gpu_format formats[2], bool depth, uint32_t width,
-			    uint32_t height)
+gi_result gpu_target_create(gpu *g, gpu_target *t, const char *label, const gpu_format formats[2], bool depth,
+			    uint32_t width, uint32_t height)
 {
 	if (t->framebuffer && t->width == width && t->height == height)
 		return GI_OK;
 	gpu_target_free(g, t);
 	t->width = width;
 	t->height = height;
-	attach_textures(g, t, formats, depth);
+	attach_textures(g, t, label, formats, depth);
 	g->buffer_bytes += t->bytes;
 	/* A texture without memory makes it incomplete. */
 	if (g->gl->CheckNamedFramebufferStatus(t->framebuffer, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE)

@@ -19,8 +19,9 @@ typedef struct gpu_attribute {
 	uint32_t offset; /* bytes into the vertex */
 } gpu_attribute;
 
-gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const gpu_attribute *attributes, uint32_t vertex_bytes,
-			  uint64_t vertex_count, const void *vertices, uint64_t index_count, const uint32_t *indices);
+gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_attribute *attributes,
+			  uint32_t vertex_bytes, uint64_t vertex_count, const void *vertices, uint64_t index_count,
+			  const uint32_t *indices);
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
 void gpu_mesh_draw(const gpu *g, const gpu_mesh *mesh, uint32_t program);
 void gpu_mesh_draw_lines(const gpu *g, const gpu_mesh *mesh, uint32_t program);
@@ -57,8 +58,8 @@ typedef struct gpu_target {
 } gpu_target;
 
 /* Keeps what is there when it is the same size. */
-gi_result gpu_target_create(gpu *g, gpu_target *target, const gpu_format formats[2], bool depth, uint32_t width,
-			    uint32_t height);
+gi_result gpu_target_create(gpu *g, gpu_target *target, const char *label, const gpu_format formats[2], bool depth,
+			    uint32_t width, uint32_t height);
 void gpu_target_free(gpu *g, gpu_target *target);
 /* Read by texelFetch. */
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);

@@ -2,12 +2,19 @@
  * may be of the same generator. */
 #include "gpu.h"
 
-#define GLAD_API_CALL static
-#define GLAD_GL_IMPLEMENTATION
-#include <gi_gl.h>
+#include "memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+
+/* The loader lists extensions while it loads. */
+#define malloc gi_malloc
+#define free gi_free
+#define GLAD_API_CALL static
+#define GLAD_GL_IMPLEMENTATION
+#include <gi_gl.h>
+#undef malloc
+#undef free
 
 typedef struct host_loader {
 	gi_get_proc_address_fn *find;
@@ -34,7 +41,7 @@ gi_result gpu_load_functions(gpu *g, gi_get_proc_address_fn *get_proc_address, v
 		    &g->log, GI_ERROR_NO_OPENGL_45,
 		    "OpenGL 4.5 is needed and the current context has %d.%d: make a 4.5 core context current first",
 		    major, minor);
-	g->gl = calloc(1, sizeof *g->gl);
+	g->gl = gi_calloc(1, sizeof *g->gl);
 	/* Of an OpenGL that is new enough the list of extensions is what can fail. */
 	if (g->gl && gladLoadGLContextUserPtr(g->gl, find, &loader))
 		return GI_OK;
@@ -44,6 +51,6 @@ gi_result gpu_load_functions(gpu *g, gi_get_proc_address_fn *get_proc_address, v
 
 void gpu_free_functions(gpu *g)
 {
-	free(g->gl);
+	gi_free(g->gl);
 	g->gl = NULL;
 }

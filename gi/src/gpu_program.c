@@ -1,12 +1,12 @@
 /* Programs of gi/: shader files flattened and handed to the driver. */
 #include "gpu.h"
 
+#include "memory.h"
 #include "shader_source.h"
 
 #include <gi_gl.h>
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static gi_result no_memory(const gpu *g)
@@ -25,7 +25,7 @@ static bool text_append(text *t, const char *data, size_t length)
 {
 	if (t->length + length + 1 > t->capacity) {
 		size_t capacity = 2 * (t->length + length + 1);
-		char *grown = realloc(t->data, capacity);
+		char *grown = gi_realloc(t->data, capacity);
 		if (!grown)
 			return false;
 		t->data = grown;
@@ -61,7 +61,7 @@ static gi_result read_shader_file(const gpu *g, const char *name, char **out)
 static char *copy_of(const char *source)
 {
 	size_t size = strlen(source) + 1;
-	char *copy = malloc(size);
+	char *copy = gi_malloc(size);
 	if (copy)
 		memcpy(copy, source, size);
 	return copy;
@@ -109,7 +109,7 @@ static gi_result flatten_shader(const gpu *g, const char *name, int depth, text 
 			result = no_memory(g);
 		line += length;
 	}
-	free(source);
+	gi_free(source);
 	return result;
 }
 
@@ -121,13 +121,14 @@ static gi_result attach_shader(const gpu *g, GLuint program, GLenum kind, const 
 	text source = {0};
 	const gi_result result = flatten_shader(g, file, 0, &source);
 	if (result) {
-		free(source.data);
+		gi_free(source.data);
 		return result;
 	}
 	GLuint shader = g->gl->CreateShader(kind);
+	gpu_label(g, GL_SHADER, shader, file);
 	const char *text = source.data;
 	g->gl->ShaderSource(shader, 1, &text, NULL);
-	free(source.data);
+	gi_free(source.data);
 	g->gl->CompileShader(shader);
 	g->gl->AttachShader(program, shader);
 	g->gl->DeleteShader(shader); /* goes with the program */
@@ -146,6 +147,7 @@ static gi_result begin_program(const gpu *g, const char *vertex_file, const char
 		return result;
 	}
 	g->gl->LinkProgram(program);
+	gpu_label(g, GL_PROGRAM, program, file);
 	*out = program;
 	return GI_OK;
 }

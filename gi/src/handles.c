@@ -3,14 +3,14 @@
  */
 #include "context.h"
 
-#include <stdlib.h>
+#include "memory.h"
 
 /* Doubled when full: there is room for the next power of two. */
 static bool add_place(gi_scene *s)
 {
 	if ((s->object_count & (s->object_count - 1)) == 0) {
 		const size_t capacity = s->object_count ? 2 * (size_t)s->object_count : 1;
-		scene_object *grown = realloc(s->objects, sizeof *grown * capacity);
+		scene_object *grown = gi_realloc(s->objects, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		s->objects = grown;
@@ -84,12 +84,12 @@ gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_objec
 
 gi_result scene_prepare_object(const gi_log *log, const gi_object_def *def, gi_prepared_object **out)
 {
-	gi_prepared_object *made = calloc(1, sizeof *made);
+	gi_prepared_object *made = gi_calloc(1, sizeof *made);
 	if (!made)
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const gi_result result = scene_build_object(&(object_builder){log, NULL}, def, &made->object);
 	if (result)
-		free(made);
+		gi_free(made);
 	else
 		*out = made;
 	return result;
@@ -105,7 +105,7 @@ gi_result scene_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi
 			       o->name, o->hierarchy.leaf_count);
 	const gi_result result = take_place(gi, o, out);
 	if (!result)
-		free(prepared);
+		gi_free(prepared);
 	return result;
 }
 
@@ -113,7 +113,7 @@ void gi_free_prepared_object(gi_prepared_object *prepared)
 {
 	if (prepared)
 		scene_free_object(&prepared->object);
-	free(prepared);
+	gi_free(prepared);
 }
 
 scene_object *scene_find(const gi_context *gi, gi_object handle)

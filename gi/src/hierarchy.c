@@ -9,12 +9,12 @@
  */
 #include "hierarchy.h"
 
+#include "memory.h"
 #include "quad_cover.h"
 #include "split.h"
 #include "vec3d.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A face below this part of its own squared diagonal is a line or a point: it has no normal worth the name. Its own: a
@@ -636,7 +636,7 @@ static void mark_backs(gi_hierarchy *h)
 
 static void *allocate(size_t count, size_t size, bool *enough)
 {
-	void *memory = calloc(count > 0 ? count : 1, size);
+	void *memory = gi_calloc(count > 0 ? count : 1, size);
 	*enough = *enough && memory;
 	return memory;
 }
@@ -660,11 +660,11 @@ static bool allocate_builder(builder *b)
 static void free_builder(builder *b)
 {
 	for (uint32_t level = 0; level < MAX_LEVELS; level++) {
-		free(b->sums[level]);
-		free(b->lists[level].first);
-		free(b->lists[level].children);
+		gi_free(b->sums[level]);
+		gi_free(b->lists[level].first);
+		gi_free(b->lists[level].children);
 	}
-	free(b->items);
+	gi_free(b->items);
 }
 
 static bool copy_vertices(const gi_refined *refined, gi_hierarchy *h)
@@ -750,13 +750,13 @@ void gi_hierarchy_free(gi_hierarchy *hierarchy)
 {
 	if (!hierarchy)
 		return;
-	free(hierarchy->vertices);
-	free(hierarchy->leaf_node);
-	free(hierarchy->leaf_material);
-	free(hierarchy->leaf_face);
-	free(hierarchy->geometry);
-	free(hierarchy->spread);
-	free(hierarchy->topology);
+	gi_free(hierarchy->vertices);
+	gi_free(hierarchy->leaf_node);
+	gi_free(hierarchy->leaf_material);
+	gi_free(hierarchy->leaf_face);
+	gi_free(hierarchy->geometry);
+	gi_free(hierarchy->spread);
+	gi_free(hierarchy->topology);
 	*hierarchy = (gi_hierarchy){0};
 }
 

@@ -7,9 +7,9 @@
 #include "context.h"
 #include "duplicates.h"
 #include "faces.h"
+#include "memory.h"
 #include "vec3d.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { CHOICE_COOKIE = 0x6c656176, SOFTWARE_LEAVES = 4000, GPU_LEAVES = 20000, MOST_LEAVES = 100000 };
@@ -58,15 +58,15 @@ static void free_memory(choice_memory *m)
 {
 	for (uint32_t k = 0; m && k < m->count; k++) {
 		if (m->sizes)
-			free(m->sizes[k]);
+			gi_free(m->sizes[k]);
 		if (m->cuts)
-			free(m->cuts[k]);
+			gi_free(m->cuts[k]);
 	}
 	if (m) {
-		free(m->sizes);
-		free(m->cuts);
+		gi_free(m->sizes);
+		gi_free(m->cuts);
 	}
-	free(m);
+	gi_free(m);
 }
 
 void gi_free_leaf_choice(gi_leaf_choice *choice)
@@ -102,7 +102,7 @@ static gi_vec3d position(const gi_object_def *def, uint32_t vertex)
 /* diagonals[v]: of the bounds of the part that vertex v names, metres. */
 static bool measure_parts(const gi_object_def *def, uint32_t *group, double *diagonals)
 {
-	gi_vec3d *lower = malloc(sizeof *lower * def->vertex_count), *upper = malloc(sizeof *upper * def->vertex_count);
+	gi_vec3d *lower = gi_malloc(sizeof *lower * def->vertex_count), *upper = gi_malloc(sizeof *upper * def->vertex_count);
 	for (uint32_t k = 0; lower && upper && k < def->vertex_count; k++) {
 		lower[k] = (gi_vec3d){INFINITY, INFINITY, INFINITY};
 		upper[k] = (gi_vec3d){-INFINITY, -INFINITY, -INFINITY};
@@ -116,8 +116,8 @@ static bool measure_parts(const gi_object_def *def, uint32_t *group, double *dia
 	for (uint32_t k = 0; lower && upper && k < def->vertex_count; k++)
 		diagonals[k] = lower[k].x <= upper[k].x ? gi_vec3d_length(gi_vec3d_sub(upper[k], lower[k])) : 0;
 	const bool done = lower && upper;
-	free(lower);
-	free(upper);
+	gi_free(lower);
+	gi_free(upper);
 	return done;
 }
 
@@ -140,11 +140,11 @@ static double face_area(const gi_object_def *def, uint32_t first, uint32_t count
 static bool survey_object(chooser *c, uint32_t object)
 {
 	const gi_object_def *def = &c->objects[object];
-	uint32_t *group = malloc(sizeof *group * def->vertex_count);
-	double *diagonals = malloc(sizeof *diagonals * def->vertex_count);
-	c->shares[object] = malloc(sizeof **c->shares * def->face_count);
-	c->lamps[object] = malloc(sizeof **c->lamps * def->face_count);
-	c->memory->sizes[object] = is_chosen(def) ? malloc(sizeof **c->memory->sizes * def->face_count) : NULL;
+	uint32_t *group = gi_malloc(sizeof *group * def->vertex_count);
+	double *diagonals = gi_malloc(sizeof *diagonals * def->vertex_count);
+	c->shares[object] = gi_malloc(sizeof **c->shares * def->face_count);
+	c->lamps[object] = gi_malloc(sizeof **c->lamps * def->face_count);
+	c->memory->sizes[object] = is_chosen(def) ? gi_malloc(sizeof **c->memory->sizes * def->face_count) : NULL;
 	bool done = group && diagonals && c->shares[object] && c->lamps[object] &&
 		    (!is_chosen(def) || c->memory->sizes[object]);
 	if (done) {
@@ -160,8 +160,8 @@ static bool survey_object(chooser *c, uint32_t object)
 			? sqrt(face_area(def, first, gi_corner_count(def->face_counts, face))) / LAMP_SIDE
 			: 0;
 	}
-	free(group);
-	free(diagonals);
+	gi_free(group);
+	gi_free(diagonals);
 	return done;
 }
 
@@ -229,7 +229,7 @@ static double size_for(chooser *c, double leaves)
 static void drop_cuts(chooser *c)
 {
 	for (uint32_t k = 0; k < c->count; k++) {
-		free(c->memory->cuts[k]);
+		gi_free(c->memory->cuts[k]);
 		c->memory->cuts[k] = NULL;
 		if (c->memory->sizes[k]) {
 			c->objects[k].leaf_cuts = NULL;
@@ -241,8 +241,8 @@ static void drop_cuts(chooser *c)
 static bool find_cuts(chooser *c)
 {
 	drop_cuts(c);
-	gi_contact_object *contacts = calloc((size_t)c->count + 1, sizeof *contacts);
-	uint32_t *places = calloc((size_t)c->count + 1, sizeof *places);
+	gi_contact_object *contacts = gi_calloc((size_t)c->count + 1, sizeof *contacts);
+	uint32_t *places = gi_calloc((size_t)c->count + 1, sizeof *places);
 	uint32_t flat = 0;
 	for (uint32_t k = 0; contacts && places && k < c->count; k++)
 		if (c->objects[k].scheme == GI_SCHEME_BILINEAR) {
@@ -261,8 +261,8 @@ static bool find_cuts(chooser *c)
 		if (c->memory->sizes[places[k]])
 			c->objects[places[k]].leaf_cut_count = contacts[k].cut_count;
 	}
-	free(contacts);
-	free(places);
+	gi_free(contacts);
+	gi_free(places);
 	return done;
 }
 
@@ -396,16 +396,16 @@ static gi_result choose(const gi_context *gi, chooser *c, gi_leaf_choice *out)
 static bool allocate(chooser *c, const gi_object_def *objects)
 {
 	const size_t count = (size_t)c->count + 1;
-	c->unique = calloc(count, sizeof *c->unique);
-	c->objects = malloc(sizeof *c->objects * count);
-	c->shares = calloc(count, sizeof *c->shares);
-	c->lamps = calloc(count, sizeof *c->lamps);
-	c->memory = calloc(1, sizeof *c->memory);
+	c->unique = gi_calloc(count, sizeof *c->unique);
+	c->objects = gi_malloc(sizeof *c->objects * count);
+	c->shares = gi_calloc(count, sizeof *c->shares);
+	c->lamps = gi_calloc(count, sizeof *c->lamps);
+	c->memory = gi_calloc(1, sizeof *c->memory);
 	if (!c->unique || !c->objects || !c->shares || !c->lamps || !c->memory)
 		return false;
 	c->memory->count = c->count;
-	c->memory->sizes = calloc(count, sizeof *c->memory->sizes);
-	c->memory->cuts = calloc(count, sizeof *c->memory->cuts);
+	c->memory->sizes = gi_calloc(count, sizeof *c->memory->sizes);
+	c->memory->cuts = gi_calloc(count, sizeof *c->memory->cuts);
 	if (!c->memory->sizes || !c->memory->cuts)
 		return false;
 	for (uint32_t k = 0; k < c->count; k++) {
@@ -420,16 +420,16 @@ static void free_chooser(chooser *c)
 {
 	for (uint32_t k = 0; k < c->count; k++) {
 		if (c->shares)
-			free(c->shares[k]);
+			gi_free(c->shares[k]);
 		if (c->lamps)
-			free(c->lamps[k]);
+			gi_free(c->lamps[k]);
 		if (c->unique)
 			gi_unique_faces_free(&c->unique[k]);
 	}
-	free(c->unique);
-	free(c->objects);
-	free(c->shares);
-	free(c->lamps);
+	gi_free(c->unique);
+	gi_free(c->objects);
+	gi_free(c->shares);
+	gi_free(c->lamps);
 	free_memory(c->memory);
 }
 
@@ -437,12 +437,12 @@ static void free_chooser(chooser *c)
 static bool renumber(const gi_unique_faces *from, uint32_t face_count, float **sizes, gi_leaf_cut *cuts,
 		     uint32_t cut_count)
 {
-	float *all = calloc(face_count, sizeof *all);
+	float *all = gi_calloc(face_count, sizeof *all);
 	if (!all)
 		return false;
 	for (uint32_t k = 0; k < from->def.face_count; k++)
 		all[from->origin[k]] = (*sizes)[k];
-	free(*sizes);
+	gi_free(*sizes);
 	*sizes = all;
 	for (uint32_t k = 0; k < cut_count; k++)
 		cuts[k].face = from->origin[cuts[k].face];
@@ -468,13 +468,9 @@ static bool hand_over(chooser *c, gi_object_def *objects)
 	return true;
 }
 
-gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
-			   gi_leaf_choice *out)
+static gi_result choose_and_hand_over(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
+				      gi_leaf_choice *out)
 {
-	if (out)
-		*out = (gi_leaf_choice){0};
-	if (!gi || !def || !out || (count && !objects))
-		return gi_fail_null(gi, "gi_choose_leaves: def, objects and out");
 	gi_result result = check(gi, def, objects, count);
 	if (result)
 		return result;
@@ -492,5 +488,18 @@ gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_obj
 		c.memory = NULL;
 	}
 	free_chooser(&c);
+	return result;
+}
+
+gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
+			   gi_leaf_choice *out)
+{
+	if (out)
+		*out = (gi_leaf_choice){0};
+	if (!gi || !def || !out || (count && !objects))
+		return gi_fail_null(gi, "gi_choose_leaves: def, objects and out");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = choose_and_hand_over(gi, def, objects, count, out);
+	gi_memory_from(before);
 	return result;
 }

@@ -2,9 +2,9 @@
 
 #include "bits.h"
 #include "frames.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Searches of one update, shared out to the objects: leaves below one node ask together where there are more. Each
  * takes some microseconds. */
@@ -148,7 +148,7 @@ gi_result loans_find(gi_context *gi, loans *out)
 		}
 	if (!objects || leaves == s->leaf_count)
 		return GI_OK;
-	uint32_t *list = malloc(2 * sizeof *list * leaves);
+	uint32_t *list = gi_malloc(2 * sizeof *list * leaves);
 	if (!list)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const uint32_t share = MOST_SEARCHES / objects, searches = share > LEAST_SEARCHES ? share : LEAST_SEARCHES;
@@ -157,8 +157,8 @@ gi_result loans_find(gi_context *gi, loans *out)
 			out->count += list_object(s, slot, searches, list + 2 * (size_t)out->count);
 	gi_result result = GI_OK;
 	if (out->count)
-		result = gpu_buffer_allocate(&gi->gpu, &out->list, 2 * sizeof *list * out->count, list);
-	free(list);
+		result = gpu_buffer_allocate(&gi->gpu, &out->list, "loans", 2 * sizeof *list * out->count, list);
+	gi_free(list);
 	return result;
 }
 

@@ -4,13 +4,13 @@
 #include "context.h"
 #include "duplicates.h"
 #include "faces.h"
+#include "memory.h"
 #include "overlap.h"
 #include "rank.h"
 #include "split.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4, NAME_BYTES = 128 };
@@ -87,24 +87,24 @@ typedef struct own_cage {
 
 static void own_cage_free(own_cage *own)
 {
-	free(own->positions);
-	free(own->face_counts);
-	free(own->indices);
-	free(own->face_materials);
-	free(own->crease_vertices);
-	free(own->crease_sharpness);
+	gi_free(own->positions);
+	gi_free(own->face_counts);
+	gi_free(own->indices);
+	gi_free(own->face_materials);
+	gi_free(own->crease_vertices);
+	gi_free(own->crease_sharpness);
 }
 
 /* A second copy of the cage with its faces turned round, on vertices of its own: two sides that do not touch. */
 static bool make_two_sided(const gi_object_def *def, gi_refine_cage *cage, own_cage *own)
 {
 	const uint32_t n = def->vertex_count, f = def->face_count, i = def->index_count, c = def->crease_count;
-	own->positions = malloc(sizeof(float) * 6 * n);
-	own->face_counts = malloc(sizeof(uint32_t) * 2 * f);
-	own->indices = malloc(sizeof(uint32_t) * 2 * i);
-	own->face_materials = calloc(2 * (size_t)f, sizeof(uint32_t));
-	own->crease_vertices = malloc(sizeof(uint32_t) * 4 * (c + 1));
-	own->crease_sharpness = malloc(sizeof(float) * 2 * (c + 1));
+	own->positions = gi_malloc(sizeof(float) * 6 * n);
+	own->face_counts = gi_malloc(sizeof(uint32_t) * 2 * f);
+	own->indices = gi_malloc(sizeof(uint32_t) * 2 * i);
+	own->face_materials = gi_calloc(2 * (size_t)f, sizeof(uint32_t));
+	own->crease_vertices = gi_malloc(sizeof(uint32_t) * 4 * (c + 1));
+	own->crease_sharpness = gi_malloc(sizeof(float) * 2 * (c + 1));
 	if (!own->positions || !own->face_counts || !own->indices || !own->face_materials || !own->crease_vertices ||
 	    !own->crease_sharpness)
 		return false;
@@ -275,12 +275,12 @@ static gi_result check_def(const gi_log *log, const gi_object_def *def, const ch
 
 void scene_free_object(scene_object *o)
 {
-	free(o->name);
-	free(o->materials);
-	free(o->emission);
+	gi_free(o->name);
+	gi_free(o->materials);
+	gi_free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
-	free(o->by_size);
+	gi_free(o->by_size);
 	gi_skin_free(&o->skin);
 	*o = (scene_object){.generation = o->generation,
 			    .leaf_id = o->leaf_id,
@@ -292,7 +292,7 @@ void scene_free_object(scene_object *o)
 static char *duplicate_text(const char *text)
 {
 	const size_t size = strlen(text) + 1;
-	char *copy = malloc(size);
+	char *copy = gi_malloc(size);
 	if (copy)
 		memcpy(copy, text, size);
 	return copy;
@@ -302,7 +302,7 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 {
 	static const gi_material grey = {.rho = {0.5f, 0.5f, 0.5f}};
 	o->material_count = def->material_count ? def->material_count : 1;
-	o->materials = malloc(sizeof(gi_material) * o->material_count);
+	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
 	o->name = duplicate_text(name);
 	if (!o->materials || !o->name)
 		return false;
@@ -341,14 +341,14 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 		       scene_object *o)
 {
 	if (def->draw_index_count) {
-		float *scaled = malloc(sizeof(float) * 3 * def->draw_vertex_count);
+		float *scaled = gi_malloc(sizeof(float) * 3 * def->draw_vertex_count);
 		if (!scaled)
 			return false;
 		for (size_t k = 0; k < 3 * (size_t)def->draw_vertex_count; k++)
 			scaled[k] = def->draw_positions[k] * def->scale[k % 3];
 		const bool ok = gi_skin_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
 						  def->draw_index_count, &o->skin);
-		free(scaled);
+		gi_free(scaled);
 		return ok;
 	}
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
@@ -475,8 +475,8 @@ static gi_result refine_levels(const object_builder *b, const gi_object_def *def
 static bool make_split_def(const gi_object_def *def, gi_split_def *out, float **sizes, gi_leaf_cut **cuts)
 {
 	const uint32_t faces = def->face_count, n = def->leaf_cut_count;
-	*sizes = malloc(sizeof **sizes * 2 * faces);
-	*cuts = malloc(sizeof **cuts * (2 * (size_t)n + 1));
+	*sizes = gi_malloc(sizeof **sizes * 2 * faces);
+	*cuts = gi_malloc(sizeof **cuts * (2 * (size_t)n + 1));
 	if (!*sizes || !*cuts)
 		return false;
 	for (uint32_t k = 0; k < faces; k++)
@@ -524,8 +524,8 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 	} else {
 		gi_fail(log, result, "object '%s': out of memory", name);
 	}
-	free(sizes);
-	free(cuts);
+	gi_free(sizes);
+	gi_free(cuts);
 	return result;
 }
 

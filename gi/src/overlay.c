@@ -1,9 +1,9 @@
 #include "overlay.h"
 
 #include "context.h"
+#include "memory.h"
 
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Lines are drawn this share of a leaf's radius nearer to the eye: a curved surface rises above its leaves. */
@@ -45,8 +45,8 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 {
 	const gi_scene *s = &gi->scene;
 	const size_t leaves = s->leaf_count;
-	overlay_vertex *vertices = calloc(4 * leaves + 1, sizeof *vertices);
-	uint32_t *faces = calloc(6 * leaves + 1, sizeof *faces), *edges = calloc(8 * leaves + 1, sizeof *edges);
+	overlay_vertex *vertices = gi_calloc(4 * leaves + 1, sizeof *vertices);
+	uint32_t *faces = gi_calloc(6 * leaves + 1, sizeof *faces), *edges = gi_calloc(8 * leaves + 1, sizeof *edges);
 	gi_result result = GI_OK;
 	if (!vertices || !faces || !edges)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -58,14 +58,14 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 						   {1, true, offsetof(overlay_vertex, leaf)},
 						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->faces, attributes, sizeof *vertices, 4 * leaves, vertices,
-					 6 * leaves, faces);
+		result = gpu_mesh_create(&gi->gpu, &overlays->faces, "leaves", attributes, sizeof *vertices, 4 * leaves,
+					 vertices, 6 * leaves, faces);
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &overlays->edges, attributes, sizeof *vertices, 4 * leaves, vertices,
-					 8 * leaves, edges);
-	free(vertices);
-	free(faces);
-	free(edges);
+		result = gpu_mesh_create(&gi->gpu, &overlays->edges, "edges of leaves", attributes, sizeof *vertices,
+					 4 * leaves, vertices, 8 * leaves, edges);
+	gi_free(vertices);
+	gi_free(faces);
+	gi_free(edges);
 	if (!result && !overlays->program)
 		result = gpu_program_draw(&gi->gpu, "overlay.vert", "overlay.frag", &overlays->program);
 	return result;

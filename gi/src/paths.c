@@ -7,8 +7,9 @@
  */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second
@@ -84,16 +85,16 @@ static gi_result make_paths(gi_context *gi)
 {
 	if (gi->paths)
 		return GI_OK;
-	gi_paths *p = gi->paths = calloc(1, sizeof *p);
+	gi_paths *p = gi->paths = gi_calloc(1, sizeof *p);
 	if (!p)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	uint32_t directions[GI_SOBOL_DIMENSIONS][32];
 	sobol_directions(directions);
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, sizeof directions, directions);
+		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->going, sizeof(uint32_t), NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -109,7 +110,7 @@ void paths_free(gi_context *gi)
 	gpu_buffer_free(&gi->gpu, &p->lights);
 	gpu_buffer_free(&gi->gpu, &p->slots);
 	gpu_buffer_free(&gi->gpu, &p->going);
-	free(p);
+	gi_free(p);
 	gi->paths = NULL;
 }
 
@@ -187,8 +188,8 @@ static bool find_lights(const gi_scene *s, lights *l)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE)
 			most += 2 * s->objects[s->slots[slot]].bvh.primitive_count;
-	*l = (lights){.triangles = calloc(3 * (size_t)most + 1, sizeof *l->triangles),
-		      .powers = calloc((size_t)most + 1, sizeof *l->powers)};
+	*l = (lights){.triangles = gi_calloc(3 * (size_t)most + 1, sizeof *l->triangles),
+		      .powers = gi_calloc((size_t)most + 1, sizeof *l->powers)};
 	if (!l->triangles || !l->powers)
 		return false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
@@ -203,13 +204,14 @@ static gi_result upload_lights(gi_context *gi, path_scene *out)
 	lights l;
 	gi_result result = GI_OK;
 	if (find_lights(&gi->scene, &l))
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, sizeof(gi_uvec4) * 3 * l.count, l.triangles);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+					     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
-	free(l.triangles);
-	free(l.powers);
+	gi_free(l.triangles);
+	gi_free(l.powers);
 	return result;
 }
 
@@ -297,6 +299,12 @@ static void darken_unseen(const gi_scene *s, uint32_t leaves, float *irradiance)
 	}
 }
 
+/* As of the last update. */
+static const float *sky_exitance(const gi_scene *s)
+{
+	return &s->node_exitance[s->object_data[s->sky_slot].nodes.x].x;
+}
+
 static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
 {
 	const batch largest = largest_batch(gi, leaves, o->paths);
@@ -304,14 +312,14 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
 	if (!result && gi->paths->slots.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, "paths: slots", bytes, NULL);
 	if (result)
 		return result;
-	gi_path_slot *slots = malloc(bytes);
-	double *totals = calloc(3 * (size_t)leaves, sizeof *totals);
+	gi_path_slot *slots = gi_malloc(bytes);
+	double *totals = gi_calloc(3 * (size_t)leaves, sizeof *totals);
 	if (slots && totals) {
 		if (gi->scene.sky_slot != GI_NONE)
-			memcpy(scene.sky_and_lift, gi->def.sky_exitance, sizeof gi->def.sky_exitance);
+			memcpy(scene.sky_and_lift, sky_exitance(&gi->scene), 3 * sizeof *scene.sky_and_lift);
 		scene.sky_and_lift[3] = ray_lift(&gi->scene);
 		bind_paths(gi, &scene, o->seed);
 		batch b = largest;
@@ -327,8 +335,8 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	} else {
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
-	free(slots);
-	free(totals);
+	gi_free(slots);
+	gi_free(totals);
 	return result;
 }
 
@@ -352,6 +360,10 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	*count = leaves;
 	if (!leaves || !capacity)
 		return GI_OK;
-	const gi_result result = make_paths(gi);
-	return result ? result : trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gi_result result = make_paths(gi);
+	if (!result)
+		result = trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
+	gi_memory_from(before);
+	return result;
 }

@@ -1,6 +1,7 @@
 #include "rank.h"
 
 #include "bits.h"
+#include "memory.h"
 
 #include <stdlib.h>
 
@@ -32,8 +33,8 @@ static int compare_sizes(const void *left, const void *right)
 uint32_t *rank_by_size(const gi_bvh *bvh)
 {
 	const uint32_t count = bvh->primitive_count;
-	sized *list = malloc(sizeof *list * ((size_t)count + 1));
-	uint32_t *numbers = malloc(sizeof *numbers * ((size_t)count + 1));
+	sized *list = gi_malloc(sizeof *list * ((size_t)count + 1));
+	uint32_t *numbers = gi_malloc(sizeof *numbers * ((size_t)count + 1));
 	for (uint32_t k = 0; list && k < count; k++)
 		list[k] = (sized){(double)bvh->primitives[k].c.w + bvh->primitives[k].d.w, k};
 	if (list)
@@ -41,10 +42,10 @@ uint32_t *rank_by_size(const gi_bvh *bvh)
 	for (uint32_t k = 0; list && numbers && k < count; k++)
 		numbers[k] = list[k].number;
 	if (!list) {
-		free(numbers);
+		gi_free(numbers);
 		return NULL;
 	}
-	free(list);
+	gi_free(list);
 	return numbers;
 }
 
@@ -109,7 +110,7 @@ static uint32_t store_all(const ranked *r, bool lit, uint32_t rank, gi_primitive
 
 bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leaves)
 {
-	ranked *list = malloc(sizeof *list * ((size_t)s->slot_count + 1));
+	ranked *list = gi_malloc(sizeof *list * ((size_t)s->slot_count + 1));
 	if (!list)
 		return false;
 	const uint32_t count = collect(s, list);
@@ -118,6 +119,6 @@ bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leav
 	for (int lit = 0; lit < 2; lit++)
 		for (uint32_t k = 0; k < count; k++)
 			rank = store_all(&list[k], lit, rank, primitives, leaves);
-	free(list);
+	gi_free(list);
 	return true;
 }

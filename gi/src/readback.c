@@ -1,14 +1,22 @@
 /* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
 #include "bits.h"
 #include "context.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+static void *allocate(const gi_context *gi, uint64_t bytes)
+{
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	void *memory = gi_calloc(1, bytes + 1);
+	gi_memory_from(before);
+	return memory;
+}
 
 static void *read_buffer(const gi_context *gi, const gpu_buffer *buffer, uint64_t bytes)
 {
-	void *data = malloc(bytes + 1);
+	void *data = allocate(gi, bytes);
 	if (data)
 		gpu_buffer_read(&gi->gpu, buffer, 0, bytes, data);
 	return data;
@@ -74,8 +82,8 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 			leaves[leaf].irradiance[c] = (float)h[c];
 	}
 	const bool ok = b && links;
-	free(b);
-	free(links);
+	gi_free(b);
+	gi_free(links);
 	return ok ? GI_OK : no_memory(gi);
 }
 
@@ -108,9 +116,9 @@ gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uin
 		}
 		result = fill_irradiance(gi, leaves, wanted, a.headers);
 	}
-	free(a.vertices);
-	free(a.radiosity);
-	free(a.headers);
+	gi_free(a.vertices);
+	gi_free(a.radiosity);
+	gi_free(a.headers);
 	return result;
 }
 
@@ -163,8 +171,8 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 			(*count)++;
 		}
 	}
-	free(segment);
-	free(pool);
+	gi_free(segment);
+	gi_free(pool);
 	return result;
 }
 
@@ -193,8 +201,8 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 			leaf_range(s, out->node, &out->first_leaf, &out->leaf_count);
 		}
 	}
-	free(headers);
-	free(pool);
+	gi_free(headers);
+	gi_free(pool);
 	return result;
 }
 
@@ -218,9 +226,9 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 			sums[slot] += a * gi_float_from_bits(pool[2 * (header.x + l) + 1]);
 		}
 	}
-	free(headers);
-	free(pool);
-	free(leaves);
+	gi_free(headers);
+	gi_free(pool);
+	gi_free(leaves);
 	return ok ? GI_OK : no_memory(gi);
 }
 
@@ -254,13 +262,13 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 	if (!known)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
 			       "gi_form_factors: an object is stale or not committed");
-	double *sums = calloc(gi->scene.slot_count, sizeof *sums), area = 0;
+	double *sums = allocate(gi, sizeof *sums * gi->scene.slot_count), area = 0;
 	if (!sums)
 		return no_memory(gi);
 	result = sum_links(gi, scene_find(gi, from), sums, &area);
 	for (uint32_t k = 0; !result && k < count; k++)
 		out[k] = part_of(gi, sums, to[k]) / area;
-	free(sums);
+	gi_free(sums);
 	return result;
 }
 

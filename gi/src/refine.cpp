@@ -2,7 +2,7 @@
  *
  * A cage goes through three stages, each of which may throw:
  *
- *   gi_refine_cage --check_cage, clean_cage--> Cage --refine--> Far::TopologyRefiner --export_*--> gi_refined (malloc)
+ *   gi_refine_cage --check_cage, clean_cage--> Cage --refine--> Far::TopologyRefiner --export_*--> gi_refined (gi_malloc)
  *
  * Everything is validated before OpenSubdiv sees it, because it reports trouble to stderr and not to its caller.
  * Points are interpolated in double and stored as float: a flat wall stays flat to the last bit of a float.
@@ -10,6 +10,7 @@
 #include "refine.h"
 
 #include "faces.h"
+#include "memory.h"
 #include "polygon.h"
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -23,7 +24,6 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -46,6 +46,49 @@ constexpr uint64_t max_faces = uint64_t(1) << 24;
 constexpr uint32_t max_valence = 65535;
 /* Squared, and summed over a few million faces, this still fits a float. */
 constexpr double max_coordinate = 1e15;
+
+/* Cleared. */
+template <class T> T *allocate_block(size_t count)
+{
+	void *memory = gi_calloc(std::max<size_t>(count, 1), sizeof(T));
+	if (!memory)
+		throw std::bad_alloc();
+	return static_cast<T *>(memory);
+}
+
+struct Free {
+	void operator()(void *memory) const
+	{
+		gi_free(memory);
+	}
+};
+template <class T> using Block = std::unique_ptr<T[], Free>;
+
+/* The library's memory for the standard library. */
+template <class T> struct Allocator {
+	using value_type = T;
+	Allocator() = default;
+	template <class U> Allocator(const Allocator<U> &)
+	{
+	}
+	T *allocate(size_t count)
+	{
+		return allocate_block<T>(count);
+	}
+	void deallocate(T *memory, size_t)
+	{
+		gi_free(memory);
+	}
+	friend bool operator==(const Allocator &, const Allocator &)
+	{
+		return true;
+	}
+	friend bool operator!=(const Allocator &, const Allocator &)
+	{
+		return false;
+	}
+};
+template <class T> using Array = std::vector<T, Allocator<T>>;
 
 /* What is wrong with the cage, in one line for the user. */
 class Bad_cage : public std::runtime_error
@@ -78,18 +121,18 @@ struct Point {
 	}
 };
 
-using Points = std::vector<Point>;
+using Points = Array<Point>;
 using Refiner_ptr = std::unique_ptr<Far::TopologyRefiner>;
 
 /* The cage without what carries no surface: repeated corners, faces of fewer than three different corners, unused
  * vertices. */
 struct Cage {
 	Points points;
-	std::vector<int> counts;
-	std::vector<int> indices;
-	std::vector<uint32_t> materials;
-	std::vector<int> crease_vertices;
-	std::vector<float> crease_sharpness;
+	Array<int> counts;
+	Array<int> indices;
+	Array<uint32_t> materials;
+	Array<int> crease_vertices;
+	Array<float> crease_sharpness;
 };
 
 /* ---- the caller's arrays ---- */
@@ -167,7 +210,7 @@ void check_positions(const gi_refine_cage &cage)
 /* ---- clean-up ---- */
 
 /* The corners of a face without repeats of the one before (a triangle written as a quad repeats its third corner). */
-void clean_face(const uint32_t *corners, uint32_t count, std::vector<uint32_t> &out)
+void clean_face(const uint32_t *corners, uint32_t count, Array<uint32_t> &out)
 {
 	out.clear();
 	for (uint32_t i = 0; i < count; i++)
@@ -175,11 +218,11 @@ void clean_face(const uint32_t *corners, uint32_t count, std::vector<uint32_t> &
 			out.push_back(corners[i]);
 }
 
-void check_face(uint32_t face, const std::vector<uint32_t> &corners, gi_refine_scheme scheme)
+void check_face(uint32_t face, const Array<uint32_t> &corners, gi_refine_scheme scheme)
 {
 	if (scheme == GI_REFINE_LOOP && corners.size() != 3)
 		reject("face %u has %zu corners; Loop subdivision takes triangles alone", face, corners.size());
-	std::vector<uint32_t> sorted(corners);
+	Array<uint32_t> sorted(corners);
 	std::sort(sorted.begin(), sorted.end());
 	const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
 	if (twice != sorted.end())
@@ -197,11 +240,11 @@ using Corner = double[3];
 /* A bilinear face becomes quads about its middle or two triangles, which cover the notch of a face that is not convex:
  * such a one is cut into triangles first. Smooth schemes round a cage off anyway, and take it as it is.
  */
-void add_face(const gi_refine_cage &cage, uint32_t face, const std::vector<uint32_t> &corners, Cage &out)
+void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &corners, Cage &out)
 {
 	const uint32_t count = uint32_t(corners.size());
 	const uint32_t material = cage.face_materials ? cage.face_materials[face] : 0;
-	std::unique_ptr<Corner[]> points(new Corner[count]);
+	Block<Corner> points(allocate_block<Corner>(count));
 	for (uint32_t i = 0; i < count; i++)
 		for (int axis = 0; axis < 3; axis++)
 			points[i][axis] =
@@ -213,7 +256,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const std::vector<uint3
 		return;
 	}
 	using Triangle = uint32_t[3];
-	std::unique_ptr<Triangle[]> triangles(new Triangle[count]);
+	Block<Triangle> triangles(allocate_block<Triangle>(count));
 	const uint32_t made = gi_polygon_cut(points.get(), count, triangles.get());
 	if (made == 0)
 		reject("face %u crosses itself, or has more than %d corners and is not convex; cut it into convex faces",
@@ -228,7 +271,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const std::vector<uint3
 
 void clean_faces(const gi_refine_cage &cage, Cage &out)
 {
-	std::vector<uint32_t> corners;
+	Array<uint32_t> corners;
 	const uint32_t *next = cage.indices;
 	const bool mirror = mirrors(cage);
 	for (uint32_t face = 0; face < cage.face_count; face++) {
@@ -247,13 +290,13 @@ void clean_faces(const gi_refine_cage &cage, Cage &out)
 }
 
 /* Keeps the vertices that faces use, in their order. Returns the new number of each old vertex, or -1. */
-std::vector<int> clean_points(const gi_refine_cage &cage, Cage &out)
+Array<int> clean_points(const gi_refine_cage &cage, Cage &out)
 {
-	std::vector<int> valence(cage.vertex_count, 0);
+	Array<int> valence(cage.vertex_count, 0);
 	for (int index : out.indices)
 		if (++valence[index] > int(max_valence) / 2)
 			reject("vertex %d has more than %u faces", index, max_valence / 2);
-	std::vector<int> renumbered(cage.vertex_count, -1);
+	Array<int> renumbered(cage.vertex_count, -1);
 	for (uint32_t vertex = 0; vertex < cage.vertex_count; vertex++) {
 		if (valence[vertex] == 0)
 			continue;
@@ -281,20 +324,20 @@ template <class Visit> void for_each_edge(const Cage &cage, Visit visit)
 	}
 }
 
-std::vector<Edge> cage_edges(const Cage &cage)
+Array<Edge> cage_edges(const Cage &cage)
 {
-	std::vector<Edge> edges;
+	Array<Edge> edges;
 	edges.reserve(cage.indices.size());
 	for_each_edge(cage, [&](int from, int to) { edges.push_back(std::minmax({from, to})); });
 	std::sort(edges.begin(), edges.end());
 	return edges;
 }
 
-void clean_creases(const gi_refine_cage &cage, const std::vector<int> &renumbered, Cage &out)
+void clean_creases(const gi_refine_cage &cage, const Array<int> &renumbered, Cage &out)
 {
 	if (cage.crease_count == 0)
 		return;
-	const std::vector<Edge> edges = cage_edges(out);
+	const Array<Edge> edges = cage_edges(out);
 	for (uint32_t i = 0; i < cage.crease_count; i++) {
 		const uint32_t *ends = cage.crease_vertices + 2 * size_t(i);
 		const Edge edge = std::minmax({renumbered[ends[0]], renumbered[ends[1]]});
@@ -309,7 +352,7 @@ Cage clean_cage(const gi_refine_cage &cage)
 {
 	Cage out;
 	clean_faces(cage, out);
-	const std::vector<int> renumbered = clean_points(cage, out);
+	const Array<int> renumbered = clean_points(cage, out);
 	clean_creases(cage, renumbered, out);
 	return out;
 }
@@ -388,15 +431,7 @@ Points interpolate(const Far::TopologyRefiner &refiner, Points points)
 
 /* ---- what the caller gets ---- */
 
-template <class T> T *allocate(size_t count)
-{
-	void *memory = std::calloc(std::max<size_t>(count, 1), sizeof(T));
-	if (!memory)
-		throw std::bad_alloc();
-	return static_cast<T *>(memory);
-}
-
-void export_faces(const Far::TopologyLevel &level, const std::vector<uint32_t> &finest_vertex, gi_refine_level &out)
+void export_faces(const Far::TopologyLevel &level, const Array<uint32_t> &finest_vertex, gi_refine_level &out)
 {
 	for (int face = 0; face < level.GetNumFaces(); face++) {
 		const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
@@ -409,7 +444,7 @@ void export_faces(const Far::TopologyLevel &level, const std::vector<uint32_t> &
 
 void export_parents(const Far::TopologyLevel &level, const gi_refine_level &above, gi_refine_level &out)
 {
-	out.parent = allocate<uint32_t>(out.face_count);
+	out.parent = allocate_block<uint32_t>(out.face_count);
 	for (uint32_t face = 0; face < out.face_count; face++) {
 		out.parent[face] = uint32_t(level.GetFaceParentFace(int(face)));
 		out.material[face] = above.material[out.parent[face]];
@@ -419,26 +454,26 @@ void export_parents(const Far::TopologyLevel &level, const gi_refine_level &abov
 void export_levels(const Far::TopologyRefiner &refiner, const Cage &cage, gi_refined &out)
 {
 	const int finest = refiner.GetMaxLevel();
-	out.levels = allocate<gi_refine_level>(size_t(finest) + 1);
+	out.levels = allocate_block<gi_refine_level>(size_t(finest) + 1);
 	out.level_count = uint32_t(finest) + 1;
 	for (int level = 0; level <= finest; level++) {
 		gi_refine_level &to = out.levels[level];
 		to.face_count = uint32_t(refiner.GetLevel(level).GetNumFaces());
-		to.corners = allocate<uint32_t[4]>(to.face_count);
-		to.material = allocate<uint32_t>(to.face_count);
+		to.corners = allocate_block<uint32_t[4]>(to.face_count);
+		to.material = allocate_block<uint32_t>(to.face_count);
 		if (level == 0)
 			std::copy(cage.materials.begin(), cage.materials.end(), to.material);
 		else
 			export_parents(refiner.GetLevel(level), out.levels[level - 1], to);
 	}
 	/* A vertex of a level is followed down to its descendant in the finest. */
-	std::vector<uint32_t> descendant(size_t(refiner.GetLevel(finest).GetNumVertices()));
+	Array<uint32_t> descendant(size_t(refiner.GetLevel(finest).GetNumVertices()));
 	for (size_t i = 0; i < descendant.size(); i++)
 		descendant[i] = uint32_t(i);
 	for (int level = finest; level >= 0; level--) {
 		const Far::TopologyLevel &from = refiner.GetLevel(level);
 		if (level < finest) {
-			std::vector<uint32_t> coarser(size_t(from.GetNumVertices()));
+			Array<uint32_t> coarser(size_t(from.GetNumVertices()));
 			for (size_t i = 0; i < coarser.size(); i++)
 				coarser[i] = descendant[from.GetVertexChildVertex(int(i))];
 			descendant.swap(coarser);
@@ -493,8 +528,8 @@ void export_limit(const Far::TopologyRefiner &refiner, const Points &points, gi_
 void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, gi_refined &out)
 {
 	out.vertex_count = uint32_t(points.size());
-	out.positions = allocate<float[3]>(points.size());
-	out.normals = allocate<float[3]>(points.size());
+	out.positions = allocate_block<float[3]>(points.size());
+	out.normals = allocate_block<float[3]>(points.size());
 	if (refiner.GetSchemeType() == Sdc::SCHEME_BILINEAR)
 		export_points(points, out.positions);
 	else
@@ -505,7 +540,7 @@ void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, 
  * backs. Two faces an edge is the usual case; simplified scans also fold edges of four. */
 bool is_closed(const Cage &cage)
 {
-	std::vector<std::pair<Edge, int>> walks;
+	Array<std::pair<Edge, int>> walks;
 	walks.reserve(cage.indices.size());
 	for_each_edge(cage, [&](int from, int to) { walks.push_back({std::minmax({from, to}), from < to ? 1 : -1}); });
 	std::sort(walks.begin(), walks.end());
@@ -568,13 +603,13 @@ void gi_refined_free(gi_refined *refined)
 	if (!refined)
 		return;
 	for (uint32_t i = 0; i < refined->level_count; i++) {
-		std::free(refined->levels[i].corners);
-		std::free(refined->levels[i].parent);
-		std::free(refined->levels[i].material);
+		gi_free(refined->levels[i].corners);
+		gi_free(refined->levels[i].parent);
+		gi_free(refined->levels[i].material);
 	}
-	std::free(refined->levels);
-	std::free(refined->positions);
-	std::free(refined->normals);
-	std::free(refined->parted);
+	gi_free(refined->levels);
+	gi_free(refined->positions);
+	gi_free(refined->normals);
+	gi_free(refined->parted);
 	*refined = gi_refined{};
 }

@@ -14,10 +14,10 @@
 #include "bits.h"
 #include "context.h"
 #include "loans.h"
+#include "memory.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Entries per leaf are about 3.3 over the row tolerance in the Cornell box and some 40 more, those across narrow gaps
@@ -45,7 +45,7 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 
 gi_result rows_init(gi_context *gi)
 {
-	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, sizeof(gi_frame), NULL);
+	return gpu_buffer_allocate(&gi->gpu, &gi->rows.frame, "frame", sizeof(gi_frame), NULL);
 }
 
 /* Free lists of all classes of a pool together, in words. */
@@ -57,10 +57,10 @@ static uint64_t list_words(uint64_t limit)
 	return words;
 }
 
-static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
+static gi_result allocate_pool(gi_context *gi, gpu_buffer *pool, const char *label, uint64_t limit)
 {
 	const uint64_t list = GI_POOL_PENDING_LIST + 2 * (uint64_t)GI_POOL_PENDING_MAX;
-	return gpu_buffer_allocate(&gi->gpu, pool, sizeof(uint32_t) * (list + list_words(limit)), NULL);
+	return gpu_buffer_allocate(&gi->gpu, pool, label, sizeof(uint32_t) * (list + list_words(limit)), NULL);
 }
 
 static void reset_pool(gi_context *gi, gpu_buffer *pool, uint64_t limit)
@@ -75,17 +75,17 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->entries, "entries", sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->targets, "targets", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->queue, "queue", sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, 2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->links, "links", 2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, "free entries", r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, "free links", r->link_limit);
 	return result;
 }
 
@@ -239,7 +239,7 @@ static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
 {
 	if (at >= r->run_capacity) {
 		const uint32_t capacity = 2 * at + 64;
-		gi_uvec4 *grown = realloc(r->run_data, sizeof *grown * capacity);
+		gi_uvec4 *grown = gi_realloc(r->run_data, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		r->run_data = grown;
@@ -368,15 +368,11 @@ static bool boxes_overlap(const scene_object *a, const scene_object *b)
 	return true;
 }
 
-typedef struct slot_list {
-	uint32_t *slots, count, capacity;
-} slot_list;
-
-static bool append(slot_list *list, uint32_t slot)
+static bool append(gi_slot_list *list, uint32_t slot)
 {
 	if (list->count == list->capacity) {
 		const uint32_t capacity = 2 * list->capacity + 64;
-		uint32_t *grown = realloc(list->slots, sizeof *grown * capacity);
+		uint32_t *grown = gi_realloc(list->slots, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		list->slots = grown;
@@ -386,7 +382,7 @@ static bool append(slot_list *list, uint32_t slot)
 	return true;
 }
 
-static bool list_movers(const gi_context *gi, slot_list *list)
+static bool list_movers(const gi_context *gi, gi_slot_list *list)
 {
 	bool ok = true;
 	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++)
@@ -396,7 +392,7 @@ static bool list_movers(const gi_context *gi, slot_list *list)
 }
 
 /* Segments within a mover stay inside its box: only what is there too can hide them. */
-static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *list)
+static bool list_neighbours(const gi_context *gi, uint32_t mover, gi_slot_list *list)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -411,7 +407,7 @@ static bool list_neighbours(const gi_context *gi, uint32_t mover, slot_list *lis
 enum { MOST_EMITTERS = 32 };
 
 /* Appends the emitting objects, [*first, *end); first > end: too many. */
-static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first, uint32_t *end)
+static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *first, uint32_t *end)
 {
 	const gi_scene *s = &gi->scene;
 	bool ok = true;
@@ -426,7 +422,7 @@ static bool list_emitters(const gi_context *gi, slot_list *list, uint32_t *first
 }
 
 /* As gi_shared.h says. */
-static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
+static bool append_swept(gi_slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
 {
 	uint32_t words[4 * GI_SWEPT_PARTS] = {change.x, change.y, change.z, change.w};
 	memcpy(words + 4, corners, sizeof *corners * (GI_SWEPT_PARTS - 1));
@@ -437,7 +433,7 @@ static bool append_swept(slot_list *list, gi_uvec4 change, const gi_vec4 corners
 }
 
 /* Where movers were and are, and what went. */
-static bool list_swept(const gi_context *gi, slot_list *list, plan *p)
+static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_rows *r = &gi->rows;
@@ -466,7 +462,8 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
 	gpu_buffer *buffer = &gi->rows.suspects;
-	slot_list list = {0};
+	gi_slot_list list = gi->rows.suspect_list;
+	list.count = 0;
 	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
 	bool ok = !wanted || list_movers(gi, &list);
 	p->movers = list.count;
@@ -485,10 +482,10 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, "suspects", 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	free(list.slots);
+	gi->rows.suspect_list = list; /* its memory, for the next time */
 	return result;
 }
 
@@ -497,7 +494,7 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	gi_rows *r = &gi->rows;
 	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
 	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, bytes + bytes / 2, NULL);
+		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, "runs", bytes + bytes / 2, NULL);
 		if (result)
 			return result;
 	}
@@ -509,6 +506,8 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 
 static bool materials_changed(const gi_context *gi)
 {
+	if (gi->light_changed)
+		return true;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].material_changed || gi->scene.objects[k].relit)
 			return true;
@@ -556,8 +555,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
 	const gi_context_def *def = &gi->def;
-	const float *sky = def->sky_exitance;
-	const bool lit = sky[0] + sky[1] + sky[2] > 0;
+	const bool lit = sky_is_lit(def);
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
@@ -891,5 +889,6 @@ void rows_free(gi_context *gi)
 	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
-	free(r->run_data);
+	gi_free(r->run_data);
+	gi_free(r->suspect_list.slots);
 }

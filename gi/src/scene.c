@@ -2,8 +2,9 @@
  * end to end. */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 bool scene_is_alive(const scene_object *o)
@@ -239,13 +240,15 @@ static void upload_top(gi_context *gi, const scene_top *top)
 gi_result scene_upload_materials(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
-	bool changed = false;
+	bool changed = gi->light_changed;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		changed = changed || (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed);
 	if (!changed)
 		return GI_OK;
 	if (scene_weigh_emitters(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
+	if (gi->light_changed)
+		sky_relight(gi);
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		if (s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].material_changed)
 			upload_material(gi, &s->objects[s->slots[slot]]);
@@ -328,9 +331,10 @@ void scene_free(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		scene_free_object(&gi->scene.objects[k]);
-	free(gi->scene.objects);
+	gi_free(gi->scene.objects);
 	scene_release(gi, &gi->scene);
 	gi_arena_free(&gi->spare_arrays);
 	gi_arena_free(&gi->passing);
 	gi_arena_free(&gi->undo);
+	gi_arena_free(&gi->tree_arena);
 }

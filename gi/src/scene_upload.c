@@ -7,13 +7,13 @@
 #include "bits.h"
 #include "context.h"
 #include "frames.h"
+#include "memory.h"
 #include "pack.h"
 #include "rank.h"
 #include "statics.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Objects' are far below. */
@@ -68,12 +68,12 @@ static void gathered_free(gathered *g)
 {
 	gi_hierarchy_free(&g->sky);
 	statics_free(&g->statics);
-	free(g->order);
+	gi_free(g->order);
 }
 
 static bool order_objects(gi_scene *s, gathered *g)
 {
-	g->order = calloc((size_t)s->object_count + 1, sizeof *g->order);
+	g->order = gi_calloc((size_t)s->object_count + 1, sizeof *g->order);
 	if (!g->order || !statics_build(s, &g->statics))
 		return false;
 	for (uint32_t k = 0; k < s->object_count; k++)
@@ -123,7 +123,7 @@ static void count_all(const gi_context *gi, gathered *g)
 /* One element more than asked: nothing is not a failure. */
 static void *allocate(size_t count, size_t size)
 {
-	return calloc(count + 1, size);
+	return gi_calloc(count + 1, size);
 }
 
 /* What the scene keeps, and what goes to the GPU alone. */
@@ -642,13 +642,13 @@ static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
 			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
 	rows_moves m = {0};
 	if (usable && !follow_objects(old, now, &m)) {
-		free(m.list);
-		free(m.nodes);
+		gi_free(m.list);
+		gi_free(m.nodes);
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	}
 	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
-	free(m.list);
-	free(m.nodes);
+	gi_free(m.list);
+	gi_free(m.nodes);
 	return result;
 }
 

@@ -11,6 +11,7 @@
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
 #include "context.h"
+#include "memory.h"
 #include "overlay.h"
 #include "shadow.h"
 #include "vec3d.h"
@@ -113,15 +114,15 @@ static uint32_t order_slots(const gi_scene *s, sized *order)
 static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 {
 	const gi_scene *s = &gi->scene;
-	sized *order = calloc(s->slot_count + 1, sizeof *order);
+	sized *order = gi_calloc(s->slot_count + 1, sizeof *order);
 	size_t vertex_count = 0, index_count = 0;
 	const uint32_t count = order ? order_slots(s, order) : 0;
 	for (uint32_t k = 0; k < count; k++) {
 		vertex_count += s->objects[s->slots[order[k].slot]].skin.vertex_count;
 		index_count += s->objects[s->slots[order[k].slot]].skin.index_count;
 	}
-	draw_vertex *vertices = malloc(sizeof *vertices * (vertex_count + 1));
-	uint32_t *indices = malloc(sizeof *indices * (index_count + 1));
+	draw_vertex *vertices = gi_malloc(sizeof *vertices * (vertex_count + 1));
+	uint32_t *indices = gi_malloc(sizeof *indices * (index_count + 1));
 	gi_result result = GI_OK;
 	if (!order || !vertices || !indices)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -139,11 +140,11 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 						   {4, false, offsetof(draw_vertex, weight)},
 						   {0}};
 	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &shade->mesh, attributes, sizeof *vertices, vertex_count, vertices,
-					 index_count, indices);
-	free(order);
-	free(vertices);
-	free(indices);
+		result = gpu_mesh_create(&gi->gpu, &shade->mesh, "drawn surfaces", attributes, sizeof *vertices,
+					 vertex_count, vertices, index_count, indices);
+	gi_free(order);
+	gi_free(vertices);
+	gi_free(indices);
 	return result;
 }
 
@@ -152,7 +153,7 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 static gi_result prepare(gi_context *gi)
 {
 	if (!gi->shade)
-		gi->shade = calloc(1, sizeof *gi->shade);
+		gi->shade = gi_calloc(1, sizeof *gi->shade);
 	gi_shade *shade = gi->shade;
 	if (!shade)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -190,7 +191,7 @@ void shade_free(gi_context *gi)
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
 	for (int k = 0; k < PROGRAM_COUNT; k++)
 		gpu_program_free(&gi->gpu, &gi->shade->programs[k]);
-	free(gi->shade);
+	gi_free(gi->shade);
 	gi->shade = NULL;
 }
 
@@ -323,11 +324,12 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	for (program k = lamps > 1 ? PROGRAM_MORE : PROGRAM_LAST; !result && k < PROGRAM_COUNT; k++)
 		result = want_program(gi, k);
 	if (!result && !shade->screen.array)
-		result = gpu_mesh_create(g, &shade->screen, attributes, sizeof *corners, 3, corners, 3, indices);
+		result = gpu_mesh_create(g, &shade->screen, "whole picture", attributes, sizeof *corners, 3, corners, 3,
+					 indices);
 	if (!result)
-		result = gpu_target_create(g, &shade->surfaces, surfaces, true, view->width, view->height);
+		result = gpu_target_create(g, &shade->surfaces, "surfaces", surfaces, true, view->width, view->height);
 	if (!result && lamps > 1)
-		result = gpu_target_create(g, &shade->so_far, so_far, false, view->width, view->height);
+		result = gpu_target_create(g, &shade->so_far, "light so far", so_far, false, view->width, view->height);
 	return result;
 }
 
@@ -392,6 +394,23 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	return GI_OK;
 }
 
+static gi_result draw(gi_context *gi, const gi_view *view)
+{
+	gi_result result = prepare(gi);
+	if (result)
+		return result;
+	gpu_draw_state state;
+	gpu_draw_begin(&gi->gpu, &state);
+	scene_bind(gi);
+	solver_bind(gi);
+	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
+		result = shadow_update(gi, &gi->shade->shadow);
+	if (!result)
+		result = draw_picture(gi, view, &state);
+	gpu_draw_end(&gi->gpu, &state);
+	return result;
+}
+
 gi_result gi_draw(gi_context *gi, const gi_view *view)
 {
 	if (!gi || !view)
@@ -408,17 +427,10 @@ gi_result gi_draw(gi_context *gi, const gi_view *view)
 	gi->gpu.tag = ++gi->picture_number;
 	if (!gi->scene.leaf_count)
 		return GI_OK;
-	gi_result result = prepare(gi);
-	if (result)
-		return result;
-	gpu_draw_state state;
-	gpu_draw_begin(&gi->gpu, &state);
-	scene_bind(gi);
-	solver_bind(gi);
-	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = shadow_update(gi, &gi->shade->shadow);
-	if (!result)
-		result = draw_picture(gi, view, &state);
-	gpu_draw_end(&gi->gpu, &state);
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	gpu_group_begin(&gi->gpu, "gi_draw");
+	const gi_result result = draw(gi, view);
+	gpu_group_end(&gi->gpu);
+	gi_memory_from(before);
 	return result;
 }

@@ -3,9 +3,9 @@
 #include "context.h"
 #include "frames.h"
 #include "lamp_view.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Sectors of a hemisphere's map overlap by this share of its half width, an eighth of a texel: no texel between two is
@@ -20,27 +20,28 @@ _Static_assert(sizeof(gi_lamp) % 256 == 0, "where OpenGL promises that uniform b
 gi_result shadow_create(gi_context *gi, gi_shadow *shadow)
 {
 	const uint32_t slots = gi->scene.slot_count;
-	shadow->drawn_rows = calloc(slots + 1, sizeof *shadow->drawn_rows);
-	shadow->boxes = calloc(slots + 1, sizeof *shadow->boxes);
-	shadow->mask_rows = calloc(GI_LAMP_MAX, OCCLUDER_MASK_BYTES);
+	shadow->drawn_rows = gi_calloc(slots + 1, sizeof *shadow->drawn_rows);
+	shadow->boxes = gi_calloc(slots + 1, sizeof *shadow->boxes);
+	shadow->mask_rows = gi_calloc(GI_LAMP_MAX, OCCLUDER_MASK_BYTES);
 	if (!shadow->drawn_rows || !shadow->boxes || !shadow->mask_rows)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_result result = casters_create(gi, &shadow->casters);
 	if (!result && !shadow->program)
 		result = gpu_program_draw(&gi->gpu, "shadow.vert", "shadow.frag", &shadow->program);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &shadow->uniforms, sizeof shadow->lamps, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &shadow->uniforms, "lamps", sizeof shadow->lamps, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &shadow->mask_words, GI_LAMP_MAX * OCCLUDER_MASK_BYTES, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &shadow->mask_words, "occluder masks",
+					     GI_LAMP_MAX * OCCLUDER_MASK_BYTES, NULL);
 	return result;
 }
 
 void shadow_invalidate(gi_context *gi, gi_shadow *shadow)
 {
 	casters_free(gi, &shadow->casters);
-	free(shadow->drawn_rows);
-	free(shadow->boxes);
-	free(shadow->mask_rows);
+	gi_free(shadow->drawn_rows);
+	gi_free(shadow->boxes);
+	gi_free(shadow->mask_rows);
 	gpu_buffer_free(&gi->gpu, &shadow->uniforms);
 	gpu_buffer_free(&gi->gpu, &shadow->mask_words);
 	*shadow = (gi_shadow){.program = shadow->program, .maps = shadow->maps};

@@ -10,11 +10,11 @@
 
 #include "bits.h"
 #include "bvh.h"
+#include "memory.h"
 #include "skin_hanging.h"
 #include "vec3d.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Light is not shared across an edge where the leaves' normals differ by more than 40 degrees. */
 #define EDGE_COSINE 0.766
@@ -47,7 +47,7 @@ typedef struct skinner {
 /* One more than asked for: no size is zero. */
 static void *allocate(size_t count, size_t size, bool *enough)
 {
-	void *memory = calloc(count + 1, size);
+	void *memory = gi_calloc(count + 1, size);
 	*enough = *enough && memory;
 	return memory;
 }
@@ -178,9 +178,9 @@ static bool join_corners(skinner *s, double least_cosine)
 				join_across(s, &edges[i], &edges[j], least_cosine);
 		enough = gi_skin_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging);
 	}
-	free(edges);
-	free(sorted);
-	free(offsets);
+	gi_free(edges);
+	gi_free(sorted);
+	gi_free(offsets);
 	return enough;
 }
 
@@ -249,17 +249,17 @@ static bool make_lights(skinner *s, double least_cosine)
 	uint32_t *filled = allocate(s->out->light_count, sizeof *filled, &enough);
 	if (enough)
 		fill_lights(s, filled);
-	free(filled);
+	gi_free(filled);
 	return enough && gi_skin_hang_lights(&s->hanging, s->light, s->h->leaf_count, s->out);
 }
 
 static void free_skinner(skinner *s)
 {
-	free(s->group);
-	free(s->light);
-	free(s->hanging.items);
-	free(s->first_drawn);
-	free(s->next_drawn);
+	gi_free(s->group);
+	gi_free(s->light);
+	gi_free(s->hanging.items);
+	gi_free(s->first_drawn);
+	gi_free(s->next_drawn);
 }
 
 /* ---- drawn vertices ---- */
@@ -449,7 +449,7 @@ static fine_face *finest_faces(const gi_hierarchy *h, const gi_refined *fine, ui
 		fine_face *finer = allocate(fine->levels[level].face_count, sizeof *finer, &enough);
 		if (finer)
 			refine_weights(&fine->levels[level - 1], &fine->levels[level], faces, finer);
-		free(faces);
+		gi_free(faces);
 		faces = finer;
 	}
 	return faces;
@@ -604,7 +604,7 @@ static void draw_surface(skinner *s, const gi_refined *fine, bool finer, const f
 /* Gives back what the upper bounds reserved too much; where that fails the array stays as it is. */
 static void *shrink(void *memory, size_t count, size_t size)
 {
-	void *smaller = realloc(memory, (count + 1) * size);
+	void *smaller = gi_realloc(memory, (count + 1) * size);
 	return smaller ? smaller : memory;
 }
 
@@ -621,9 +621,9 @@ static bool skin_surface(skinner *s, const gi_refined *fine, uint32_t leaf_level
 		s->out->vertices = shrink(s->out->vertices, s->out->vertex_count, sizeof *s->out->vertices);
 		s->out->indices = shrink(s->out->indices, s->out->index_count, sizeof *s->out->indices);
 	}
-	free(faces);
-	free(flat);
-	free(area);
+	gi_free(faces);
+	gi_free(flat);
+	gi_free(area);
 	return enough;
 }
 
@@ -674,7 +674,7 @@ static bool build_locator(const gi_hierarchy *h, locator *out)
 {
 	bool enough = true;
 	const size_t count = h->leaf_count;
-	gi_vec4 *lower = allocate(count, sizeof *lower, &enough), *upper = allocate(count, sizeof *upper, &enough);
+	gi_box *boxes = allocate(count, sizeof *boxes, &enough);
 	out->nodes = allocate(2 * count, sizeof *out->nodes, &enough);
 	out->order = allocate(count, sizeof *out->order, &enough);
 	for (uint32_t leaf = 0; enough && leaf < count; leaf++) {
@@ -685,12 +685,11 @@ static bool build_locator(const gi_hierarchy *h, locator *out)
 			l = (gi_vec4){fminf(l.x, v.x), fminf(l.y, v.y), fminf(l.z, v.z), 0.0f};
 			u = (gi_vec4){fmaxf(u.x, v.x), fmaxf(u.y, v.y), fmaxf(u.z, v.z), 0.0f};
 		}
-		lower[leaf] = l;
-		upper[leaf] = u;
+		boxes[leaf] = (gi_box){{l.x, l.y, l.z}, {u.x, u.y, u.z}};
 	}
-	enough = enough && gi_bvh_build_boxes(lower, upper, h->leaf_count, out->nodes, out->order);
-	free(lower);
-	free(upper);
+	if (enough)
+		gi_bvh_build_boxes(boxes, h->leaf_count, out->nodes, out->order);
+	gi_free(boxes);
 	return enough;
 }
 
@@ -873,10 +872,10 @@ static bool skin_mesh(skinner *s, const mesh *m)
 		find_guides(m, guide);
 		draw_mesh(s, &l, m, normals, guide);
 	}
-	free(normals);
-	free(guide);
-	free(l.nodes);
-	free(l.order);
+	gi_free(normals);
+	gi_free(guide);
+	gi_free(l.nodes);
+	gi_free(l.order);
 	return enough;
 }
 
@@ -900,10 +899,10 @@ void gi_skin_free(gi_skin *skin)
 {
 	if (!skin)
 		return;
-	free(skin->light_first);
-	free(skin->light_leaf);
-	free(skin->light_weight);
-	free(skin->vertices);
-	free(skin->indices);
+	gi_free(skin->light_first);
+	gi_free(skin->light_leaf);
+	gi_free(skin->light_weight);
+	gi_free(skin->vertices);
+	gi_free(skin->indices);
 	*skin = (gi_skin){0};
 }

@@ -1,9 +1,9 @@
 #include "skin_hanging.h"
 
 #include "bits.h"
+#include "memory.h"
 #include "vec3d.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Of an edge's length: what is nearer lies on it. Positions are rounded to floats. */
@@ -59,8 +59,8 @@ static bool has_partner(const gi_skin_edge *edges, uint32_t count, uint32_t k)
 /* A counting sort by both ends. */
 static bool list_by_vertex(hanger *g, uint32_t count)
 {
-	g->first = calloc((size_t)g->h->vertex_count + 2, sizeof *g->first);
-	g->at = malloc((2 * (size_t)count + 1) * sizeof *g->at);
+	g->first = gi_calloc((size_t)g->h->vertex_count + 2, sizeof *g->first);
+	g->at = gi_malloc((2 * (size_t)count + 1) * sizeof *g->at);
 	if (!g->first || !g->at)
 		return false;
 	for (uint32_t k = 0; k < count; k++)
@@ -88,7 +88,7 @@ static bool add_hanging(gi_hanging_list *list, gi_hanging item)
 {
 	if (list->count == list->capacity) {
 		const uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
-		gi_hanging *grown = realloc(list->items, capacity * sizeof *grown);
+		gi_hanging *grown = gi_realloc(list->items, capacity * sizeof *grown);
 		if (!grown)
 			return false;
 		list->items = grown;
@@ -209,8 +209,8 @@ bool gi_skin_find_hanging(const gi_hierarchy *h, const uint8_t *parted, const gi
 	for (uint32_t k = 0; k < count && enough; k++)
 		if (!has_partner(edges, count, k))
 			enough = walk(&g, way_along(&g, &edges[k], false)) && walk(&g, way_along(&g, &edges[k], true));
-	free(g.first);
-	free(g.at);
+	gi_free(g.first);
+	gi_free(g.at);
 	return enough;
 }
 
@@ -245,9 +245,9 @@ static bool add_link(links *l, uint32_t leaf, float weight)
 {
 	if (l->count == l->capacity) {
 		const size_t capacity = l->capacity ? 2 * l->capacity : 64;
-		uint32_t *leaves = realloc(l->leaf, capacity * sizeof *leaves);
+		uint32_t *leaves = gi_realloc(l->leaf, capacity * sizeof *leaves);
 		l->leaf = leaves ? leaves : l->leaf;
-		float *weights = leaves ? realloc(l->weight, capacity * sizeof *weights) : NULL;
+		float *weights = leaves ? gi_realloc(l->weight, capacity * sizeof *weights) : NULL;
 		l->weight = weights ? weights : l->weight;
 		if (!weights)
 			return false;
@@ -274,7 +274,7 @@ static bool take_mixed(mixer *m, links *to)
 static bool mix_once(mixer *m, gi_skin *skin)
 {
 	links to = {0};
-	uint32_t *first = calloc((size_t)skin->light_count + 1, sizeof *first);
+	uint32_t *first = gi_calloc((size_t)skin->light_count + 1, sizeof *first);
 	bool enough = first != NULL;
 	for (uint32_t light = 0; light < skin->light_count && enough; light++) {
 		const gi_hanging *item = m->of[light] ? &m->list->items[m->of[light] - 1] : NULL;
@@ -284,9 +284,9 @@ static bool mix_once(mixer *m, gi_skin *skin)
 		enough = take_mixed(m, &to);
 		first[light + 1] = (uint32_t)to.count;
 	}
-	free(enough ? skin->light_first : first);
-	free(enough ? skin->light_leaf : to.leaf);
-	free(enough ? skin->light_weight : to.weight);
+	gi_free(enough ? skin->light_first : first);
+	gi_free(enough ? skin->light_leaf : to.leaf);
+	gi_free(enough ? skin->light_weight : to.weight);
 	if (enough) {
 		skin->light_first = first;
 		skin->light_leaf = to.leaf;
@@ -318,14 +318,14 @@ bool gi_skin_hang_lights(const gi_hanging_list *list, const uint32_t *light, uin
 	mixer m = {.skin = skin,
 		   .list = list,
 		   .light = light,
-		   .of = calloc((size_t)skin->light_count + 1, sizeof *m.of),
-		   .weight = calloc((size_t)leaf_count + 1, sizeof *m.weight),
-		   .leaves = malloc(((size_t)leaf_count + 1) * sizeof *m.leaves)};
+		   .of = gi_calloc((size_t)skin->light_count + 1, sizeof *m.of),
+		   .weight = gi_calloc((size_t)leaf_count + 1, sizeof *m.weight),
+		   .leaves = gi_malloc(((size_t)leaf_count + 1) * sizeof *m.leaves)};
 	bool enough = m.of && m.weight && m.leaves;
 	for (uint32_t times = enough ? note_hanging(&m) : 0; times > 0 && enough; times--)
 		enough = mix_once(&m, skin);
-	free(m.of);
-	free(m.weight);
-	free(m.leaves);
+	gi_free(m.of);
+	gi_free(m.weight);
+	gi_free(m.leaves);
 	return enough;
 }

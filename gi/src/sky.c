@@ -3,8 +3,9 @@
  */
 #include "context.h"
 
+#include "memory.h"
+
 #include <math.h>
-#include <stdlib.h>
 
 enum { SKY_LEVELS = 3, SKY_GRID = 1 << SKY_LEVELS, SKY_POINTS = SKY_GRID + 1 };
 
@@ -83,9 +84,9 @@ bool sky_build(gi_hierarchy *out)
 	for (uint32_t level = 0, nodes = 1; level <= SKY_LEVELS; level++, nodes *= 4)
 		per_face += nodes;
 	*out = (gi_hierarchy){.node_count = 6 * per_face, .vertex_count = 6 * SKY_POINTS * SKY_POINTS};
-	out->geometry = calloc(out->node_count, sizeof *out->geometry);
-	out->topology = calloc(out->node_count, sizeof *out->topology);
-	out->vertices = calloc(out->vertex_count, sizeof *out->vertices);
+	out->geometry = gi_calloc(out->node_count, sizeof *out->geometry);
+	out->topology = gi_calloc(out->node_count, sizeof *out->topology);
+	out->vertices = gi_calloc(out->vertex_count, sizeof *out->vertices);
 	if (!out->geometry || !out->topology || !out->vertices) {
 		gi_hierarchy_free(out);
 		return false;
@@ -100,4 +101,26 @@ bool sky_build(gi_hierarchy *out)
 		next = build_node(out, next, face, 0, 0, SKY_GRID);
 	}
 	return true;
+}
+
+bool sky_is_lit(const gi_context_def *def)
+{
+	const float *e = def->sky_exitance;
+	return e[0] + e[1] + e[2] > 0;
+}
+
+/* Its B is E, which no pass works out. */
+void sky_relight(gi_context *gi)
+{
+	gi_scene *s = &gi->scene;
+	if (!s->slot_count || s->sky_slot == GI_NONE)
+		return;
+	const uint32_t first = s->object_data[s->sky_slot].nodes.x, count = s->object_data[s->sky_slot].nodes.y - first;
+	const float *e = gi->def.sky_exitance;
+	for (uint32_t k = 0; k < count; k++)
+		s->node_exitance[first + k] = (gi_vec4){e[0], e[1], e[2], 0};
+	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * first, sizeof(gi_vec4) * count,
+			  s->node_exitance + first);
+	gpu_buffer_upload(&gi->gpu, &gi->solver.radiosity, sizeof(gi_vec4) * (GI_NODE_B * s->node_count + first),
+			  sizeof(gi_vec4) * count, s->node_exitance + first);
 }

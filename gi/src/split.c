@@ -9,10 +9,10 @@
 #include "split.h"
 
 #include "faces.h"
+#include "memory.h"
 #include "split_pieces.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_CUT_DEPTH = 30, MOST_LEAVES = 1 << 24 };
@@ -134,12 +134,12 @@ static polygon polygon_of(const uint32_t corners[4])
 static bool take_points(splitter *s, const gi_refined *base)
 {
 	const gi_refine_level *finest = &base->levels[base->level_count - 1];
-	uint32_t *group = malloc(sizeof *group * base->vertex_count);
+	uint32_t *group = gi_malloc(sizeof *group * base->vertex_count);
 	uint32_t room = 256;
 	while (room < 4 * base->vertex_count)
 		room *= 2;
 	if (!group || !split_grow_table(s, room)) {
-		free(group);
+		gi_free(group);
 		return false;
 	}
 	for (uint32_t k = 0; k < base->vertex_count; k++)
@@ -160,7 +160,7 @@ static bool take_points(splitter *s, const gi_refined *base)
 		if (*place == GI_NONE)
 			*place = k;
 	}
-	free(group);
+	gi_free(group);
 	return !s->full;
 }
 
@@ -194,18 +194,18 @@ static void divide_all(splitter *s, const gi_refined *base, const uint32_t *offs
 
 static void free_splitter(splitter *s)
 {
-	free(s->points);
-	free(s->component);
-	free(s->table);
-	free(s->nodes);
-	free(s->inside.lines);
-	free(s->around.lines);
+	gi_free(s->points);
+	gi_free(s->component);
+	gi_free(s->table);
+	gi_free(s->nodes);
+	gi_free(s->inside.lines);
+	gi_free(s->around.lines);
 }
 
 static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *base, gi_refined *out)
 {
-	uint32_t *offsets = malloc(sizeof *offsets * ((size_t)cage->face_count + 1));
-	uint32_t *order = malloc(sizeof *order * ((size_t)s->def->cut_count + 1));
+	uint32_t *offsets = gi_malloc(sizeof *offsets * ((size_t)cage->face_count + 1));
+	uint32_t *order = gi_malloc(sizeof *order * ((size_t)s->def->cut_count + 1));
 	bool done = offsets && order && take_points(s, base);
 	if (done) {
 		sort_cuts(s->def, cage->face_count, offsets, order);
@@ -214,8 +214,8 @@ static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *bas
 		       split_export_points(s, out);
 	}
 	out->closed = base->closed;
-	free(offsets);
-	free(order);
+	gi_free(offsets);
+	gi_free(order);
 	return done;
 }
 
@@ -223,7 +223,7 @@ bool gi_split(const gi_refine_cage *cage, const gi_split_def *def, gi_refined *o
 {
 	*out = (gi_refined){0};
 	/* Faces without area are dropped: their numbers travel in the materials' place. */
-	uint32_t *numbers = malloc(sizeof *numbers * ((size_t)cage->face_count + 1));
+	uint32_t *numbers = gi_malloc(sizeof *numbers * ((size_t)cage->face_count + 1));
 	for (uint32_t k = 0; numbers && k < cage->face_count; k++)
 		numbers[k] = k;
 	gi_refine_cage numbered = *cage;
@@ -242,7 +242,7 @@ bool gi_split(const gi_refine_cage *cage, const gi_split_def *def, gi_refined *o
 		free_splitter(&s);
 	}
 	gi_refined_free(&base);
-	free(numbers);
+	gi_free(numbers);
 	if (!done) {
 		gi_refined_free(out);
 		out->out_of_memory = memory;

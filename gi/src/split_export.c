@@ -1,15 +1,16 @@
 /* Nodes, which lie depth-first, as levels of faces: those not split reach down to the finest. */
 #include "split_pieces.h"
 
-#include <stdlib.h>
+#include "memory.h"
+
 #include <string.h>
 
 static bool allocate_level(gi_refine_level *to, uint32_t count, bool top)
 {
 	to->face_count = count;
-	to->corners = malloc(sizeof *to->corners * (count + 1));
-	to->material = malloc(sizeof *to->material * (count + 1));
-	to->parent = top ? NULL : malloc(sizeof *to->parent * (count + 1));
+	to->corners = gi_malloc(sizeof *to->corners * (count + 1));
+	to->material = gi_malloc(sizeof *to->material * (count + 1));
+	to->parent = top ? NULL : gi_malloc(sizeof *to->parent * (count + 1));
 	return to->corners && to->material && (top || to->parent);
 }
 
@@ -50,12 +51,12 @@ static bool export_level(const splitter *s, uint32_t level, uint32_t *place, con
 
 bool split_export_levels(const splitter *s, const uint32_t *materials, gi_refined *out)
 {
-	uint32_t *place = malloc(sizeof *place * (s->node_count + 1));
-	out->levels = calloc(s->depth + 1, sizeof *out->levels);
+	uint32_t *place = gi_malloc(sizeof *place * (s->node_count + 1));
+	out->levels = gi_calloc(s->depth + 1, sizeof *out->levels);
 	bool enough = place && out->levels;
 	for (; enough && out->level_count <= s->depth; out->level_count++)
 		enough = export_level(s, out->level_count, place, materials, &out->levels[out->level_count]);
-	free(place);
+	gi_free(place);
 	return enough;
 }
 
@@ -63,7 +64,7 @@ bool split_export_levels(const splitter *s, const uint32_t *materials, gi_refine
 bool split_export_parted(const splitter *s, gi_refined *out)
 {
 	const uint32_t finest = out->level_count - 1;
-	out->parted = malloc(out->levels[finest].face_count + 1);
+	out->parted = gi_malloc(out->levels[finest].face_count + 1);
 	if (!out->parted)
 		return false;
 	uint32_t count = 0;
@@ -76,8 +77,8 @@ bool split_export_parted(const splitter *s, gi_refined *out)
 bool split_export_points(const splitter *s, gi_refined *out)
 {
 	out->vertex_count = s->point_count;
-	out->positions = malloc(sizeof *out->positions * (s->point_count + 1));
-	out->normals = calloc(s->point_count + 1, sizeof *out->normals);
+	out->positions = gi_malloc(sizeof *out->positions * (s->point_count + 1));
+	out->normals = gi_calloc(s->point_count + 1, sizeof *out->normals);
 	if (!out->positions || !out->normals)
 		return false;
 	for (uint32_t k = 0; k < s->point_count; k++)

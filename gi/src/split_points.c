@@ -1,7 +1,8 @@
 /* Points of the pieces: one a place, so that faces that share an edge share its points. */
 #include "split_pieces.h"
 
-#include <stdlib.h>
+#include "memory.h"
+
 #include <string.h>
 
 /* Room for one more. */
@@ -10,7 +11,7 @@ bool split_reserve(void **array, uint32_t count, uint32_t *room, size_t size)
 	if (count < *room)
 		return true;
 	const uint32_t more = *room ? 2 * *room : 256;
-	void *grown = realloc(*array, size * more);
+	void *grown = gi_realloc(*array, size * more);
 	if (!grown)
 		return false;
 	*array = grown;
@@ -55,11 +56,11 @@ uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component)
 
 bool split_grow_table(splitter *s, uint32_t room)
 {
-	uint32_t *table = malloc(sizeof *table * room);
+	uint32_t *table = gi_malloc(sizeof *table * room);
 	if (!table)
 		return false;
 	memset(table, 0xff, sizeof *table * room);
-	free(s->table);
+	gi_free(s->table);
 	s->table = table;
 	s->table_room = room;
 	for (uint32_t k = 0; k < s->point_count; k++) {

@@ -2,9 +2,9 @@
 
 #include "cells.h"
 #include "frames.h"
+#include "memory.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Far above those of objects' nodes. */
 static const uint32_t FIRST_TOP_ID = 0xC0000000u;
@@ -53,18 +53,18 @@ bool statics_build(gi_scene *s, static_tree *t)
 {
 	*t = (static_tree){0};
 	s->automatic_static = are_many(s);
-	uint32_t *list = calloc((size_t)s->object_count + 1, sizeof *list);
+	uint32_t *list = gi_calloc((size_t)s->object_count + 1, sizeof *list);
 	if (!list)
 		return false;
 	const uint32_t count = list_statics(s, list);
 	if (count < 2) {
-		free(list);
+		gi_free(list);
 		return true;
 	}
-	gi_vec4 *lower = calloc(count, sizeof *lower), *upper = calloc(count, sizeof *upper);
-	cells_node *cells = calloc(2 * (size_t)count, sizeof *cells);
-	t->nodes = calloc(2 * (size_t)count, sizeof *t->nodes);
-	t->objects = calloc(count, sizeof *t->objects);
+	gi_vec4 *lower = gi_calloc(count, sizeof *lower), *upper = gi_calloc(count, sizeof *upper);
+	cells_node *cells = gi_calloc(2 * (size_t)count, sizeof *cells);
+	t->nodes = gi_calloc(2 * (size_t)count, sizeof *t->nodes);
+	t->objects = gi_calloc(count, sizeof *t->objects);
 	bool ok = lower && upper && cells && t->nodes && t->objects;
 	for (uint32_t k = 0; ok && k < count; k++) {
 		lower[k] = s->objects[list[k]].world_lower;
@@ -78,17 +78,17 @@ bool statics_build(gi_scene *s, static_tree *t)
 			t->objects[k] = list[t->objects[k]];
 		number_nodes(s, cells, t);
 	}
-	free(list);
-	free(lower);
-	free(upper);
-	free(cells);
+	gi_free(list);
+	gi_free(lower);
+	gi_free(upper);
+	gi_free(cells);
 	return ok;
 }
 
 void statics_free(static_tree *t)
 {
-	free(t->nodes);
-	free(t->objects);
+	gi_free(t->nodes);
+	gi_free(t->objects);
 	*t = (static_tree){0};
 }
 
@@ -246,7 +246,7 @@ static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geom
 bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
 		   gi_node_topology *topology)
 {
-	sum *sums = calloc((size_t)t->count + 1, sizeof *sums);
+	sum *sums = gi_calloc((size_t)t->count + 1, sizeof *sums);
 	if (!sums)
 		return false;
 	const scene_top *top = scene->tops + scene->top_count;
@@ -261,6 +261,6 @@ bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry
 		const uint32_t end = n->skip < t->count ? t->nodes[n->skip].node : t->node_count;
 		store(&sums[k], end, --top, &rest[n->node], &spread[n->node], &topology[n->node]);
 	}
-	free(sums);
+	gi_free(sums);
 	return true;
 }

@@ -10,7 +10,6 @@
 #include "pack.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* What pokes through a plane by less, as a share of the coordinates involved, lies in it: rays' ends must lie farther
  * off to be behind it (PLANE_SLACK of segments.glsl is this). */
@@ -161,15 +160,15 @@ static void shift_tree(gi_bvh_node *nodes, uint32_t count, uint32_t base, uint32
 
 /* The tree over boxes, of which `statics` come before the others, in its order too: what hides a segment is a static
  * object wherever one does, whatever moved before it. */
-static bool build_in_order(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t count, uint32_t statics,
-			   gi_bvh_node *nodes, uint32_t *order)
+static void build_in_order(const gi_box *boxes, uint32_t count, uint32_t statics, gi_bvh_node *nodes, uint32_t *order)
 {
-	if (statics == 0 || statics == count)
-		return gi_bvh_build_boxes(lower, upper, count, nodes, order);
+	if (statics == 0 || statics == count) {
+		gi_bvh_build_boxes(boxes, count, nodes, order);
+		return;
+	}
 	const uint32_t others = count - statics, behind = 2 * statics;
-	if (!gi_bvh_build_boxes(lower, upper, statics, nodes + 1, order) ||
-	    !gi_bvh_build_boxes(lower + statics, upper + statics, others, nodes + behind, order + statics))
-		return false;
+	gi_bvh_build_boxes(boxes, statics, nodes + 1, order);
+	gi_bvh_build_boxes(boxes + statics, others, nodes + behind, order + statics);
 	shift_tree(nodes + 1, 2 * statics - 1, 1, 0);
 	shift_tree(nodes + behind, 2 * others - 1, behind, statics);
 	for (uint32_t k = statics; k < count; k++)
@@ -180,66 +179,76 @@ static bool build_in_order(const gi_vec4 *lower, const gi_vec4 *upper, uint32_t 
 	}
 	nodes->lower.w = gi_float_from_bits(2 * count - 1);
 	nodes->upper.w = gi_float_from_bits(GI_NONE);
-	return true;
 }
 
-/* The tree over some slots, in ascending order, behind the nodes that are there. False when memory ran out. */
-static bool build(gi_scene *s, const uint32_t *slots, uint32_t count, uint32_t base, gi_bvh_node *nodes)
+/* What building takes: of each slot its number, its box and its place in a tree, and a tree's nodes. */
+typedef struct room {
+	uint32_t *slots, *order;
+	gi_box *boxes;
+	gi_bvh_node *nodes;
+} room;
+
+/* The tree over the first `count` of r->slots, in ascending order, behind the nodes that are there. */
+static void build(gi_scene *s, const room *r, uint32_t count, uint32_t base, gi_bvh_node *nodes)
 {
-	gi_vec4 *lower = calloc(count + 1, sizeof *lower), *upper = calloc(count + 1, sizeof *upper);
-	uint32_t *order = calloc(count + 1, sizeof *order), statics = 0;
-	for (uint32_t k = 0; lower && upper && k < count; k++) {
-		lower[k] = s->objects[s->slots[slots[k]]].world_lower;
-		upper[k] = s->objects[s->slots[slots[k]]].world_upper;
-		statics += slots[k] < s->first_source;
+	uint32_t statics = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		const scene_object *o = &s->objects[s->slots[r->slots[k]]];
+		r->boxes[k] = (gi_box){{o->world_lower.x, o->world_lower.y, o->world_lower.z},
+				       {o->world_upper.x, o->world_upper.y, o->world_upper.z}};
+		statics += r->slots[k] < s->first_source;
 	}
-	const bool ok = lower && upper && order && build_in_order(lower, upper, count, statics, nodes, order);
-	if (ok && base == 0 && count)
+	build_in_order(r->boxes, count, statics, nodes, r->order);
+	if (base == 0 && count)
 		gi_pack_grid(&(gi_vec4){nodes[0].lower.x, nodes[0].lower.y, nodes[0].lower.z, 0},
 			     &(gi_vec4){nodes[0].upper.x, nodes[0].upper.y, nodes[0].upper.z, 0}, &s->tlas_grid,
 			     &s->tlas_cells);
-	for (uint32_t k = 0; ok && count && k < 2 * count - 1; k++) {
+	for (uint32_t k = 0; count && k < 2 * count - 1; k++) {
 		gi_uvec4 *packed = &s->tlas_packed[base + k];
 		*packed = gi_pack_node(&nodes[k], s->tlas_grid, s->tlas_cells, base, 0);
 		/* Leaves of the tree name slots directly. */
 		if (packed->w & GI_PACKED_LEAF)
-			packed->w = GI_PACKED_LEAF | slots[order[packed->w & ~GI_PACKED_LEAF]];
+			packed->w = GI_PACKED_LEAF | r->slots[r->order[packed->w & ~GI_PACKED_LEAF]];
 	}
-	free(lower);
-	free(upper);
-	free(order);
-	return ok;
 }
 
-static bool build_both(gi_scene *s, uint32_t *slots, gi_bvh_node *scratch)
+static void build_both(gi_scene *s, const room *r)
 {
 	uint32_t count = 0, inner = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		if (scene_slot_is_seen(s, slot))
-			slots[count++] = slot;
+			r->slots[count++] = slot;
 	s->tlas_all = count ? 2 * count - 1 : 0;
-	if (!build(s, slots, count, 0, s->tlas))
-		return false;
+	build(s, r, count, 0, s->tlas);
 	for (uint32_t k = 0; k < count; k++)
-		if (!s->objects[s->slots[slots[k]]].plane || !encloses(s, slots[k]))
-			slots[inner++] = slots[k];
+		if (!s->objects[s->slots[r->slots[k]]].plane || !encloses(s, r->slots[k]))
+			r->slots[inner++] = r->slots[k];
 	/* Mostly all of them: then one tree is both. */
 	s->tlas_inner = inner && inner < count ? 2 * inner - 1 : 0;
 	s->tlas_inner_first = inner < count ? s->tlas_count : 0;
 	s->tlas_inner_end = inner < count ? s->tlas_count + s->tlas_inner : s->tlas_all;
-	return inner == count || build(s, slots, inner, s->tlas_count, scratch);
+	if (inner < count)
+		build(s, r, inner, s->tlas_count, r->nodes);
+}
+
+static room take_room(const gi_scene *s, gi_arena *a)
+{
+	const size_t count = s->slot_count;
+	return (room){.slots = gi_arena_take(a, count, sizeof(uint32_t)),
+		      .order = gi_arena_take(a, count, sizeof(uint32_t)),
+		      .boxes = gi_arena_take(a, count, sizeof(gi_box)),
+		      .nodes = gi_arena_take(a, s->tlas_count, sizeof(gi_bvh_node))};
 }
 
 gi_result tlas_upload(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
-	uint32_t *slots = calloc(s->slot_count + 1, sizeof *slots);
-	gi_bvh_node *scratch = calloc(s->tlas_count + 1, sizeof *scratch);
-	const bool ok = slots && scratch && build_both(s, slots, scratch);
-	free(slots);
-	free(scratch);
-	if (!ok)
+	gi_arena_measure(&gi->tree_arena);
+	take_room(s, &gi->tree_arena);
+	if (!gi_arena_reserve(&gi->tree_arena))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	const room r = take_room(s, &gi->tree_arena);
+	build_both(s, &r);
 	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas_packed * (s->tlas_count + s->tlas_inner),
 			  s->tlas_packed);
 	return GI_OK;

@@ -16,7 +16,6 @@
 #include "tests/reference/error.h"
 #include "tests/reference/leaves.h"
 
-#include <argp.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +25,6 @@
 #include <unistd.h>
 
 typedef struct options {
-	engine_context_kind kind;
 	const char *scene; /* NULL: all */
 	const char *out;
 	double seconds; /* that the whole may take, about */
@@ -529,9 +527,6 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
-	case 'c':
-		o->kind = bench_parse_context(argument, state);
-		return 0;
 	case 'n':
 		if (!scene_kind_find(argument))
 			argp_error(state, "--scene is cornell, rooms, corridor or furnace, not '%s'", argument);
@@ -541,14 +536,10 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 		o->out = argument;
 		return 0;
 	case 't':
-		o->seconds = atof(argument);
-		if (!(o->seconds > 0))
-			argp_error(state, "--seconds is above 0");
+		o->seconds = (double)bench_parse_number(argument, .1f, 1e6f, "seconds", state);
 		return 0;
 	case 'e':
-		o->emitter_refinement = (float)atof(argument);
-		if (!(o->emitter_refinement >= 1))
-			argp_error(state, "--emitter-refinement is 1 or more");
+		o->emitter_refinement = bench_parse_number(argument, 1, 1e6f, "emitter-refinement", state);
 		return 0;
 	case 'q':
 		o->quick = true;
@@ -561,9 +552,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
-	engine_output_watch("gi_error_time");
 	static const struct argp_option list[] = {
-	    BENCH_OPTION_CONTEXT,
 	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},
 	    {"out", 'o', "FOLDER", 0, "where error-time.csv and error-time.md go, default out", 0},
 	    {"seconds", 't', "S", 0, "how long all of it may take, about; default 480", 0},
@@ -571,13 +560,13 @@ int main(int argc, char **argv)
 	    {"quick", 'q', NULL, 0, "two coarse settings, 30 seconds: to see that it works", 0},
 	    {0},
 	};
-	const struct argp argp = {list, parse_option, NULL, "Error of the irradiance against run time.", 0, 0, 0};
+	const bench_command command = {"gi_error_time", "Error of the irradiance against run time.", list, parse_option};
 	options o = {.out = "out", .seconds = 480, .emitter_refinement = 20};
-	argp_parse(&argp, argc, argv, 0, NULL, &o);
+	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 
 	static session s;
 	s.options = &o;
-	s.context = bench_open_window(o.kind, 64);
+	s.context = bench_open_window(kind, 64);
 	s.budget_ms = 1e3 * o.seconds / (o.scene ? 1 : SCENE_KINDS);
 	for (int k = 0; k < SCENE_KINDS; k++)
 		if (!o.scene || strcmp(o.scene, scene_kinds[k].name) == 0)

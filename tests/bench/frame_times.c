@@ -9,7 +9,6 @@
  */
 #include "bench_options.h"
 #include "bench_scene.h"
-#include "output.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,7 +126,6 @@ static void measure_series(frame_times *f)
 /* ---- options ---- */
 
 typedef struct options {
-	engine_context_kind kind;
 	uint32_t frames, rebuilds;
 	int size;
 	float row_tolerance; /* of the fine series; 0: the library's default */
@@ -137,20 +135,17 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
-	case 'c':
-		o->kind = bench_parse_context(argument, state);
-		return 0;
 	case 'n':
-		o->frames = (uint32_t)atoi(argument);
+		o->frames = bench_parse_count(argument, 1, MAX_SAMPLES - SETTLE, "frames", state);
 		return 0;
 	case 'r':
-		o->rebuilds = (uint32_t)atoi(argument);
+		o->rebuilds = bench_parse_count(argument, 0, MAX_SAMPLES, "rebuilds", state);
 		return 0;
 	case 's':
 		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 't':
-		o->row_tolerance = (float)atof(argument);
+		o->row_tolerance = bench_parse_number(argument, 1e-5f, 1, "row-tolerance", state);
 		return 0;
 	default:
 		return ARGP_ERR_UNKNOWN;
@@ -159,19 +154,17 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
-	engine_output_watch("frame_times");
 	static const struct argp_option list[] = {
-	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "moving frames of a series, default 6", 0},
 	    {"rebuilds", 'r', "N", 0, "rebuilds and starts from nothing of a series, default 2", 0},
 	    {"size", 's', "PIXELS", 0, "width and height, default 512", 0},
 	    {"row-tolerance", 't', "T", 0, "of the fine series, default the library's", 0},
 	    {0},
 	};
-	const struct argp argp = {list, parse_option, NULL, "What frames of the moving Buddha take, as CSV.", 0, 0, 0};
+	const bench_command command = {"frame_times", "What frames of the moving Buddha take, as CSV.", list, parse_option};
 	options o = {.frames = 6, .rebuilds = 2, .size = 512};
-	argp_parse(&argp, argc, argv, 0, NULL, &o);
-	engine_context *context = bench_open_window(o.kind, o.size);
+	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
+	engine_context *context = bench_open_window(kind, o.size);
 	engine_target *target = bench_open_target(o.size);
 	frame_times series[] = {{.series = "fine", .settings = bench_settings_fine()},
 				{.series = "coarse", .settings = bench_settings_coarse()}};

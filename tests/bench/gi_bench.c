@@ -6,7 +6,6 @@
  */
 #include "bench_options.h"
 #include "bench_frames.h"
-#include "output.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +14,6 @@
 enum { MAX_FRAMES = MAX_SAMPLES };
 
 typedef struct options {
-	engine_context_kind kind;
 	uint32_t frames;
 	int size;
 	bench_settings settings; /* of the frame-rate runs */
@@ -148,51 +146,38 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
-	case 'c':
-		o->kind = bench_parse_context(argument, state);
-		return 0;
 	case 'n':
-		o->frames = (uint32_t)atoi(argument);
-		if (o->frames < 4 || o->frames > MAX_FRAMES)
-			argp_error(state, "--frames is 4..%d", MAX_FRAMES);
+		o->frames = bench_parse_count(argument, 4, MAX_FRAMES, "frames", state);
 		return 0;
 	case 's':
 		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 't':
-		o->settings.row_tolerance = (float)atof(argument);
+		o->settings.row_tolerance = bench_parse_number(argument, 1e-5f, 1, "row-tolerance", state);
 		return 0;
 	case 'e':
-		o->settings.emitter_refinement = (float)atof(argument);
+		o->settings.emitter_refinement = bench_parse_number(argument, 1, 1e6f, "emitter-refinement", state);
 		return 0;
 	case 'w':
-		o->settings.wall_levels = (uint32_t)atoi(argument);
-		if (o->settings.wall_levels > 6)
-			argp_error(state, "--wall-levels is 0..6: a wall has 9 * 4^levels leaves");
+		o->settings.wall_levels = bench_parse_count(argument, 0, 6, "wall-levels", state);
 		return 0;
 	case 'm':
-		o->budget.ms = (float)atof(argument);
+		o->budget.ms = bench_parse_number(argument, 0, 1e6f, "budget-ms", state);
 		return 0;
 	case 'r':
-		o->budget.rays = (uint64_t)atol(argument);
+		o->budget.rays = bench_parse_count(argument, 0, UINT32_MAX, "budget-rays", state);
 		return 0;
 	case 'l':
-		o->settings.pixel_lamps = (uint32_t)atoi(argument);
+		o->settings.pixel_lamps = bench_parse_count(argument, 0, 32, "pixel-lamps", state);
 		return 0;
 	case 'b':
-		o->budget_fps = (float)atof(argument);
-		if (!(o->budget_fps > 0))
-			argp_error(state, "--budget-fps is above 0");
+		o->budget_fps = bench_parse_number(argument, .01f, 1e4f, "budget-fps", state);
 		return 0;
 	case 'u':
-		o->update_ms = (float)atof(argument);
-		if (!(o->update_ms > 0))
-			argp_error(state, "--update-ms is above 0");
+		o->update_ms = bench_parse_number(argument, .01f, 1e5f, "update-ms", state);
 		return 0;
 	case 'f':
-		o->fps = (float)atof(argument);
-		if (!(o->fps > 0))
-			argp_error(state, "--fps is above 0");
+		o->fps = bench_parse_number(argument, .01f, 1e4f, "fps", state);
 		return 0;
 	default:
 		return ARGP_ERR_UNKNOWN;
@@ -201,9 +186,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
-	engine_output_watch("gi_bench");
 	static const struct argp_option list[] = {
-	    BENCH_OPTION_CONTEXT,
 	    {"frames", 'n', "N", 0, "frames measured, default 40", 0},
 	    {"size", 's', "PIXELS", 0, "width and height, default 512", 0},
 	    {"row-tolerance", 't', "T", 0, "of the frame-rate run, default 0.1", 0},
@@ -219,11 +202,11 @@ int main(int argc, char **argv)
 	    {"fps", 'f', "R", 0, "frames a second of the frame-rate run's animation, default 10", 0},
 	    {0},
 	};
-	const struct argp argp = {
-	    list, parse_option, NULL, "What a frame of the moving Buddha costs on this machine.", 0, 0, 0};
+	const bench_command command = {"gi_bench", "What a frame of the moving Buddha costs on this machine.", list,
+				       parse_option};
 	options o = {.frames = 40, .size = 512, .settings = bench_settings_coarse(), .fps = 10, .update_ms = 4};
-	argp_parse(&argp, argc, argv, 0, NULL, &o);
-	engine_context *context = bench_open_window(o.kind, o.size);
+	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
+	engine_context *context = bench_open_window(kind, o.size);
 	printf("# gi_bench on %s\n\nbuilt from %s\n\n", engine_context_describe(context), RELUME_COMMIT);
 	const bench_run run = {.context = context,
 			       .settings = o.settings,

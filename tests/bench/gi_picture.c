@@ -7,22 +7,18 @@
 #include "bench_scene.h"
 #include "gi/gi.h"
 #include "image.h"
-#include "output.h"
 #include "samples.h"
 #include "scenes/scenes.h"
 #include "tonemap.h"
 
-#include <argp.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 typedef struct options {
-	engine_context_kind kind;
 	const char *scene; /* NULL: all */
 	const char *out, *against, *shaders;
 	uint32_t frames;
@@ -113,14 +109,14 @@ static void draw(gi_context *gi, engine_target *target, const options *o, const 
 	view.clip_from_view[5] *= o->zoom;
 	engine_target_begin(target);
 	check(gi_finish(gi));
-	const clock_t ticks = clock();
+	const double began = processor_ms();
 	check(gi_draw(gi, &view));
 	check(gi_finish(gi));
-	samples_add(&f->processor, 1e3 * (double)(clock() - ticks) / CLOCKS_PER_SEC);
-	const double began = now_ms();
+	samples_add(&f->processor, processor_ms() - began);
+	const double mapped = now_ms();
 	engine_target_tonemap(target, kind->exposure);
 	check(gi_finish(gi));
-	samples_add(&f->tonemap, now_ms() - began);
+	samples_add(&f->tonemap, now_ms() - mapped);
 }
 
 static void run_frame(gi_context *gi, engine_target *target, const options *o, const scene_kind *kind, uint32_t frame,
@@ -187,24 +183,17 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
-	case 'c':
-		o->kind = bench_parse_context(argument, state);
-		return 0;
 	case 'n':
-		o->frames = (uint32_t)atoi(argument);
-		if (o->frames < 1 || o->frames > 99)
-			argp_error(state, "--frames is 1..99");
+		o->frames = bench_parse_count(argument, 1, 99, "frames", state);
 		return 0;
 	case 'p':
 		o->size = bench_parse_size(argument, state);
 		return 0;
 	case 'z':
-		o->zoom = (float)atof(argument);
-		if (!(o->zoom > 0))
-			argp_error(state, "--zoom is above 0");
+		o->zoom = bench_parse_number(argument, .001f, 1000, "zoom", state);
 		return 0;
 	case 't':
-		o->row_tolerance = (float)atof(argument);
+		o->row_tolerance = bench_parse_number(argument, 1e-5f, 1, "row-tolerance", state);
 		return 0;
 	case 's':
 		if (!scene_kind_find(argument))
@@ -226,7 +215,6 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 }
 
 static const struct argp_option option_list[] = {
-    BENCH_OPTION_CONTEXT,
     {"frames", 'n', "N", 0, "frames of each scene, a quarter of a second apart, default 16", 0},
     {"size", 'p', "PIXELS", 0, "width and height, default 512", 0},
     {"zoom", 'z', "F", 0, "the middle of the picture this many times larger, default 1", 0},
@@ -240,19 +228,13 @@ static const struct argp_option option_list[] = {
 
 int main(int argc, char **argv)
 {
-	engine_output_watch("gi_picture");
-	const struct argp argp = {option_list,
-				  parse_option,
-				  NULL,
-				  "What the picture costs, and how far it is from another build's.",
-				  0,
-				  0,
-				  0};
+	const bench_command command = {"gi_picture", "What the picture costs, and how far it is from another build's.",
+				       option_list, parse_option};
 	options o = {.frames = 16, .size = 512, .zoom = 1, .row_tolerance = 0.2f};
-	argp_parse(&argp, argc, argv, 0, NULL, &o);
+	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	if (o.out && mkdir(o.out, 0777) && errno != EEXIST)
 		fail("the folder --out cannot be made");
-	engine_context *context = bench_open_window(o.kind, o.size);
+	engine_context *context = bench_open_window(kind, o.size);
 	printf("# gi_picture on %s\n\nbuilt from %s, %d x %d, median / least of %u frames\n\n| scene | shadow ms | "
 	       "draw ms | "
 	       "processor ms of both | tone map ms |",

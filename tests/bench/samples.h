@@ -14,6 +14,9 @@ typedef struct samples {
 /* Wall clock, milliseconds. */
 double now_ms(void);
 
+/* Processor time of the process, all threads, milliseconds: other programs on the machine hardly disturb it. */
+double processor_ms(void);
+
 void samples_add(samples *s, double value);
 
 /* The smallest value that `share` (0..1) of the others do not exceed; 0 without samples. */

@@ -9,7 +9,7 @@ set style line 3 lc rgb '#0072B2' lw 2.0 pt 9
 set style line 4 lc rgb '#56B4E9' lw 2.0 pt 11
 set style line 5 lc rgb '#009E73' lw 2.0 pt 13
 set style line 6 lc rgb '#909090' lw 1.5 pt 4
-worlds = system(sprintf("awk -F, '!/^#/ && $1 != \"world\" && !seen[$1]++ { print $1 }' '%s'", csv))
+worlds = system(sprintf("awk -F, '!/^#/ && $1 != \"world\" && $1 != \"pair\" && !seen[$1]++ { print $1 }' '%s'", csv))
 curve(world, event) = sprintf( \
 	"< awk -F, '$1 == \"%s\" && $4 == \"%s\" && ($5 == \"cpu ms\" || $5 == \"call cpu ms\") { if (!($2 in l)) l[$2] = $3; m[$2] += $6 } END { for (n in m) print l[n], m[n] }' '%s' | sort -n", \
 	world, event, csv)

@@ -17,18 +17,19 @@ PASSES = ["cut", "factor", "flag", "trace", "close", "solve"]
 
 
 def read(path):
-    """{world: {objects: {(event, measure): value}}}, and the comment of the first line."""
-    worlds, about = {}, ""
+    """{world: {objects: {(event, measure): value}}}, the same of the pair of halls, the comment of the first line."""
+    worlds, pair, about = {}, {}, ""
     with open(path, newline="", encoding="utf-8") as file:
         lines = list(file)
     if lines and lines[0].startswith("#"):
         about = lines.pop(0)[1:].strip()
     for row in csv.DictReader(lines):
-        one = worlds.setdefault(row["world"], {}).setdefault(int(row["objects"]), {})
+        world = pair if row["world"] == "pair" else worlds.setdefault(row["world"], {})
+        one = world.setdefault(int(row["objects"]), {})
         one[row["event"], row["measure"]] = float(row["value"])
         if row["event"] == "first":
             one["leaves"] = float(row["leaves"])
-    return worlds, about
+    return worlds, pair, about
 
 
 def exponent(points):
@@ -82,8 +83,17 @@ def passes(world):
     return table(["objects", "leaves"] + PASSES, lines + [["exponent", ""] + [number(f) for f in fits]])
 
 
+def pair_table(pair):
+    """A line for each hall of the pair; its first one is that of most objects."""
+    measures = [f"{p} ms" for p in PASSES] + ["entries per leaf", "dirty entries", "rays", "ratio"]
+    lines = [[str(n), event] + [number(one.get((event, m))) for m in ["cpu ms"] + measures]
+             for n, one in sorted(pair.items(), reverse=True) for event in dict.fromkeys(e for e, _ in one)]
+    return table(["objects", "what moves", "update"] + PASSES + ["entries a leaf", "dirty entries", "rays", "ratio"],
+                 lines)
+
+
 def main():
-    worlds, about = read(sys.argv[1])
+    worlds, pair, about = read(sys.argv[1])
     print("# How costs grow\n")
     print(f"Made by `scripts/bench scale --docs`: {about}. Worlds are those of tests/bench/scale_world.h. Processor ms, all")
     print("threads, of the calls and the update that takes them in, medians of some rounds; exponents are of leaves, over")
@@ -94,6 +104,11 @@ def main():
         print("\nOne mover, ms of each pass:\n")
         print("\n".join(passes(world)))
         print(f"\n![{name}: ms by leaves](pictures/scale-{name}.png)")
+    if pair:
+        print("\n## Many objects, or few of as many leaves\n")
+        print("Two halls of the same size and number of leaves, the boxes of one cut finer instead of being many; one box")
+        print("moves, in both in turn. The ratio is the median of the rounds' quotients of processor times, many to few.\n")
+        print("\n".join(pair_table(pair)))
 
 
 if __name__ == "__main__":

@@ -64,9 +64,16 @@ static uint32_t hall_columns(uint32_t boxes)
 	return (uint32_t)ceil(sqrt((double)boxes + 1)); /* room for the one that comes */
 }
 
+/* Boxes that the hall has room for. */
+static uint32_t hall_room(const scale_world *w)
+{
+	return w->settings.room ? w->settings.room : w->settings.objects;
+}
+
 static gi_pose box_pose(const scale_world *w, uint32_t number, float shift)
 {
-	const uint32_t columns = hall_columns(w->settings.objects), i = number % columns, j = number / columns;
+	const uint32_t columns = hall_columns(hall_room(w)), place = number * (hall_room(w) / w->settings.objects),
+		       i = place % columns, j = place / columns;
 	const float turn = 1.5f * random_of(number, 5);
 	return (gi_pose){{PITCH * ((float)i + .3f + .4f * random_of(number, 1)) + shift, .01f,
 			  PITCH * ((float)j + .3f + .4f * random_of(number, 2))},
@@ -77,7 +84,8 @@ static gi_object add_box(scale_world *w, uint32_t number, stays s)
 {
 	engine_mesh mesh;
 	const float half = .15f + .15f * random_of(number, 3), high = .3f + 1.2f * random_of(number, 4);
-	need(shape_box((float[]){-half, 0, -half}, (float[]){half, high, half}, w->settings.cells, false, &mesh));
+	const uint32_t cells = s == MOVES && w->settings.mover_cells ? w->settings.mover_cells : w->settings.cells;
+	need(shape_box((float[]){-half, 0, -half}, (float[]){half, high, half}, cells, false, &mesh));
 	const float rho[3] = {.7f, .6f, .3f + .4f * random_of(number, 6)};
 	return add_mesh(w, "box", s, &mesh, rho, 0, box_pose(w, number, 0));
 }
@@ -100,7 +108,7 @@ static stays how_it_stays(const scale_world *w, uint32_t number)
 static void build_hall(scale_world *w)
 {
 	engine_mesh mesh;
-	const float side = PITCH * (float)hall_columns(w->settings.objects), middle = .5f * side, half = .1f * side;
+	const float side = PITCH * (float)hall_columns(hall_room(w)), middle = .5f * side, half = .1f * side;
 	const uint32_t cells = (uint32_t)fmaxf(4, roundf(side / w->settings.cell));
 	need(shape_box((float[]){0, 0, 0}, (float[]){side, HALL_HEIGHT, side}, cells < 64 ? cells : 64, true, &mesh));
 	add_mesh(w, "hall", STAYS, &mesh, PLASTER, 0, gi_pose_identity());

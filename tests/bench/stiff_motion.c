@@ -12,7 +12,6 @@
 #include "scenes/body.h"
 #include "scenes/shapes.h"
 
-#include <argp.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +19,6 @@
 #include <sys/stat.h>
 
 typedef struct options {
-	engine_context_kind kind;
 	const char *out;
 	uint32_t moving, resting; /* frames */
 	uint32_t sweeps;          /* a frame */
@@ -288,39 +286,24 @@ static void write_document(const options *o, engine_context *context, const scen
 
 /* ---- options ---- */
 
-static uint32_t parse_count(const char *argument, uint32_t least, uint32_t most, const char *name,
-			    struct argp_state *state)
-{
-	char *end;
-	const long n = strtol(argument, &end, 10);
-	if (*end || n < (long)least || n > (long)most)
-		argp_error(state, "--%s is %u..%u, not '%s'", name, least, most, argument);
-	return (uint32_t)n;
-}
-
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
-	case 'c':
-		o->kind = bench_parse_context(argument, state);
-		return 0;
 	case 'o':
 		o->out = argument;
 		return 0;
 	case 'm':
-		o->moving = parse_count(argument, 2, MOST_FRAMES / 2, "moving", state);
+		o->moving = bench_parse_count(argument, 2, MOST_FRAMES / 2, "moving", state);
 		return 0;
 	case 'r':
-		o->resting = parse_count(argument, 1, MOST_FRAMES / 2, "resting", state);
+		o->resting = bench_parse_count(argument, 1, MOST_FRAMES / 2, "resting", state);
 		return 0;
 	case 's':
-		o->sweeps = parse_count(argument, 1, 1000, "sweeps", state);
+		o->sweeps = bench_parse_count(argument, 1, 1000, "sweeps", state);
 		return 0;
 	case 't':
-		o->tolerance = (float)atof(argument);
-		if (!(o->tolerance > 0 && o->tolerance <= 1))
-			argp_error(state, "--tolerance is in (0, 1], not '%s'", argument);
+		o->tolerance = bench_parse_number(argument, 1e-12f, 1, "tolerance", state);
 		return 0;
 	default:
 		return ARGP_ERR_UNKNOWN;
@@ -329,9 +312,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 
 int main(int argc, char **argv)
 {
-	engine_output_watch("gi_stiff_motion");
 	static const struct argp_option list[] = {
-	    BENCH_OPTION_CONTEXT,
 	    {"out", 'o', "FOLDER", 0, "where stiff-motion.csv and stiff-motion.md go, default out", 0},
 	    {"moving", 'm', "N", 0, "frames in which box and lamp move, default 100", 0},
 	    {"resting", 'r', "N", 0, "frames at rest after them, default 50", 0},
@@ -339,14 +320,14 @@ int main(int argc, char **argv)
 	    {"tolerance", 't', "T", 0, "of the solve, default 1e-4: sweeps are the limit", 0},
 	    {0},
 	};
-	const struct argp argp = {
-	    list, parse_option, NULL, "Distance to the solution by frame in stiff scenes that move.", 0, 0, 0};
+	const bench_command command = {"gi_stiff_motion", "Distance to the solution by frame in stiff scenes that move.",
+				       list, parse_option};
 	options o = {.out = "out", .moving = 100, .resting = 50, .sweeps = 8, .tolerance = 1e-4f};
-	argp_parse(&argp, argc, argv, 0, NULL, &o);
+	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	if (mkdir(o.out, 0777) && errno != EEXIST)
 		fail("the folder --out cannot be made");
 
-	engine_context *context = bench_open_window(o.kind, 64);
+	engine_context *context = bench_open_window(kind, 64);
 	static scene_record records[RHO_COUNT];
 	for (int k = 0; k < RHO_COUNT; k++)
 		run_scene(&o, context, RHOS[k], &records[k]);

@@ -14,7 +14,7 @@ PROGRAM = sys.argv.pop(1)
 
 class Scale(unittest.TestCase):
     def test_small_worlds(self):
-        command = [PROGRAM, "--context", headless.CONTEXT, "--objects", "10,20", "--rounds", "1"]
+        command = [PROGRAM, "--context", headless.CONTEXT, "--objects", "10,20", "--rounds", "1", "--pair", "60"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if "no OpenGL 4.5 context" in done.stderr and done.returncode:
             self.skipTest(done.stderr)
@@ -22,7 +22,7 @@ class Scale(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
             file.write(done.stdout)
             file.flush()
-            worlds, about = scale_tables.read(file.name)
+            worlds, pair, about = scale_tables.read(file.name)
             text = subprocess.run([sys.executable, "-B", scale_tables.__file__, file.name], capture_output=True,
                                   text=True, check=True).stdout
         self.assertIn("OpenGL", about)
@@ -35,13 +35,18 @@ class Scale(unittest.TestCase):
                 self.assertGreater(one["first", "entries per leaf"], 1)
             self.assertIn(f"## {name.capitalize()}", text)
         self.assertEqual(text.count("| exponent |"), 4)
+        self.assertEqual(sorted(pair), [20, 60])
+        for event in ("one moves", "one of a leaf a face moves"):
+            self.assertGreater(pair[20][event, "ratio"], 0)
+        self.assertEqual(text.count("| 20 | one "), 2)
 
     def test_exponents(self):
         self.assertAlmostEqual(scale_tables.exponent([(x, 3 * x**.6) for x in (1, 10, 100, 700)]), .6)
         self.assertIsNone(scale_tables.exponent([(5, 5)]))
 
     def test_bad_options(self):
-        for bad in ("--objects=3", "--objects=many", "--world=sea"):
+        for bad in ("--objects=3", "--objects=many", "--world=sea", "--rounds=few", "--rounds=0", "--cells=1x", "--pair=3",
+                    "--leaf-size=nan"):
             done = subprocess.run([PROGRAM, bad], capture_output=True, text=True, check=False)
             self.assertNotEqual(done.returncode, 0)
             self.assertNotEqual(done.stderr, "")

@@ -253,7 +253,7 @@ static void create(input *in)
 	cube c = {0};
 	const gi_object_def def = define(in, &c);
 	const uint32_t slot = next_below(in, SLOTS);
-	gi_object object = {1, 1};
+	gi_object object = {1, 1, 1};
 	gi_result result = gi_create_object(gi, &def, &object);
 	gi_free_leaf_choice(&c.choice);
 	check(result);

@@ -1,7 +1,10 @@
 #include "faults.h"
 
+#include "harness.h"
+
 #include <glad/gl.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 static struct {
@@ -35,33 +38,57 @@ static bool fails(fault_kind kind)
 	return now;
 }
 
-/* ---- the CPU's; the linker sends calls here (--wrap) ---- */
+/* ---- the CPU's ---- */
 
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
+static faults_memory memory;
+
+static void note(size_t size, size_t gone)
+{
+	memory.blocks += (size > 0) - (gone > 0);
+	memory.bytes += (int64_t)size - (int64_t)gone;
+	memory.allocations += size > 0;
+}
+
+static void *allocate(size_t size, void *user)
+{
+	assert_ptr_equal(user, &memory);
+	void *block = fails(FAULT_CPU) ? NULL : malloc(size);
+	if (block)
+		note(size, 0);
+	return block;
+}
+
+static void *reallocate(void *block, size_t old_size, size_t new_size, void *user)
+{
+	assert_ptr_equal(user, &memory);
+	void *moved = fails(FAULT_CPU) ? NULL : realloc(block, new_size);
+	if (moved)
+		note(new_size, old_size);
+	return moved;
+}
+
+static void release(void *block, size_t size, void *user)
+{
+	assert_ptr_equal(user, &memory);
+	assert_non_null(block);
+	note(0, size);
+	free(block);
+}
+
+gi_allocator faults_allocator(void)
+{
+	return (gi_allocator){allocate, reallocate, release, &memory};
+}
+
+faults_memory faults_memory_now(void)
+{
+	return memory;
+}
+
+/* OpenSubdiv's, as far as its templates are compiled into the library: the linker sends calls here (--wrap). */
 void *__real__Znwm(size_t size);
 void _ZSt17__throw_bad_allocv(void);
-
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 void *__wrap__Znwm(size_t size);
-
-void *__wrap_malloc(size_t size)
-{
-	return fails(FAULT_CPU) ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	return fails(FAULT_CPU) ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	return fails(FAULT_CPU) ? NULL : __real_realloc(memory, size);
-}
 
 void *__wrap__Znwm(size_t size)
 {
@@ -110,8 +137,9 @@ static gi_proc get_proc_address(const char *name, void *user)
 	return real;
 }
 
-void faults_in_gl(gi_context_def *def)
+void faults_in(gi_context_def *def)
 {
+	def->allocator = faults_allocator();
 	real_get_proc_address = def->get_proc_address;
 	def->get_proc_address = get_proc_address;
 }

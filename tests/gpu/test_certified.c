@@ -3,8 +3,7 @@
  * an exact update would have, and the bound is solve_bound + stale_bound. No rounding allowance on top: the bounds have
  * it.
  *
- * RELUME_SCENES=N: as many scenes of four frames each; the default takes about twenty seconds. RELUME_TEST=NAME: only
- * that of the tests.
+ * RELUME_SCENES=N: as many scenes of four frames each; the default takes about twenty seconds.
  */
 #include "exact_rows.h"
 #include "random_scene.h"
@@ -251,8 +250,5 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(never_exceeded), cmocka_unit_test(budgets_never_exceeded),
 					   cmocka_unit_test(times_never_exceeded)};
-	const char *only = getenv("RELUME_TEST");
-	if (only)
-		cmocka_set_test_filter(only);
 	return cmocka_run_group_tests_name("certified", tests, harness_open, harness_close);
 }

@@ -632,8 +632,5 @@ int main(void)
 	    cmocka_unit_test(sizes_and_cuts_stay_with_their_faces),
 	    cmocka_unit_test(updated_rows_are_a_rebuilds),
 	};
-	const char *only = getenv("RELUME_TEST");
-	if (only)
-		cmocka_set_test_filter(only);
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }

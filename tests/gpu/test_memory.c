@@ -8,6 +8,7 @@
 
 #include <glad/gl.h>
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,7 +65,7 @@ static gi_context_def faulty_def(bool coarse)
 	def.emitter_refinement = coarse ? 1 : 20;
 	def.solve_tolerance = 1e-6f;
 	def.estimate_leaves = 16;
-	faults_in_gl(&def);
+	faults_in(&def);
 	return def;
 }
 
@@ -92,6 +93,9 @@ static void unload(loaded *l)
 	glDeleteTextures(1, &l->colour);
 	glDeleteRenderbuffers(1, &l->depth);
 	gi_context_destroy(l->gi);
+	const faults_memory left = faults_memory_now();
+	if (left.blocks || left.bytes)
+		fail_msg("%" PRId64 " blocks of %" PRId64 " bytes in all were never freed", left.blocks, left.bytes);
 }
 
 /* ---- what must not change ---- */
@@ -210,6 +214,36 @@ static gi_result try_create_drawn(loaded *l)
 	def.draw_indices = corners;
 	def.draw_index_count = 3;
 	return create(l, &def);
+}
+
+/* With an allocator that is not the context's, which then has blocks of both. */
+static gi_result try_prepare(loaded *l)
+{
+	gi_object_def def = square_def();
+	def.scheme = GI_SCHEME_CATMULL_CLARK;
+	def.levels = 2;
+	const gi_allocator allocator = faults_allocator();
+	gi_prepared_object *made = NULL;
+	gi_result result = gi_prepare_object(&def, hear, NULL, &allocator, &made);
+	assert_true((result == GI_OK) == (made != NULL));
+	gi_object object = {0};
+	if (!result)
+		result = gi_create_prepared_object(l->gi, &made, &object);
+	gi_free_prepared_object(made);
+	if (!result)
+		assert_gi(gi_destroy_object(l->gi, object));
+	return result;
+}
+
+static gi_result try_choose(loaded *l)
+{
+	gi_object_def def = square_def();
+	gi_leaf_choice_def choice_def = gi_leaf_choice_def_default();
+	choice_def.leaves = 20;
+	gi_leaf_choice choice;
+	const gi_result result = gi_choose_leaves(l->gi, &choice_def, &def, 1, &choice);
+	gi_free_leaf_choice(&choice);
+	return result;
 }
 
 static gi_result try_draw(loaded *l)
@@ -360,6 +394,8 @@ static void objects(void **state)
 	in_every_way(&(trial){"gi_create_object", .try = try_create});
 	in_every_way(&(trial){"gi_create_object by a leaf size", .try = try_create_by_size});
 	in_every_way(&(trial){"gi_create_object with a drawn mesh", .try = try_create_drawn});
+	in_every_way(&(trial){"gi_prepare_object", .try = try_prepare});
+	in_every_way(&(trial){"gi_choose_leaves", .try = try_choose});
 }
 
 static void put_up_a_lamp(loaded *l)
@@ -432,11 +468,53 @@ static void contexts(void **state)
 	in_every_way(&(trial){"gi_context_create", .try = try_context});
 }
 
+/* A mover goes back and forth: what it takes is there after the first time. */
+static void a_steady_frame_allocates_nothing(void **state)
+{
+	(void)state;
+	loaded l = load(false);
+	const faults_memory scene = faults_memory_now();
+	assert_true(scene.blocks > 0 && scene.bytes > 0);
+	faults_memory warm = scene;
+	for (int frame = 0; frame < 20; frame++) {
+		if (frame == 4)
+			warm = faults_memory_now();
+		const gi_pose pose = {{frame % 2 ? .125f : 0, .5f, 0}, {0, 0, 0, 1}};
+		assert_gi(gi_set_pose(l.gi, l.ball, pose));
+		assert_gi(gi_update(l.gi, frame % 4 < 2 ? NULL : &(gi_budget){.rays = 100}));
+		assert_gi(draw(&l, GI_OVERLAY_NONE));
+		gi_report report;
+		assert_gi(gi_get_report(l.gi, &report));
+	}
+	const faults_memory now = faults_memory_now();
+	printf("  a scene: %" PRId64 " blocks, %" PRId64 " bytes; its first 4 frames: %" PRIu64
+	       " allocations; 16 more: %" PRIu64 "\n",
+	       scene.blocks, scene.bytes, warm.allocations - scene.allocations, now.allocations - warm.allocations);
+	assert_int_equal(now.allocations, warm.allocations);
+	unload(&l);
+}
+
+static void an_allocator_is_whole(void **state)
+{
+	(void)state;
+	gi_context_def def = harness_def();
+	def.allocator = faults_allocator();
+	def.allocator.reallocate = NULL;
+	gi_context *gi;
+	assert_int_equal(gi_context_create(&def, &gi), GI_ERROR_INVALID_ARGUMENT);
+	gi_object_def square = square_def();
+	gi_prepared_object *made;
+	assert_int_equal(gi_prepare_object(&square, def.message, NULL, &def.allocator, &made),
+			 GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(faults_memory_now().blocks, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(objects),  cmocka_unit_test(commits), cmocka_unit_test(updates),
 	    cmocka_unit_test(pictures), cmocka_unit_test(reading), cmocka_unit_test(contexts),
+	    cmocka_unit_test(a_steady_frame_allocates_nothing), cmocka_unit_test(an_allocator_is_whole),
 	};
 	return cmocka_run_group_tests_name("memory", tests, harness_open, harness_close);
 }

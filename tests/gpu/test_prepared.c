@@ -74,7 +74,7 @@ static void *prepare_some(void *first)
 	for (uint32_t k = 0; k < EACH; k++) {
 		thing *t = &things[k];
 		gi_prepared_object *made;
-		if (gi_prepare_object(&t->def, NULL, NULL, &made))
+		if (gi_prepare_object(&t->def, NULL, NULL, NULL, &made))
 			return NULL;
 		pthread_mutex_lock(&line.lock);
 		for (uint32_t n = 0; n < COUNT; n++)
@@ -123,7 +123,7 @@ static void prepared_is_created(void **state)
 		thing t;
 		make_thing(k, &t);
 		gi_prepared_object *prepared;
-		assert_gi(gi_prepare_object(&t.def, def.message, NULL, &prepared));
+		assert_gi(gi_prepare_object(&t.def, def.message, NULL, NULL, &prepared));
 		assert_gi(gi_create_object(a, &t.def, &object));
 		assert_gi(gi_create_prepared_object(b, &prepared, &object));
 		assert_null(prepared);
@@ -207,7 +207,7 @@ static void refused_it_is_kept(void **state)
 	def.levels = 3;
 	gi_prepared_object *prepared, *none = NULL;
 	gi_object object = {1, 1, 1};
-	assert_gi(gi_prepare_object(&def, small.message, NULL, &prepared));
+	assert_gi(gi_prepare_object(&def, small.message, NULL, NULL, &prepared));
 	assert_int_equal(gi_create_prepared_object(a, &prepared, &object), GI_ERROR_INVALID_GEOMETRY);
 	printf("  %s\n", harness_last_message());
 	assert_non_null(prepared);
@@ -217,7 +217,7 @@ static void refused_it_is_kept(void **state)
 	assert_int_equal(gi_create_prepared_object(NULL, &prepared, &object), GI_ERROR_INVALID_ARGUMENT);
 	assert_gi(gi_create_prepared_object(b, &prepared, &object));
 	assert_null(prepared);
-	assert_gi(gi_prepare_object(&def, small.message, NULL, &prepared));
+	assert_gi(gi_prepare_object(&def, small.message, NULL, NULL, &prepared));
 	gi_free_prepared_object(prepared);
 	engine_mesh_free(&mesh);
 	gi_context_destroy(a);

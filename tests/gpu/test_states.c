@@ -284,7 +284,7 @@ static subject enter(int state)
 	def.message = hear;
 	def.row_tolerance = .1f;
 	def.estimate_leaves = 4;
-	faults_in_gl(&def);
+	faults_in(&def);
 	subject s = {.gi = harness_context(&def)};
 	states[state](&s);
 	return s;

@@ -251,29 +251,27 @@ static void boxes_build_a_tree_of_their_own(void **state)
 {
 	(void)state;
 	enum { COUNT = 300 };
-	gi_vec4 lower[COUNT], upper[COUNT];
+	gi_box boxes[COUNT];
 	gi_bvh_node nodes[2 * COUNT], again[2 * COUNT];
 	uint32_t order[COUNT], order_again[COUNT], seed = 3;
 	for (int i = 0; i < COUNT; i++) {
 		const gi_vec4 at = {random_float(&seed, -5, 5), random_float(&seed, -1, 1), random_float(&seed, 0, 1),
 				    0};
 		const float size = random_float(&seed, 0.0f, 0.3f);
-		lower[i] = at;
-		upper[i] = (gi_vec4){at.x + size, at.y + size, at.z + size, 0};
+		boxes[i] = (gi_box){{at.x, at.y, at.z}, {at.x + size, at.y + size, at.z + size}};
 	}
 	for (uint32_t count = 0; count <= COUNT; count += count < 4 ? 1 : 37) {
-		assert_true(gi_bvh_build_boxes(lower, upper, count, nodes, order));
+		gi_bvh_build_boxes(boxes, count, nodes, order);
 		check_nodes(nodes, count > 0 ? 2 * count - 1 : 0, count);
 		for (uint32_t node = 0; node + 1 < 2 * count; node++) {
 			const uint32_t item = gi_bits_from_float(nodes[node].upper.w);
 			if (item == GI_NONE)
 				continue;
-			assert_true(nodes[node].lower.x <= lower[order[item]].x &&
-				    nodes[node].upper.x >= upper[order[item]].x);
-			assert_true(nodes[node].lower.z <= lower[order[item]].z &&
-				    nodes[node].upper.z >= upper[order[item]].z);
+			const gi_box *box = &boxes[order[item]];
+			assert_true(nodes[node].lower.x <= box->lower[0] && nodes[node].upper.x >= box->upper[0]);
+			assert_true(nodes[node].lower.z <= box->lower[2] && nodes[node].upper.z >= box->upper[2]);
 		}
-		assert_true(gi_bvh_build_boxes(lower, upper, count, again, order_again));
+		gi_bvh_build_boxes(boxes, count, again, order_again);
 		assert_memory_equal(order, order_again, count * sizeof *order);
 		if (count > 0)
 			assert_memory_equal(nodes, again, (2 * count - 1) * sizeof *nodes);
@@ -284,21 +282,19 @@ static void equal_boxes_do_not_go_deep(void **state)
 {
 	(void)state;
 	enum { COUNT = 4096 };
-	static gi_vec4 lower[COUNT], upper[COUNT];
+	static gi_box boxes[COUNT];
 	static gi_bvh_node nodes[2 * COUNT];
 	static uint32_t order[COUNT];
-	for (int i = 0; i < COUNT; i++) {
-		lower[i] = (gi_vec4){1, 2, 3, 0};
-		upper[i] = (gi_vec4){2, 3, 4, 0};
-	}
-	assert_true(gi_bvh_build_boxes(lower, upper, COUNT, nodes, order));
+	for (int i = 0; i < COUNT; i++)
+		boxes[i] = (gi_box){{1, 2, 3}, {2, 3, 4}};
+	gi_bvh_build_boxes(boxes, COUNT, nodes, order);
 	check_nodes(nodes, 2 * COUNT - 1, COUNT);
 	/* Centres that double: the surface-area heuristic peels off one at a time, until the depth limit. */
 	for (int i = 0; i < COUNT; i++) {
-		lower[i] = (gi_vec4){ldexpf(1.0f, i % 100), 0, 0, 0};
-		upper[i] = lower[i];
+		const float x = ldexpf(1.0f, i % 100);
+		boxes[i] = (gi_box){{x, 0, 0}, {x, 0, 0}};
 	}
-	assert_true(gi_bvh_build_boxes(lower, upper, COUNT, nodes, order));
+	gi_bvh_build_boxes(boxes, COUNT, nodes, order);
 	check_nodes(nodes, 2 * COUNT - 1, COUNT);
 }
 

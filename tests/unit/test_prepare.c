@@ -184,7 +184,7 @@ static void prepare_one(worker *w, int k)
 {
 	heard h = {0};
 	gi_prepared_object *made = NULL;
-	const gi_result result = gi_prepare_object(&w->defs[k], hear, &h, &made);
+	const gi_result result = gi_prepare_object(&w->defs[k], hear, &h, NULL, &made);
 	w->prepared++;
 	w->failed += result != GI_OK;
 	w->different += made && !same_objects(&made->object, &w->expected[k]->object);
@@ -204,7 +204,7 @@ static void break_one(worker *w)
 	snprintf(name, sizeof name, "broken %d", w->first);
 	def.name = name;
 	def.vertex_count = 3;
-	const gi_result result = gi_prepare_object(&def, hear, &h, &made);
+	const gi_result result = gi_prepare_object(&def, hear, &h, NULL, &made);
 	w->failed += result != GI_ERROR_INVALID_GEOMETRY || made;
 	w->strange_messages += h.count != 1 || !strstr(h.text, name) || !pthread_equal(h.thread, pthread_self());
 }
@@ -230,7 +230,7 @@ static void threads_prepare_the_same_bits(void **state)
 	uint32_t leaves = 0;
 	for (int k = 0; k < KINDS; k++) {
 		defs[k] = kind(k);
-		if (gi_prepare_object(&defs[k], hear, &h, &expected[k]))
+		if (gi_prepare_object(&defs[k], hear, &h, NULL, &expected[k]))
 			fail_msg("kind %d: %s", k, h.text);
 		leaves += expected[k]->object.hierarchy.leaf_count;
 	}
@@ -264,14 +264,14 @@ static void what_is_wrong_is_told(void **state)
 	heard h = {0};
 	gi_object_def def = kind(0);
 	gi_prepared_object *made = NULL;
-	assert_int_equal(gi_prepare_object(NULL, hear, &h, &made), GI_ERROR_INVALID_ARGUMENT);
-	assert_int_equal(gi_prepare_object(&def, hear, &h, NULL), GI_ERROR_INVALID_ARGUMENT);
-	assert_int_equal(gi_prepare_object(&(gi_object_def){0}, hear, &h, &made), GI_ERROR_INVALID_DEF);
+	assert_int_equal(gi_prepare_object(NULL, hear, &h, NULL, &made), GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(gi_prepare_object(&def, hear, &h, NULL, NULL), GI_ERROR_INVALID_ARGUMENT);
+	assert_int_equal(gi_prepare_object(&(gi_object_def){0}, hear, &h, NULL, &made), GI_ERROR_INVALID_DEF);
 	def.pose.rotation[3] = 0;
-	assert_int_equal(gi_prepare_object(&def, hear, &h, &made), GI_ERROR_INVALID_POSE);
+	assert_int_equal(gi_prepare_object(&def, hear, &h, NULL, &made), GI_ERROR_INVALID_POSE);
 	def = kind(0);
 	def.leaf_size = 1e-6f;
-	assert_int_equal(gi_prepare_object(&def, hear, &h, &made), GI_ERROR_INVALID_GEOMETRY);
+	assert_int_equal(gi_prepare_object(&def, hear, &h, NULL, &made), GI_ERROR_INVALID_GEOMETRY);
 	assert_non_null(strstr(h.text, "raise leaf_size"));
 	assert_int_equal(h.count, 5);
 	assert_null(made);

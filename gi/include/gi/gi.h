@@ -91,7 +91,8 @@ typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
 /* The text of the table above; never NULL. */
 GI_API const char *gi_result_text(gi_result result);
 
-/* Receives one line, without a newline, for every error and warning (GI_OK). The text is gone when the callback returns. */
+/* Receives one line, without a newline, for every error and warning. `result` says how severe it is: what the call fails
+ * with, or GI_OK of a warning. The text is gone when the callback returns. */
 typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
 /* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
@@ -101,6 +102,21 @@ typedef void gi_message_fn(gi_result result, const char *message, void *user);
  * that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver takes back
  * what it computes: a program that must end within a second ends without gi_context_destroy (demos/interrupt.c). */
 typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
+
+/* Where the library's memory comes from. NULL for all functions, the default: malloc. The library asks for everything of
+ * its own here, on the thread that called it; what OpenSubdiv, the C library and the driver take for themselves it does
+ * not. An update of a scene in motion asks for nothing once it has seen as much move before. Sizes are bytes; memory is
+ * aligned as malloc's is. */
+typedef void *gi_allocate_fn(size_t size, void *user);                                        /* NULL: out of memory */
+typedef void *gi_reallocate_fn(void *memory, size_t old_size, size_t new_size, void *user); /* NULL: memory is as it was */
+typedef void gi_free_fn(void *memory, size_t size, void *user); /* size: as last allocated; memory is never NULL */
+
+typedef struct gi_allocator {
+	gi_allocate_fn *allocate;
+	gi_reallocate_fn *reallocate;
+	gi_free_fn *free;
+	void *user; /* handed to all three */
+} gi_allocator;
 
 /* ---- handles ------------------------------------------------------------------------------------------------------ */
 
@@ -133,6 +149,7 @@ typedef struct gi_context_def {
 	gi_message_fn *message;                   /* default NULL: messages go to stderr */
 	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
 	void *user;                               /* handed to message and progress */
+	gi_allocator allocator;                   /* default all NULL: malloc; copied */
 	const char *shader_directory;             /* copied; *.comp etc. are read from here; default NULL: those built in */
 
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
@@ -192,8 +209,25 @@ GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 /* The settings in force: those of creation, and what was set since. shader_directory is the library's copy. */
 GI_API gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out);
 
-/* Other values than those of gi_context_def from the next gi_update on, which solves anew from the light that is there. */
+/* Other values than those of gi_context_def, with the same ranges; the light becomes what a context created with them
+ * would have. What the next gi_update then takes, whatever its budget: */
+
+/* A solve, from the light that is there. */
 GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps);
+
+/* Another colour: a solve, no rays. Every row anew where the sky begins to shine or ceases to: a black one is cut coarser.
+ * `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
+GI_API gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3]);
+
+/* Every row anew, as after a gi_commit that keeps none; nothing where the values are those in force. */
+GI_API gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
+			     uint32_t near_samples);
+
+/* A solve: what is drawn per pixel is left out of the light of leaves. */
+GI_API gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps);
+
+/* Nothing more than gi_context_def says of it; where nothing else changes, an update at rest estimates nothing. */
+GI_API gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves);
 
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
@@ -316,9 +350,11 @@ typedef struct gi_prepared_object gi_prepared_object;
 /* Builds one on any thread, no OpenGL context needed; as many threads at once as wanted, beside one that uses a gi_context.
  * They share nothing: what the definition points to is only read, so that several threads may be given the same one, and
  * is the caller's again when the call returns. Errors and messages as of gi_create_object, on the thread that calls, to
- * `message` with `user`; NULL: to stderr. On failure *out is NULL. The object belongs to no thread: one at a time may use it. */
+ * `message` with `user`; NULL: to stderr. `allocator`, NULL: malloc, is called on that thread, and later wherever parts of
+ * the object are freed, in a context that has another one too. On failure *out is NULL. The object belongs to no thread: one
+ * at a time may use it. */
 GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
-				   gi_prepared_object **out);
+				   const gi_allocator *allocator, gi_prepared_object **out);
 
 /* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used. Takes
  * *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY where it has
