@@ -31,6 +31,7 @@
 #include "rays.glsl"
 #include "segments.glsl"
 #include "blocker.glsl"
+#include "cover.glsl"
 #include "visibility.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -134,12 +135,48 @@ uint joined_blocker(uint blocker, uint by)
 }
 
 // Does a static face hide all of the source, a mover, from the leaf (covered.comp)? Then all rays would be hidden.
-bool is_behind_face(pair p)
+bool is_behind_face(uint leaf, uvec4 source)
 {
-	if (TOPS == 1 || p.sky)
+	if (TOPS == 1 || (source.w & GI_NODE_SKY) != 0u)
 		return false;
-	uint k = object_extra(p.source.object).w;
-	return k > 0u && is_covered(p.leaf, k - 1u);
+	uint k = object_extra(load_leaf(source.y).y).w;
+	return k > 0u && is_covered(leaf, k - 1u);
+}
+
+// Does this face of a static object hide all of the source from all of the leaf? Of what one ray meets it says what the others would.
+bool is_behind(pair p, uint primitive, uint object)
+{
+	vec3 corners[4] = vec3[](to_world(p.receiver, p.mine.a), to_world(p.receiver, p.mine.b), to_world(p.receiver, p.mine.c), to_world(p.receiver, p.mine.d));
+	vec4 ball = load_sphere(p.node);
+	return primitive_covers(corners, cover_box(ball.xyz, vec3(ball.w)), primitive, object);
+}
+
+// How many rays an entry has.
+struct sampling {
+	uint wanted;        // at most
+	uint probes;        // so many where they agree,
+	uint hidden_probes; // and where all are hidden
+};
+
+// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the tolerance. Stopping
+// early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many rays to save. Black sky is not seen
+// at all.
+sampling sampling_of(float factor, uint flags)
+{
+	bool emitter = (flags & GI_NODE_EMITTER) != 0u, dark_sky = (flags & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
+	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
+	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
+	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
+	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
+	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
+	return sampling(wanted, probes, emitter ? min(wanted, HIDDEN_PROBES) : probes);
+}
+
+void keep(uint slot, uvec4 entry, uint visible, uint blocker, uint taken)
+{
+	entries[slot].z = visible | (blocker << 16u);
+	if (taken != samples_of(entry))
+		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
 }
 
 void main()
@@ -148,46 +185,33 @@ void main()
 	if (t >= min(state[GI_STATE_QUEUED], frame.limits.y))
 		return;
 	uint slot = load_queued(t);
-	uvec4 entry = load_entry(slot);
-	if (((load_range(entry.x).w & GI_NODE_TOP) != 0u) != (TOPS == 1))
+	uvec4 entry = load_entry(slot), source = load_range(entry.x);
+	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	float factor = uintBitsToFloat(entry.y);
-	bool is_new = t < state[GI_STATE_NEW];
-	if (factor <= 0.0) {
+	sampling rays = sampling_of(factor, source.w);
+	bool is_new = t < state[GI_STATE_NEW], none = factor <= 0.0;
+	if (none || (is_new && is_behind_face(entry.w & GI_ENTRY_LEAF_MASK, source))) {
 		// However small, a bright lamp may be behind it.
-		entries[slot].z = GI_BLOCKER_NONE << 16u;
-		entries[slot].w = entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT);
+		keep(slot, entry, 0u, none ? GI_BLOCKER_NONE : GI_BLOCKER_STATICS, none ? 0u : rays.hidden_probes);
 		targets[slot] = entry.x;
 		return;
 	}
 	pair p = load_pair(entry);
-	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
-	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
-	// tolerance.
-	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
-	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
-	bool dark_sky = p.sky && frame.misc.w == 0u;
-	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
-	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
-	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
-	// rays to save. Black sky is not seen at all.
-	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
-	bool reordered = emitter || (!p.sky && wanted <= PROBES);
+	bool emitter = (source.w & GI_NODE_EMITTER) != 0u;
+	bool reordered = emitter || (!p.sky && rays.wanted <= PROBES);
 	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
-	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
-	uint hidden_probes = emitter ? min(wanted, HIDDEN_PROBES) : probes;
-	bool covered = is_new && is_behind_face(p);
-	while (taken < wanted) {
+	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE, saved = 0u;
+	while (taken < rays.wanted) {
 		segment_end a, b;
 		body on = p.source;
 		// What is not before the receiver must not shine through its back.
-		uint by = p.receiver.object;
+		uint by = p.receiver.object, face = GI_NONE;
 		uint k = reordered ? ((taken < 8u ? ORDER.x : ORDER.y) >> (4u * (taken & 7u))) & 15u : taken;
 		if (choose_segment(p, k, candidates, a, b, on)) {
-			if (!covered)
-				by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
+			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u, face);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
@@ -197,16 +221,16 @@ void main()
 			visible |= 1u << taken;
 		else
 			blocker = joined_blocker(blocker, by);
-		// Only where its light would come from is still to be found.
-		taken = covered && found != GI_NONE ? hidden_probes : taken + 1u;
+		taken++;
+		if (taken == 1u && rays.hidden_probes > 1u && !p.sky && by < frame.swept.z && face != GI_NONE && is_behind(p, face, by)) {
+			saved = rays.hidden_probes - 1u;
+			taken = rays.hidden_probes;
+		}
 		bool agree = visible == 0u || visible == (1u << taken) - 1u;
-		if (agree && taken == (visible == 0u ? hidden_probes : probes))
+		if (agree && taken == (visible == 0u ? rays.hidden_probes : rays.probes))
 			break;
 	}
-	blocker = covered ? GI_BLOCKER_STATICS : blocker;
-	entries[slot].z = visible | (blocker << 16u);
-	if (taken != samples_of(entry))
-		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
+	keep(slot, entry, visible, blocker, taken);
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
 	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
@@ -218,5 +242,5 @@ void main()
 	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
 		note_changed(p.leaf);
 	targets[slot] = target;
-	atomicAdd(state[GI_STATE_RAYS], covered ? 0u : taken);
+	atomicAdd(state[GI_STATE_RAYS], taken - saved);
 }
