@@ -73,9 +73,8 @@ bool segment_is_free(vec3 from, vec3 to, uint rank, float lift)
 		uint object = next_leaf(tlas_texels, r, 1.0, frame.misc.x, n);
 		if (object == GI_NONE)
 			break;
-		uint by;
 		free = !object_hides(object, tree_ray(rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, 1.0 + lift,
-						      vec2(0.0, lift), uvec2(GI_NONE, rank), true), by);
+						      vec2(0.0, lift), uvec2(GI_NONE, rank), true));
 	}
 	return free;
 }

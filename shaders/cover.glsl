@@ -61,10 +61,3 @@ bool covers(vec3 leaf[4], cover_box box, vec3 face[4])
 	}
 	return inside;
 }
-
-// The same of a primitive of an object.
-bool primitive_covers(vec3 leaf[4], cover_box box, uint primitive, uint object)
-{
-	gi_primitive q = load_primitive(primitive);
-	return covers(leaf, box, vec3[](world_from_rest(object, q.a.xyz), world_from_rest(object, q.b.xyz), world_from_rest(object, q.c.xyz), world_from_rest(object, q.d.xyz)));
-}

@@ -53,10 +53,13 @@ receiver load_receiver(uint leaf, uint mine, uint since)
 // Of a primitive of a static object that is as it was when the row was refreshed.
 bool face_covers(receiver r, cover_box box, uint primitive)
 {
-	uint object = load_leaf(floatBitsToUint(load_primitive(primitive).a.w)).y;
+	gi_primitive q = load_primitive(primitive);
+	uint object = load_leaf(floatBitsToUint(q.a.w)).y;
 	if ((object_bvh(object).z & GI_OBJECT_UNSEEN) != 0u || moved_since(object, r.since))
 		return false;
-	return primitive_covers(r.corners, box, primitive, object);
+	vec3 face[4] = vec3[](world_from_rest(object, q.a.xyz), world_from_rest(object, q.b.xyz), world_from_rest(object, q.c.xyz),
+			      world_from_rest(object, q.d.xyz));
+	return covers(r.corners, box, face);
 }
 
 // A face on the way from the leaf's middle to the box's; GI_NONE: none was found. Static objects come first in the tree (tlas.c).

@@ -62,10 +62,9 @@ bool sees(pair p, segment_end a, vec2 u, uint t)
 {
 	for (uint attempt = 0u; attempt < TRIES; attempt++) {
 		vec3 m;
-		uint by;
 		segment_end b = source_end(p, item_numbers(t, attempt).zw, m);
 		if (transfer(p, a, b, u, m) > 0.0)
-			return blocker_of(p.receiver, a, p.source, b, !p.back, false, by) == GI_BLOCKER_NONE;
+			return blocker_of(p.receiver, a, p.source, b, !p.back, false) == GI_BLOCKER_NONE;
 	}
 	return false;
 }

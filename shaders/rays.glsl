@@ -103,19 +103,18 @@ bool primitive_hides(uint primitive, tree_ray r)
 			hits_triangle(r, q.a.xyz, q.c.xyz, q.d.xyz, q.d.w, outranks));
 }
 
-// Does one object cut the segment? `by` is the primitive that does, of several the first that is found.
-bool object_hides(uint object, tree_ray ray, out uint by)
+// Does one object cut the segment?
+bool object_hides(uint object, tree_ray ray)
 {
 	uvec4 range = object_bvh(object);
 	grid_ray r = ray_on_grid(ray.origin, ray.direction, object_grid(object).xyz, object_cells(object).xyz);
 	uint n = range.x;
 	bool hidden = false;
-	by = GI_NONE;
 	while (n < range.y && !hidden) {
-		by = next_leaf(bvh_texels, r, ray.reach, range.y, n);
-		if (by == GI_NONE)
+		uint primitive = next_leaf(bvh_texels, r, ray.reach, range.y, n);
+		if (primitive == GI_NONE)
 			break;
-		hidden = primitive_hides(by, ray);
+		hidden = primitive_hides(primitive, ray);
 	}
 	return hidden;
 }

@@ -31,7 +31,6 @@
 #include "rays.glsl"
 #include "segments.glsl"
 #include "blocker.glsl"
-#include "cover.glsl"
 #include "visibility.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -143,14 +142,6 @@ bool is_behind_face(uint leaf, uvec4 source)
 	return k > 0u && is_covered(leaf, k - 1u);
 }
 
-// Does this face of a static object hide all of the source from all of the leaf? Of what one ray meets it says what the others would.
-bool is_behind(pair p, uint primitive, uint object)
-{
-	vec3 corners[4] = vec3[](to_world(p.receiver, p.mine.a), to_world(p.receiver, p.mine.b), to_world(p.receiver, p.mine.c), to_world(p.receiver, p.mine.d));
-	vec4 ball = load_sphere(p.node);
-	return primitive_covers(corners, cover_box(ball.xyz, vec3(ball.w)), primitive, object);
-}
-
 // How many rays an entry has.
 struct sampling {
 	uint wanted;        // at most
@@ -203,15 +194,15 @@ void main()
 	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
-	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE, saved = 0u;
+	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
 	while (taken < rays.wanted) {
 		segment_end a, b;
 		body on = p.source;
 		// What is not before the receiver must not shine through its back.
-		uint by = p.receiver.object, face = GI_NONE;
+		uint by = p.receiver.object;
 		uint k = reordered ? ((taken < 8u ? ORDER.x : ORDER.y) >> (4u * (taken & 7u))) & 15u : taken;
 		if (choose_segment(p, k, candidates, a, b, on)) {
-			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u, face);
+			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
 			// Each that is seen by the same chance; where none is, the first.
 			float pick = unit_float(hash(p.ids.x * 0x9e3779b9u ^ hash(p.ids.y ^ hash(~taken))));
 			bool takes_over = by == GI_BLOCKER_NONE && pick * float(bitCount(visible) + 1) < 1.0;
@@ -222,10 +213,6 @@ void main()
 		else
 			blocker = joined_blocker(blocker, by);
 		taken++;
-		if (taken == 1u && rays.hidden_probes > 1u && !p.sky && by < frame.swept.z && face != GI_NONE && is_behind(p, face, by)) {
-			saved = rays.hidden_probes - 1u;
-			taken = rays.hidden_probes;
-		}
 		bool agree = visible == 0u || visible == (1u << taken) - 1u;
 		if (agree && taken == (visible == 0u ? rays.hidden_probes : rays.probes))
 			break;
@@ -242,5 +229,5 @@ void main()
 	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
 		note_changed(p.leaf);
 	targets[slot] = target;
-	atomicAdd(state[GI_STATE_RAYS], taken - saved);
+	atomicAdd(state[GI_STATE_RAYS], taken);
 }
