@@ -16,6 +16,8 @@
  * A budget of time is shared out to what updates before were seen to take: a solve and rows to assess get their shares
  * of it, but a sweep and LEAST_ROWS at least, and rays what is left.
  */
+#include "budget.h"
+
 #include "bits.h"
 #include "context.h"
 
@@ -85,6 +87,13 @@ static bool is_timed(const gi_budget *budget)
 	return budget && budget->ms > 0;
 }
 
+gi_budget budget_less(const gi_budget *budget, float ms)
+{
+	gi_budget left = *budget;
+	left.ms = budget->ms > 0 ? fmaxf(GI_COSTS_LEAST_SHARE * budget->ms, budget->ms - ms) : 0;
+	return left;
+}
+
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 {
 	const gi_costs *c = &gi->rations.costs;
@@ -147,9 +156,11 @@ void budget_learn(gi_context *gi)
 			  .by_row = assess_ms(gi),
 			  .by_sweep = report->pass_ms[GI_PASS_SOLVE],
 			  .fixed = pass_sum(report, fixed, sizeof fixed / sizeof *fixed)};
-	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. */
+	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. A commit is not
+	 * what updates take: it is taken off the budget of the one that it is in. */
 	if (gi->gpu.software)
-		spent.fixed = fmaxf(spent.fixed, report->update_ms - spent.by_ray);
+		spent.fixed = fmaxf(spent.fixed, report->update_ms -
+						     gi->issued[report->frame % GPU_READBACK_RING].commit_ms - spent.by_ray);
 	gi_costs_learn(&r->costs, &spent);
 }
 
@@ -221,14 +232,6 @@ void budget_bound(gi_context *gi)
 	}
 }
 
-void budget_bind(const gi_context *gi)
-{
-	const gi_rations *r = &gi->rations;
-	gpu_bind(&gi->gpu, GI_BIND_CHOICES, &r->choices);
-	gpu_bind(&gi->gpu, GI_BIND_PENDING, &r->pending);
-	gpu_bind(&gi->gpu, GI_BIND_SHINE, &r->shine);
-}
-
 void budget_free(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
@@ -240,4 +243,5 @@ void budget_free(gi_context *gi)
 				&r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
+	gpu_timer_free(&gi->gpu, &r->assess_timer);
 }

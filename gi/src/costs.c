@@ -7,9 +7,6 @@
 /* Few rays that nothing waits behind tell the price of dispatches, not of rays: no more than an upper bound. */
 static const uint64_t RAYS_TO_LEARN = 2000;
 
-/* However little time is left, some rows are refreshed. */
-static const float LEAST_SHARE = 0.1f;
-
 /* Of the time: what sweeps and the look at rows may take. */
 static const float SWEEP_SHARE = 0.3f, ASSESS_SHARE = 0.1f;
 
@@ -60,7 +57,7 @@ static double fits(float ms, const gi_price *price)
 
 double gi_costs_rays(const gi_costs *c, float ms)
 {
-	return fits(fmaxf(LEAST_SHARE * ms, ms - gi_price_of(&c->fixed)), &c->ray);
+	return fits(fmaxf(GI_COSTS_LEAST_SHARE * ms, ms - gi_price_of(&c->fixed)), &c->ray);
 }
 
 double gi_costs_rows(const gi_costs *c, float ms)

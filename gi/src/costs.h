@@ -40,6 +40,9 @@ typedef struct gi_spent {
 
 void gi_costs_learn(gi_costs *costs, const gi_spent *spent);
 
+/* However little time is left, some rows are refreshed: of a budget this much is, whatever came before. */
+#define GI_COSTS_LEAST_SHARE 0.1f
+
 /* How many fit into `ms` milliseconds: rays all but what the rest takes, rows to assess and sweeps their
  * shares, 32 rows and one sweep at least. 0 rays where their price is not known yet. */
 double gi_costs_rays(const gi_costs *costs, float ms);

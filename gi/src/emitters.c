@@ -9,8 +9,9 @@
  *
  * It is a function of what emits alone, so that rows are, too; k is a power of two, that it seldom changes.
  */
-#include "context.h"
+#include "emitters.h"
 
+#include "context.h"
 #include "memory.h"
 
 #include <math.h>
@@ -18,17 +19,6 @@
 
 /* Areas this near each other are alike: copies of a lamp differ by rounding. */
 static const double ALIKE = 1.001;
-
-bool scene_measure_materials(scene_object *o)
-{
-	const gi_hierarchy *h = &o->hierarchy;
-	o->emission = gi_calloc(o->material_count, sizeof *o->emission);
-	if (!o->emission)
-		return false;
-	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
-		o->emission[h->leaf_material[leaf]].area += (double)h->geometry[h->leaf_node[leaf]].moment.w;
-	return true;
-}
 
 /* A material that emits. */
 typedef struct emitting {
@@ -50,11 +40,11 @@ static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_are
 	*scene_area = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-		if (!o || !scene_is_seen(o))
+		if (!o || !object_is_seen(o))
 			continue;
 		*scene_area += o->hierarchy.area;
 		for (uint32_t m = 0; m < o->material_count; m++)
-			if (scene_emits(&o->materials[m]) && o->emission[m].area > 0)
+			if (material_emits(&o->materials[m]) && o->emission[m].area > 0)
 				list[count++] = (emitting){o, m, o->emission[m].area};
 	}
 	return count;
@@ -75,7 +65,7 @@ static void set_steps(const emitting *e, uint32_t steps)
 	emission->steps = steps;
 }
 
-gi_result scene_weigh_emitters(gi_context *gi)
+gi_result emitters_weigh(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;
 	size_t most = 1;

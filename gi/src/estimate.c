@@ -8,8 +8,10 @@
  * Half of the chances are by area, which is what the mean is over, half are alike for all leaves: small ones, a
  * figure's, often have most of the error. No leaf then counts more than twice its area's share.
  */
-#include "context.h"
+#include "estimate.h"
 
+#include "binding.h"
+#include "context.h"
 #include "memory.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
@@ -90,9 +92,7 @@ static gi_result make_chances(gi_context *gi)
 static void bind(gi_context *gi)
 {
 	const gi_estimate *e = &gi->estimate;
-	scene_bind(gi);
-	rows_bind(gi);
-	solver_bind(gi);
+	bind_all(gi);
 	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_ITEMS, &e->items);
 	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_SHARES, &e->shares);
 	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_CHANCES, &e->chances);
@@ -143,8 +143,8 @@ gi_result estimate_update(gi_context *gi)
 	gpu_set_uint(&gi->gpu, gi->estimate.mean_program, 0, leaves);
 	gpu_dispatch_groups(&gi->gpu, gi->estimate.mean_program, 1);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_ESTIMATE]);
-	scene_bind(gi);
-	rows_bind(gi);
+	bind_scene(gi);
+	bind_rows(gi);
 	return GI_OK;
 }
 

@@ -1,20 +1,15 @@
 /* A frame: what changed, rows and solve issued, reports taken in when the GPU is done with them. */
 #include "bits.h"
+#include "caustics.h"
 #include "clock.h"
+#include "commit.h"
 #include "context.h"
+#include "emitters.h"
 #include "memory.h"
+#include "specular.h"
 
 #include <math.h>
 #include <string.h>
-
-/* What is told of the first rows: the passes of an exact update come before this one. */
-static const uint32_t LIGHT_STEPS = GI_PASS_ESTIMATE;
-
-void frame_progress(const gi_context *gi, gi_pass pass)
-{
-	if (!gi->rows.fitted)
-		gi_progress(&gi->gpu.log, (uint32_t)pass, LIGHT_STEPS, "first light: %s", gi_pass_name(pass));
-}
 
 static gi_outcome outcome_of(const uint32_t *state)
 {
@@ -161,7 +156,7 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 	/* Bounds of rows that wait were made with the materials of before. */
 	const bool waiting = gi->rows.current < gi->rows.update;
 	/* Another emitter may change how fine others are cut. */
-	const gi_result result = scene_weigh_emitters(gi);
+	const gi_result result = emitters_weigh(gi);
 	c->rows = waiting || changed_objects(gi).rows;
 	return result;
 }
@@ -175,19 +170,37 @@ static void changes_done(gi_context *gi)
 	}
 }
 
+/* Pictures and chances of leaves are made of the objects that are seen. */
+static void forget_what_was_shown(gi_context *gi)
+{
+	if (!gi->scene.shown_changed)
+		return;
+	shade_invalidate(gi);
+	estimate_invalidate(gi);
+	gi->scene.shown_changed = false;
+}
+
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi_result result = GI_OK;
 	gi->gpu.tag = gi->frame_number;
-	if (c.rows)
+	if (c.rows) {
 		result = rows_update(gi, budget);
-	else if (c.light)
+		forget_what_was_shown(gi);
+	} else if (c.light) {
 		result = rows_relight(gi);
-	else
+	} else {
 		rows_clear_counts(gi);
+	}
+	if (!result && (c.rows || c.light))
+		result = specular_update(gi);
+	if (!result && (c.rows || c.light))
+		result = caustics_update(gi);
 	if (result)
 		return result;
+	if (c.rows)
+		gi->rations.in_force = gi->frame.update.w & GI_UPDATE_PART;
 	solver_update(gi, c.rows || c.light, budget);
 	if (gi->rations.in_force)
 		budget_bound(gi);
@@ -248,6 +261,24 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
+/* A static object moved, or is not seen any more: the update begins with a commit. What that takes is time of the budget,
+ * `left` is what is left of it. */
+static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_budget *left)
+{
+	float *commit_ms = &gi->issued[gi->frame_number % GPU_READBACK_RING].commit_ms;
+	*commit_ms = 0;
+	if (!gi->scene.regroup)
+		return GI_OK;
+	const double began = gi_clock_ms();
+	const gi_result result = commit_objects(gi);
+	*commit_ms = (float)(gi_clock_ms() - began);
+	if (*budget) {
+		*left = budget_less(*budget, *commit_ms);
+		*budget = left;
+	}
+	return result;
+}
+
 static gi_result update(gi_context *gi, const gi_budget *budget)
 {
 	const double began = gi_clock_ms();
@@ -255,13 +286,11 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	gi->frame_number++;
 	gi->gpu.dispatches = 0;
 	gi->gpu.uploaded_bytes = 0;
-	gi_result result = GI_OK;
+	gi_budget left;
+	gi_result result = take_regrouped_in(gi, &budget, &left);
+	if (result)
+		return result;
 	changes c = {false, false};
-	if (gi->scene.regroup) {
-		const gi_result regrouped = gi_take_in(gi);
-		if (regrouped)
-			return regrouped;
-	}
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
@@ -276,7 +305,7 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	if (!result && first) {
 		/* The size of the first rows is not known before they are built: once per commit the GPU is waited for.
 		 */
-		gi_progress(&gi->gpu.log, LIGHT_STEPS, LIGHT_STEPS, "first light: waiting for the GPU");
+		gi_progress(&gi->gpu.log, ROWS_FIRST_STEPS, ROWS_FIRST_STEPS, "first light: waiting for the GPU");
 		collect_reports(gi, true);
 		result = grow_until_it_fits(gi);
 		gi->rows.fitted = true;
@@ -293,7 +322,7 @@ gi_result gi_update(gi_context *gi, const gi_budget *budget)
 		return gi_fail_null(gi, "");
 	if (budget_check(gi, budget))
 		return GI_ERROR_INVALID_ARGUMENT;
-	if (gi_check_current(gi, "gi_update"))
+	if (gpu_check_current(&gi->gpu, "gi_update"))
 		return GI_ERROR_WRONG_CONTEXT;
 	if (!gi->scene.ever_committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before the first gi_update()");
@@ -321,7 +350,7 @@ gi_result gi_finish(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_finish"))
+	if (gpu_check_current(&gi->gpu, "gi_finish"))
 		return GI_ERROR_WRONG_CONTEXT;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gpu_finish(&gi->gpu);
@@ -335,7 +364,7 @@ gi_result gi_get_report(gi_context *gi, gi_report *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_report: out");
-	if (gi_check_current(gi, "gi_get_report"))
+	if (gpu_check_current(&gi->gpu, "gi_get_report"))
 		return GI_ERROR_WRONG_CONTEXT;
 	collect_reports(gi, false);
 	*out = gi->report;

@@ -1,33 +1,21 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
+#include "caustics.h"
+#include "commit.h"
 #include "context.h"
+#include "handles.h"
 #include "memory.h"
+#include "programs.h"
+#include "sky.h"
+#include "specular.h"
 #include "statics.h"
 
 #include <math.h>
 #include <string.h>
 
+static const uint32_t MOST_CAUSTIC_PHOTONS = 1u << 20;
+
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
-
-uint32_t gi_version(void)
-{
-	return GI_VERSION;
-}
-
-const char *gi_result_text(gi_result result)
-{
-#define GI_RESULT_TEXT(name, text) text,
-	static const char *const texts[] = {GI_RESULTS(GI_RESULT_TEXT)};
-#undef GI_RESULT_TEXT
-	return (unsigned)result < GI_RESULT_COUNT ? texts[result] : "unknown result";
-}
-
-const char *gi_pass_name(gi_pass pass)
-{
-	static const char *const names[] = {"pose",  "choose", "cut",   "factor",   "flag",   "trace",
-					    "close", "solve",  "light", "estimate", "shadow", "draw"};
-	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
-}
 
 gi_context_def gi_context_def_default(void)
 {
@@ -39,6 +27,7 @@ gi_context_def gi_context_def_default(void)
 	    .solve_tolerance = .1f,
 	    .max_sweeps = 100,
 	    .pixel_lamps = GI_LAMP_MAX,
+	    .caustic_photons = 16384,
 	    .profile = true,
 	    .internal = CONTEXT_COOKIE,
 	};
@@ -57,23 +46,6 @@ gi_object_def gi_object_def_default(void)
 gi_pose gi_pose_identity(void)
 {
 	return (gi_pose){.rotation = {0, 0, 0, 1}};
-}
-
-/* A pointer that has to be there is not. Without a context there is no callback: stderr gets the line. */
-gi_result gi_fail_null(const gi_context *gi, const char *what)
-{
-	static const gi_log no_log;
-	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL",
-		       gi ? what : "the context");
-}
-
-gi_result gi_check_current(const gi_context *gi, const char *function)
-{
-	if (gpu_is_current(&gi->gpu))
-		return GI_OK;
-	return gi_fail(&gi->gpu.log, GI_ERROR_WRONG_CONTEXT,
-		       "%s: make the OpenGL context current on this thread that was current in gi_context_create",
-		       function);
 }
 
 /* ---- context ---- */
@@ -109,7 +81,7 @@ static gi_result check_sky(const gi_log *log, const gi_context_def *def)
 	if ((unsigned)def->sky > GI_SKY_ON)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky %d is none of gi_sky", (int)def->sky);
 	for (int c = 0; c < 3; c++)
-		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= SCENE_MAX_EXITANCE))
+		if (!(def->sky_exitance[c] >= 0.0f && def->sky_exitance[c] <= MATERIAL_MAX_EXITANCE))
 			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "sky_exitance is outside [0, 1e12] W/m2");
 	return GI_OK;
 }
@@ -135,6 +107,14 @@ static bool allocator_is_whole(const gi_allocator *a)
 	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
 }
 
+static gi_result check_caustics(const gi_log *log, const gi_context_def *def)
+{
+	if (def->caustic_photons > MOST_CAUSTIC_PHOTONS)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "caustic_photons %u is outside 0..%u",
+			       def->caustic_photons, MOST_CAUSTIC_PHOTONS);
+	return GI_OK;
+}
+
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
 	if (def->internal != CONTEXT_COOKIE)
@@ -144,47 +124,15 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (!allocator_is_whole(&def->allocator))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
 	const bool right = !check_rows(log, def) && !check_solve(log, def) && !check_lamps(log, def) &&
-			   !check_estimate(log, def) && !check_sky(log, def);
+			   !check_caustics(log, def) && !check_estimate(log, def) && !check_sky(log, def);
 	return right ? GI_OK : GI_ERROR_INVALID_ARGUMENT;
-}
-
-/* The programs that every frame takes; others are compiled when first wanted. */
-enum { FRAME_PROGRAMS = ROWS_PROGRAMS + SOLVER_PROGRAMS };
-
-static void frame_programs(gi_context *gi, gpu_program_file list[FRAME_PROGRAMS])
-{
-	rows_programs(&gi->rows, list);
-	solver_programs(&gi->solver, list + ROWS_PROGRAMS);
-}
-
-static gi_result begin_programs(gi_context *gi)
-{
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	return gpu_programs_begin(&gi->gpu, list, FRAME_PROGRAMS);
-}
-
-static gi_result end_programs(gi_context *gi)
-{
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	const gi_result result = gi->compiled ? GI_OK : gpu_programs_end(&gi->gpu, list, FRAME_PROGRAMS);
-	gi->compiled = !result;
-	return result;
-}
-
-static void free_programs(gi_context *gi)
-{
-	gpu_program_file list[FRAME_PROGRAMS];
-	frame_programs(gi, list);
-	gpu_programs_free(&gi->gpu, list, FRAME_PROGRAMS);
 }
 
 static gi_result start_context(gi_context *gi)
 {
 	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
-		result = begin_programs(gi);
+		result = programs_begin(gi);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS,
 					     NULL);
@@ -263,18 +211,19 @@ void gi_context_destroy(gi_context *gi)
 		    "context");
 	shade_free(gi);
 	paths_free(gi);
+	caustics_free(gi);
+	specular_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
 	budget_free(gi);
 	solver_release(gi, &gi->solver);
-	free_programs(gi);
+	programs_free(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	gpu_spares_free(&gi->gpu);
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_free(&gi->gpu, &gi->timers[k]);
-	gpu_timer_free(&gi->gpu, &gi->rations.assess_timer);
 	gpu_close(&gi->gpu);
 	gi_free(gi);
 }
@@ -376,7 +325,7 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 	if (def->internal != OBJECT_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
-	const gi_result result = scene_create_object(gi, def, out);
+	const gi_result result = handles_create(gi, def, out);
 	gi_memory_from(before);
 	return result;
 }
@@ -394,7 +343,7 @@ gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, vo
 	if (allocator && !allocator_is_whole(allocator))
 		return gi_fail(&log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
 	const gi_allocator *before = gi_memory_from(allocator);
-	const gi_result result = scene_prepare_object(&log, def, out);
+	const gi_result result = handles_prepare(&log, def, out);
 	gi_memory_from(before);
 	return result;
 }
@@ -406,7 +355,7 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 	if (!gi || !prepared || !*prepared || !out)
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
-	const gi_result result = scene_create_prepared(gi, *prepared, out);
+	const gi_result result = handles_create_prepared(gi, *prepared, out);
 	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
@@ -429,7 +378,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_destroy_object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
@@ -437,7 +386,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 	o->moved = o->relit = o->material_changed = true;
 	gi->scene.regroup = gi->scene.regroup || o->grouped;
 	if (!o->committed)
-		scene_free_place(&gi->scene, o);
+		handles_free_place(&gi->scene, o);
 	return GI_OK;
 }
 
@@ -445,7 +394,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
@@ -462,7 +411,7 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_hidden: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_hidden");
 	*out = o->hidden;
@@ -471,17 +420,17 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 
 bool gi_object_is_valid(const gi_context *gi, gi_object object)
 {
-	return gi && scene_find(gi, object);
+	return gi && handles_find(gi, object);
 }
 
 gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
-	if (!scene_normalise_pose(&gi->gpu.log, &pose, o->name))
+	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	if (memcmp(&pose, &o->pose, sizeof pose) == 0)
 		return GI_OK;
@@ -497,7 +446,7 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_mobility");
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
@@ -511,7 +460,7 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_mobility: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_mobility");
 	*out = o->mobility;
@@ -522,7 +471,7 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_pose: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_pose");
 	*out = o->pose;
@@ -533,12 +482,54 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_material: out");
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_material");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
 	*out = o->materials[material];
+	return GI_OK;
+}
+
+static const gi_specular *specular_of(const scene_object *o, uint32_t material)
+{
+	static const gi_specular none;
+	return o->specular ? &o->specular[material] : &none;
+}
+
+gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_specular: out");
+	const scene_object *o = handles_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_specular");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	*out = *specular_of(o, material);
+	return GI_OK;
+}
+
+gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = handles_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_specular");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	if (!material_specular_is_valid(&gi->gpu.log, &value, &o->materials[material], o->name, material))
+		return GI_ERROR_INVALID_MATERIAL;
+	if (memcmp(specular_of(o, material), &value, sizeof value) == 0)
+		return GI_OK;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	o->specular = o->specular ? o->specular : gi_calloc(o->material_count, sizeof *o->specular);
+	gi_memory_from(before);
+	if (!o->specular)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	o->specular[material] = value;
+	o->material_changed = true;
 	return GI_OK;
 }
 
@@ -551,80 +542,21 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = scene_find(gi, object);
+	scene_object *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
-	if (!scene_material_is_valid(&gi->gpu.log, &value, o->name, material))
+	if (!material_is_valid(&gi->gpu.log, &value, o->name, material) ||
+	    !material_specular_is_valid(&gi->gpu.log, specular_of(o, material), &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)
 		return GI_OK;
-	if (scene_emits(m) != scene_emits(&value) || reflects(m) != reflects(&value))
+	if (material_emits(m) != material_emits(&value) || reflects(m) != reflects(&value))
 		o->relit = true;
 	*m = value;
 	o->material_changed = true;
-	return GI_OK;
-}
-
-/* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
-static bool ranks_otherwise(scene_object *o)
-{
-	bool changed = false;
-	for (uint32_t m = 0; m < o->material_count; m++) {
-		changed = changed || o->emission[m].ranked != scene_emits(&o->materials[m]);
-		o->emission[m].ranked = scene_emits(&o->materials[m]);
-	}
-	return changed;
-}
-
-/* What the rows that were kept have not seen. Where they are made anew nothing is left to be seen. */
-static void note_changes(gi_context *gi)
-{
-	const bool kept = gi->rows.kept;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		const bool alive = scene_is_alive(o), came = alive && !o->committed;
-		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
-		o->was_grouped = o->grouped;
-		o->committed = alive;
-		o->arrives = kept && (o->arrives || came);
-		o->moved = kept && (o->moved || other || came);
-		o->relit = kept && (o->relit || other || came);
-		o->material_changed = kept && (o->material_changed || came);
-	}
-}
-
-static void forget_dead_objects(gi_context *gi)
-{
-	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
-		if (!(o->generation & 1) && o->committed)
-			scene_free_place(&gi->scene, o);
-	}
-}
-
-gi_result gi_take_in(gi_context *gi)
-{
-	gi_result result = end_programs(gi);
-	if (result)
-		return result;
-	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
-	result = scene_upload(gi);
-	if (result)
-		return result;
-	shade_invalidate(gi);
-	estimate_invalidate(gi);
-	gi->commit_frame = gi->frame_number;
-	if (!gi->rows.kept) {
-		gi->truncated = false;
-		gi->rows_frame = gi->frame_number;
-	}
-	forget_dead_objects(gi);
-	note_changes(gi);
-	gi->scene.regroup = false;
-	gi->scene.ever_committed = true;
 	return GI_OK;
 }
 
@@ -632,11 +564,11 @@ gi_result gi_commit(gi_context *gi)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	if (gi_check_current(gi, "gi_commit"))
+	if (gpu_check_current(&gi->gpu, "gi_commit"))
 		return GI_ERROR_WRONG_CONTEXT;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gpu_group_begin(&gi->gpu, "gi_commit");
-	const gi_result result = gi_take_in(gi);
+	const gi_result result = commit_objects(gi);
 	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;

@@ -25,55 +25,6 @@ ASSERT_TEXELS(gi_move, 2);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 #undef ASSERT_TEXELS
 
-/* Names of objects and folders may hold anything, ends of lines and commands to a terminal too. */
-static void keep_to_one_line(char *line)
-{
-	for (; *line; line++)
-		if ((unsigned char)*line < ' ' || *line == 127)
-			*line = ' ';
-}
-
-static void say(const gi_log *log, gi_result result, const char *format, va_list arguments)
-{
-	char line[1024];
-	vsnprintf(line, sizeof line, format, arguments);
-	keep_to_one_line(line);
-	if (log->message)
-		log->message(result, line, log->user);
-	else
-		fprintf(stderr, "gi: %s\n", line);
-}
-
-gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	say(log, result, format, arguments);
-	va_end(arguments);
-	return result;
-}
-
-void gi_warn(const gi_log *log, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	say(log, GI_OK, format, arguments);
-	va_end(arguments);
-}
-
-void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...)
-{
-	if (!log->progress)
-		return;
-	char what[128];
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(what, sizeof what, format, arguments);
-	va_end(arguments);
-	keep_to_one_line(what);
-	log->progress(what, done, total, log->user);
-}
-
 /* ---- start ---- */
 
 /* What the shaders of gi take of a device. OpenGL promises less of the first two, and as much of the others. */
@@ -112,23 +63,6 @@ static gi_result check_limits(gpu *g)
 	return GI_OK;
 }
 
-void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what)
-{
-	char label[96];
-	snprintf(label, sizeof label, "gi %s", what);
-	g->gl->ObjectLabel(kind, name, -1, label);
-}
-
-void gpu_group_begin(const gpu *g, const char *what)
-{
-	g->gl->PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, what);
-}
-
-void gpu_group_end(const gpu *g)
-{
-	g->gl->PopDebugGroup();
-}
-
 /* Names of vertex arrays are a context's own, even where contexts share objects, and nobody else writes this label. */
 static int mark_label(const gpu *g, char label[MARK_LABEL])
 {
@@ -151,6 +85,15 @@ bool gpu_is_current(const gpu *g)
 	g->gl->GetObjectLabel(GL_VERTEX_ARRAY, g->mark, sizeof found, NULL, found);
 	mark_label(g, label);
 	return strcmp(label, found) == 0;
+}
+
+gi_result gpu_check_current(const gpu *g, const char *function)
+{
+	if (gpu_is_current(g))
+		return GI_OK;
+	return gi_fail(&g->log, GI_ERROR_WRONG_CONTEXT,
+		       "%s: make the OpenGL context current on this thread that was current in gi_context_create",
+		       function);
 }
 
 void gpu_close(gpu *g)
@@ -307,15 +250,23 @@ static gi_result check_size(gpu *g, uint64_t size)
 		       (size >> 20) + 1, gpu_limit_text(g, limit));
 }
 
-/* Of a size that was checked. */
+/* Of a size that was checked, with room for `capacity` bytes where there is memory for that. */
 static gi_result make_buffer(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, uint64_t capacity,
 			     const void *data)
 {
-	gpu_buffer fresh = {.size = whole_texels(size), .capacity = capacity};
-	if (!make_storage(g, &fresh, capacity == size ? data : NULL)) {
+	const uint64_t least = whole_texels(size);
+	gpu_buffer fresh = {.size = least, .capacity = capacity};
+	bool made = make_storage(g, &fresh, capacity == size ? data : NULL);
+	if (!made && capacity > least) {
 		g->gl->DeleteBuffers(1, &fresh.name);
 		gpu_forget_errors(g);
-		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", capacity);
+		fresh.capacity = capacity = least;
+		made = make_storage(g, &fresh, capacity == size ? data : NULL);
+	}
+	if (!made) {
+		g->gl->DeleteBuffers(1, &fresh.name);
+		gpu_forget_errors(g);
+		return gi_fail(&g->log, GI_ERROR_OUT_OF_MEMORY, "no GPU memory for %" PRIu64 " bytes", least);
 	}
 	if (capacity != size && size && data)
 		g->gl->NamedBufferSubData(fresh.name, 0, (GLsizeiptr)size, data);

@@ -5,27 +5,9 @@
 #ifndef GI_GPU_H
 #define GI_GPU_H
 
-#include "compiler.h"
 #include "gi/gi.h"
 #include "gi_shared.h"
-
-#include <stdarg.h>
-
-/* Lines that go to the host. */
-typedef struct gi_log {
-	gi_message_fn *message;
-	gi_progress_fn *progress;
-	void *user;
-} gi_log;
-
-/* Formats one line, hands it to the host and returns `result`. */
-GI_FORMAT(3, 4) gi_result gi_fail(const gi_log *log, gi_result result, const char *format, ...);
-
-/* Hands the host one line about something that is no error. */
-GI_FORMAT(2, 3) void gi_warn(const gi_log *log, const char *format, ...);
-
-/* Tells the host, if it wants to know, that step `done` of `total` begins. */
-GI_FORMAT(4, 5) void gi_progress(const gi_log *log, uint32_t done, uint32_t total, const char *format, ...);
+#include "log.h"
 
 typedef struct gpu_buffer {
 	uint32_t name;
@@ -81,6 +63,8 @@ void gpu_close(gpu *g);
 
 /* Is the OpenGL context current that gpu_init was called in? One that shares objects with it is another. */
 bool gpu_is_current(const gpu *g);
+/* GI_ERROR_WRONG_CONTEXT, and a line that names the public function, unless it is. */
+gi_result gpu_check_current(const gpu *g, const char *function);
 
 /* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
 void gpu_forget_errors(const gpu *g);

@@ -1,8 +1,10 @@
 /* The list of a context's objects: places, handles and ids; how an object that was built, here or on another thread,
  * takes its place.
  */
-#include "context.h"
+#include "handles.h"
 
+#include "context.h"
+#include "limits.h"
 #include "memory.h"
 
 /* Doubled when full: there is room for the next power of two. */
@@ -24,16 +26,16 @@ static uint32_t free_place(gi_scene *s)
 {
 	for (; s->first_free < s->object_count; s->first_free++) {
 		const scene_object *o = &s->objects[s->first_free];
-		if (!scene_is_alive(o) && !o->committed)
+		if (!object_is_alive(o) && !o->committed)
 			return s->first_free;
 	}
 	return add_place(s) ? s->first_free : GI_NONE;
 }
 
-void scene_free_place(gi_scene *s, scene_object *o)
+void handles_free_place(gi_scene *s, scene_object *o)
 {
 	const uint32_t place = (uint32_t)(o - s->objects);
-	scene_free_object(o);
+	object_free(o);
 	s->first_free = place < s->first_free ? place : s->first_free;
 }
 
@@ -66,28 +68,28 @@ static gi_result take_place(gi_context *gi, const scene_object *built, gi_object
 	give_ids(s, &s->objects[place], &made);
 	s->objects[place] = made;
 	s->first_free = place + 1;
-	*out = scene_handle(gi, place);
+	*out = handles_of(gi, place);
 	return GI_OK;
 }
 
-gi_result scene_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
+gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
 	scene_object built;
-	gi_result result = scene_build_object(&(object_builder){&gi->gpu.log, gi}, def, &built);
+	gi_result result = object_build(&(object_builder){&gi->gpu.log, &gi->gpu, gi->scene.object_count}, def, &built);
 	if (result)
 		return result;
 	result = take_place(gi, &built, out);
 	if (result)
-		scene_free_object(&built);
+		object_free(&built);
 	return result;
 }
 
-gi_result scene_prepare_object(const gi_log *log, const gi_object_def *def, gi_prepared_object **out)
+gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepared_object **out)
 {
 	gi_prepared_object *made = gi_calloc(1, sizeof *made);
 	if (!made)
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	const gi_result result = scene_build_object(&(object_builder){log, NULL}, def, &made->object);
+	const gi_result result = object_build(&(object_builder){.log = log}, def, &made->object);
 	if (result)
 		gi_free(made);
 	else
@@ -95,10 +97,10 @@ gi_result scene_prepare_object(const gi_log *log, const gi_object_def *def, gi_p
 	return result;
 }
 
-gi_result scene_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out)
+gi_result handles_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out)
 {
 	const scene_object *o = &prepared->object;
-	if (!rows_can_hold(gi, o->hierarchy.leaf_count, 1))
+	if (!limits_can_hold(&gi->gpu, o->hierarchy.leaf_count, 1))
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_GEOMETRY,
 			       "object '%s': %u leaves are more than this renderer holds: prepare it with a larger "
 			       "leaf_size or fewer levels",
@@ -112,11 +114,11 @@ gi_result scene_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi
 void gi_free_prepared_object(gi_prepared_object *prepared)
 {
 	if (prepared)
-		scene_free_object(&prepared->object);
+		object_free(&prepared->object);
 	gi_free(prepared);
 }
 
-scene_object *scene_find(const gi_context *gi, gi_object handle)
+scene_object *handles_find(const gi_context *gi, gi_object handle)
 {
 	if (handle.context != gi->number || handle.index1 == 0 || handle.index1 > gi->scene.object_count)
 		return NULL;
@@ -124,7 +126,7 @@ scene_object *scene_find(const gi_context *gi, gi_object handle)
 	return (o->generation & 1) && o->generation == handle.generation ? o : NULL;
 }
 
-gi_object scene_handle(const gi_context *gi, uint32_t index)
+gi_object handles_of(const gi_context *gi, uint32_t index)
 {
 	return (gi_object){index + 1, gi->scene.objects[index].generation, gi->number};
 }

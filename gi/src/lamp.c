@@ -53,7 +53,7 @@ static bool emission_is_uniform(const scene_object *o, gi_uvec4 range)
 static bool emits(const scene_object *o, gi_uvec4 range)
 {
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++)
-		if (scene_emits(&o->materials[o->hierarchy.leaf_material[leaf]]))
+		if (material_emits(&o->materials[o->hierarchy.leaf_material[leaf]]))
 			return true;
 	return false;
 }

@@ -123,7 +123,7 @@ static bool measure_parts(const gi_object_def *def, uint32_t *group, double *dia
 
 static bool is_lamp(const gi_object_def *def, uint32_t face)
 {
-	return def->material_count && scene_emits(&def->materials[def->face_materials ? def->face_materials[face] : 0]);
+	return def->material_count && material_emits(&def->materials[def->face_materials ? def->face_materials[face] : 0]);
 }
 
 static double face_area(const gi_object_def *def, uint32_t first, uint32_t count)
@@ -204,7 +204,7 @@ static double estimate(chooser *c, double size)
 	double sum = 0;
 	set_size(c, size);
 	for (uint32_t k = 0; k < c->count; k++)
-		sum += scene_estimate_leaves(&c->objects[k]);
+		sum += object_estimate_leaves(&c->objects[k]);
 	return sum;
 }
 
@@ -271,7 +271,7 @@ static bool count_leaves(const chooser *c, uint64_t *count)
 	*count = 0;
 	for (uint32_t k = 0; k < c->count; k++) {
 		uint64_t leaves;
-		if (!scene_count_leaves(&c->objects[k], &leaves))
+		if (!object_count_leaves(&c->objects[k], &leaves))
 			return false;
 		*count += leaves;
 	}
@@ -319,7 +319,7 @@ static gi_result check(const gi_context *gi, const gi_leaf_choice_def *def, cons
 		    "leaf_size, finest (0..1], contact [0..1] or most_leaves of a leaf choice is out of range");
 	gi_result result = GI_OK;
 	for (uint32_t k = 0; !result && k < count; k++)
-		result = scene_check_def(&gi->gpu.log, &objects[k]);
+		result = object_check_def(&gi->gpu.log, &objects[k]);
 	return result;
 }
 
@@ -333,7 +333,7 @@ static double fitting_size(chooser *c)
 			return 0;
 		size *= 1.1;
 	}
-	return scene_rounded_size(size);
+	return object_rounded_size(size);
 }
 
 static gi_result refuse(const gi_context *gi, chooser *c, double leaves)
@@ -356,7 +356,7 @@ static gi_result count_kept(const gi_context *gi, const chooser *c, gi_leaf_choi
 {
 	double leaves = 0;
 	for (uint32_t k = 0; k < c->count; k++)
-		leaves += scene_estimate_leaves(&c->objects[k]);
+		leaves += object_estimate_leaves(&c->objects[k]);
 	if (leaves > c->def->most_leaves)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "would be %.0f leaves, more than %u: fewer levels fit", leaves, c->def->most_leaves);

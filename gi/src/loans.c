@@ -1,6 +1,7 @@
 #include "loans.h"
 
 #include "bits.h"
+#include "context.h"
 #include "frames.h"
 #include "memory.h"
 
@@ -16,7 +17,7 @@ static const double ALIKE = 0.5;
 static bool is_new(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && s->objects[s->slots[slot]].arrives &&
-	       scene_is_seen(&s->objects[s->slots[slot]]);
+	       object_is_seen(&s->objects[s->slots[slot]]);
 }
 
 /* ---- the nearest leaf ---- */
@@ -33,18 +34,6 @@ static double squared(gi_vec3d v)
 	return gi_vec3d_dot(v, v);
 }
 
-/* The same in an object's rest frame. */
-static gi_vec3d at_rest(const gi_object_data *d, gi_vec3d v, bool place)
-{
-	const gi_vec4 rows[3] = {d->row0, d->row1, d->row2};
-	const double w[3] = {v.x - (place ? d->row0.w : 0), v.y - (place ? d->row1.w : 0),
-			     v.z - (place ? d->row2.w : 0)};
-	gi_vec3d out = {0, 0, 0};
-	for (int r = 0; r < 3; r++)
-		out = gi_vec3d_add(out, gi_vec3d_scale(gi_vec3d_from(rows[r]), w[r]));
-	return out;
-}
-
 /* Does no leaf below the node face the way of n? */
 static bool faces_elsewhere(const gi_node_geometry *g, gi_vec3d n)
 {
@@ -57,7 +46,7 @@ static bool faces_elsewhere(const gi_node_geometry *g, gi_vec3d n)
 static void search_object(const scene_object *o, const gi_object_data *d, search *s)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	const gi_vec3d place = at_rest(d, s->place, true), normal = at_rest(d, s->normal, false);
+	const gi_vec3d place = gi_point_to_rest(d, s->place), normal = gi_direction_to_rest(d, s->normal);
 	for (uint32_t n = 0; n < h->node_count;) {
 		const gi_node_geometry *g = &h->geometry[n];
 		const gi_uvec4 range = h->topology[n].range;

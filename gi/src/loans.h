@@ -6,7 +6,7 @@
 #ifndef GI_LOANS_H
 #define GI_LOANS_H
 
-#include "context.h"
+#include "gpu.h"
 
 typedef struct loans {
 	gpu_buffer list; /* pairs: a leaf, and the one that lends */

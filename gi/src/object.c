@@ -1,17 +1,21 @@
 /* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU
  * and without a word about any context but what its renderer holds: several threads may build objects at once.
  */
-#include "context.h"
+#include "object.h"
+
 #include "duplicates.h"
 #include "faces.h"
+#include "limits.h"
 #include "memory.h"
 #include "overlap.h"
-#include "rank.h"
 #include "split.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* Of an object without materials. */
+static const gi_material GREY = {.rho = {0.5f, 0.5f, 0.5f}};
 
 enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4, NAME_BYTES = 128 };
 
@@ -32,38 +36,13 @@ static bool all_finite(const float *values, size_t count)
 	return all_within(values, count, FLT_MAX);
 }
 
-bool scene_material_is_valid(const gi_log *log, const gi_material *m, const char *object, uint32_t index)
-{
-	for (int c = 0; c < 3; c++) {
-		if (!(m->rho[c] >= 0.0f && m->rho[c] < 1.0f)) {
-			gi_fail(log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: rho %g is outside [0,1): a closed scene that reflects "
-				"all light has no finite solution",
-				object, index, (double)m->rho[c]);
-			return false;
-		}
-		if (!(m->exitance[c] >= 0.0f && m->exitance[c] <= SCENE_MAX_EXITANCE)) {
-			gi_fail(log, GI_ERROR_INVALID_MATERIAL,
-				"object '%s', material %u: exitance %g W/m2 is outside [0, 1e12]", object, index,
-				(double)m->exitance[c]);
-			return false;
-		}
-	}
-	return true;
-}
-
-bool scene_emits(const gi_material *m)
-{
-	return m->exitance[0] + m->exitance[1] + m->exitance[2] > 0;
-}
-
-bool scene_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
+bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
 {
 	double length = 0;
 	for (int k = 0; k < 4; k++)
 		length += (double)pose->rotation[k] * pose->rotation[k];
 	length = sqrt(length);
-	if (!all_within(pose->position, 3, SCENE_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
+	if (!all_within(pose->position, 3, OBJECT_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
 		gi_fail(log, GI_ERROR_INVALID_POSE,
 			"object '%s': the pose needs a position within 1e9 m of the origin and a rotation quaternion "
 			"that is not zero",
@@ -266,17 +245,22 @@ static gi_result check_def(const gi_log *log, const gi_object_def *def, const ch
 	if (broken)
 		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
 	for (uint32_t k = 0; k < def->material_count; k++)
-		if (!scene_material_is_valid(log, &def->materials[k], name, k))
+		if (!material_is_valid(log, &def->materials[k], name, k))
+			return GI_ERROR_INVALID_MATERIAL;
+	for (uint32_t k = 0; def->specular && k < (def->material_count ? def->material_count : 1); k++)
+		if (!material_specular_is_valid(log, &def->specular[k], def->material_count ? &def->materials[k] : &GREY,
+						name, k))
 			return GI_ERROR_INVALID_MATERIAL;
 	return GI_OK;
 }
 
 /* ---- building ---- */
 
-void scene_free_object(scene_object *o)
+void object_free(scene_object *o)
 {
 	gi_free(o->name);
 	gi_free(o->materials);
+	gi_free(o->specular);
 	gi_free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
@@ -300,18 +284,20 @@ static char *duplicate_text(const char *text)
 
 static bool copy_values(scene_object *o, const gi_object_def *def, const char *name)
 {
-	static const gi_material grey = {.rho = {0.5f, 0.5f, 0.5f}};
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
 	o->name = duplicate_text(name);
-	if (!o->materials || !o->name)
+	o->specular = def->specular ? gi_malloc(sizeof(gi_specular) * o->material_count) : NULL;
+	if (!o->materials || !o->name || (def->specular && !o->specular))
 		return false;
+	if (def->specular)
+		memcpy(o->specular, def->specular, sizeof(gi_specular) * o->material_count);
 	if (def->material_count)
 		memcpy(o->materials, def->materials, sizeof(gi_material) * def->material_count);
 	else
-		o->materials[0] = grey;
+		o->materials[0] = GREY;
 	o->pose = def->pose;
-	return scene_measure_materials(o);
+	return object_measure_materials(o);
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */
@@ -360,14 +346,14 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 static bool is_too_small(const gi_hierarchy *h)
 {
 	for (uint32_t n = 0; n < h->node_count; n++)
-		if (!(h->geometry[n].moment.w >= SCENE_MIN_AREA))
+		if (!(h->geometry[n].moment.w >= OBJECT_MIN_AREA))
 			return true;
 	return false;
 }
 
 static bool is_too_large(const gi_hierarchy *h)
 {
-	return !all_within(&h->lower.x, 3, SCENE_MAX_LENGTH) || !all_within(&h->upper.x, 3, SCENE_MAX_LENGTH);
+	return !all_within(&h->lower.x, 3, OBJECT_MAX_LENGTH) || !all_within(&h->upper.x, 3, OBJECT_MAX_LENGTH);
 }
 
 /* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
@@ -394,12 +380,12 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
-gi_result scene_check_def(const gi_log *log, const gi_object_def *def)
+gi_result object_check_def(const gi_log *log, const gi_object_def *def)
 {
 	const char *name = def->name ? def->name : "unnamed";
 	gi_pose pose = def->pose;
 	gi_result result = check_def(log, def, name);
-	if (!result && !scene_normalise_pose(log, &pose, name))
+	if (!result && !object_normalise_pose(log, &pose, name))
 		result = GI_ERROR_INVALID_POSE;
 	return result;
 }
@@ -415,7 +401,7 @@ static gi_split_def split_def_of(const gi_object_def *def)
 	return (gi_split_def){def->leaf_size, def->leaf_sizes, def->leaf_cuts, def->leaf_cut_count};
 }
 
-double scene_estimate_leaves(const gi_object_def *def)
+double object_estimate_leaves(const gi_object_def *def)
 {
 	const gi_refine_cage cage = cage_of(def);
 	const gi_split_def split = split_def_of(def);
@@ -423,13 +409,13 @@ double scene_estimate_leaves(const gi_object_def *def)
 	       (is_split(def) ? gi_split_estimate(&cage, &split) : leaves_at_level(&cage, levels_of(def)));
 }
 
-bool scene_count_leaves(const gi_object_def *def, uint64_t *count)
+bool object_count_leaves(const gi_object_def *def, uint64_t *count)
 {
 	const gi_refine_cage cage = cage_of(def);
 	const gi_split_def split = split_def_of(def);
 	gi_refined refined;
 	char message[256];
-	*count = (uint64_t)scene_estimate_leaves(def);
+	*count = (uint64_t)object_estimate_leaves(def);
 	if (!is_split(def))
 		return true;
 	if (!gi_split(&cage, &split, &refined, message, sizeof message))
@@ -444,7 +430,7 @@ static bool can_hold(const object_builder *b, double leaves)
 {
 	if (!(leaves <= GI_ENTRY_LEAF_MASK))
 		return false;
-	return !b->gi || rows_can_hold(b->gi, (uint64_t)leaves, 1);
+	return !b->gpu || limits_can_hold(b->gpu, (uint64_t)leaves, 1);
 }
 
 static gi_result refine_levels(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage,
@@ -490,7 +476,7 @@ static bool make_split_def(const gi_object_def *def, gi_split_def *out, float **
 	return true;
 }
 
-double scene_rounded_size(double size)
+double object_rounded_size(double size)
 {
 	const double unit = pow(10, floor(log10(size)) - 1);
 	return ceil(size / unit) * unit;
@@ -513,7 +499,7 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 				    "object '%s': leaves of %g would be about %.3g, more than this renderer holds: "
 				    "raise leaf_size, to %.2g or more for 100,000 of them",
 				    name, (double)def->leaf_size, leaves,
-				    scene_rounded_size((double)def->leaf_size * sqrt(leaves / 1e5)));
+				    object_rounded_size((double)def->leaf_size * sqrt(leaves / 1e5)));
 		else
 			result =
 			    gi_split(cage, &split, refined, message, sizeof message)
@@ -551,7 +537,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 	} else {
 		if (def->double_sided)
 			hide_backs(&o->hierarchy);
-		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? rank_by_size(&o->bvh) : NULL;
+		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 		if (!o->by_size || !copy_values(o, def, name) ||
 		    !build_skin(def, cage, &refined, refined.level_count - 1, o))
 			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
@@ -598,7 +584,7 @@ static void clip_name(const char *name, char out[NAME_BYTES])
 	out[length] = '\0';
 }
 
-gi_result scene_build_object(const object_builder *b, const gi_object_def *def, scene_object *out)
+gi_result object_build(const object_builder *b, const gi_object_def *def, scene_object *out)
 {
 	char name[NAME_BYTES];
 	*out = (scene_object){0};
@@ -607,13 +593,13 @@ gi_result scene_build_object(const object_builder *b, const gi_object_def *def, 
 	if (result)
 		return result;
 	gi_pose pose = def->pose;
-	if (!scene_normalise_pose(b->log, &pose, name))
+	if (!object_normalise_pose(b->log, &pose, name))
 		return GI_ERROR_INVALID_POSE;
-	if (b->gi)
-		gi_progress(b->log, b->gi->scene.object_count, 0, "building object '%s'", name);
+	if (b->gpu)
+		gi_progress(b->log, b->number, 0, "building object '%s'", name);
 	result = make(b, def, name, out);
 	if (result) {
-		scene_free_object(out);
+		object_free(out);
 		return result;
 	}
 	out->pose = pose;

@@ -8,48 +8,13 @@
 static bool emits(const scene_object *o, const gi_primitive *p)
 {
 	/* A primitive's leaves are of one material. */
-	return scene_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
+	return material_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
 }
 
 static int order(double a, double b)
 {
 	return (a > b) - (a < b);
 }
-
-/* ---- within an object ---- */
-
-typedef struct sized {
-	double size;
-	uint32_t number;
-} sized;
-
-static int compare_sizes(const void *left, const void *right)
-{
-	const sized *a = left, *b = right;
-	const int by_size = order(b->size, a->size);
-	return by_size ? by_size : order(a->number, b->number);
-}
-
-uint32_t *rank_by_size(const gi_bvh *bvh)
-{
-	const uint32_t count = bvh->primitive_count;
-	sized *list = gi_malloc(sizeof *list * ((size_t)count + 1));
-	uint32_t *numbers = gi_malloc(sizeof *numbers * ((size_t)count + 1));
-	for (uint32_t k = 0; list && k < count; k++)
-		list[k] = (sized){(double)bvh->primitives[k].c.w + bvh->primitives[k].d.w, k};
-	if (list)
-		qsort(list, count, sizeof *list, compare_sizes);
-	for (uint32_t k = 0; list && numbers && k < count; k++)
-		numbers[k] = list[k].number;
-	if (!list) {
-		gi_free(numbers);
-		return NULL;
-	}
-	gi_free(list);
-	return numbers;
-}
-
-/* ---- among objects ---- */
 
 typedef struct ranked {
 	scene_object *object;
@@ -74,7 +39,7 @@ static uint32_t collect(const gi_scene *s, ranked *list)
 		scene_object *o = &s->objects[s->slots[slot]];
 		bool lit = false;
 		for (uint32_t m = 0; m < o->material_count; m++)
-			lit = lit || scene_emits(&o->materials[m]);
+			lit = lit || material_emits(&o->materials[m]);
 		o->lowest_rank = GI_NONE;
 		list[count++] = (ranked){o, o->hierarchy.area, o->created, lit};
 	}

@@ -5,16 +5,12 @@
 #ifndef GI_RANK_H
 #define GI_RANK_H
 
-#include "context.h"
+#include "scene.h"
 
 /* Gives every primitive its rank (gi_primitive.b.w) and its leaves the same: those that emit above all others, then by
  * objects, the smaller area above the larger, the one created later above the earlier; then the smaller primitive above
  * the larger. Objects have their places in the scene, and get to know their lowest and highest. False when memory ran
  * out. */
 bool rank_primitives(const gi_scene *scene, gi_primitive *primitives, gi_uvec4 *leaves);
-
-/* Of one object, which of them depends on nothing else: its primitives' numbers, the larger first, to be freed. NULL: out of
- * memory. */
-uint32_t *rank_by_size(const gi_bvh *bvh);
 
 #endif

@@ -1,6 +1,8 @@
 /* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
 #include "bits.h"
+#include "caustics.h"
 #include "context.h"
+#include "handles.h"
 #include "memory.h"
 
 #include <math.h>
@@ -30,7 +32,7 @@ static gi_result begin_read(gi_context *gi, const char *function, const void *pl
 	if (!place)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "%s: the place for the result must not be NULL",
 			       function);
-	return gi_check_current(gi, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
+	return gpu_check_current(&gi->gpu, function) ? GI_ERROR_WRONG_CONTEXT : gi_finish(gi);
 }
 
 static gi_result no_memory(const gi_context *gi)
@@ -54,12 +56,28 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	const gi_material *m = &o->materials[h->leaf_material[local]];
 	*out = (gi_leaf){.area = h->geometry[node].moment.w,
 			 .row_sum = fabsf(gi_float_from_bits(a->headers[leaf].w)),
-			 .object = scene_handle(gi, index)};
+			 .object = handles_of(gi, index)};
 	for (int c = 0; c < 4; c++)
 		memcpy(out->corners[c], &a->vertices[o->vertex_base + corners[c]], sizeof out->corners[c]);
 	memcpy(out->rho, m->rho, sizeof out->rho);
 	memcpy(out->exitance, m->exitance, sizeof out->exitance);
 	memcpy(out->radiosity, &a->radiosity[leaf], sizeof out->radiosity);
+}
+
+/* What comes through mirrors and glass is no link's. */
+static gi_result add_caustics(gi_context *gi, gi_leaf *leaves, uint32_t count)
+{
+	const gpu_buffer *light = caustics_light(gi);
+	if (!light)
+		return GI_OK;
+	gi_vec4 *found = read_buffer(gi, light, sizeof *found * gi->scene.leaf_count);
+	if (!found)
+		return no_memory(gi);
+	for (uint32_t leaf = 0; leaf < count; leaf++)
+		for (int c = 0; c < 3; c++)
+			leaves[leaf].irradiance[c] += (&found[leaf].x)[c];
+	gi_free(found);
+	return GI_OK;
 }
 
 /* H = sum of weight * B over the leaf's links; also right where rho is zero. */
@@ -84,7 +102,7 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 	const bool ok = b && links;
 	gi_free(b);
 	gi_free(links);
-	return ok ? GI_OK : no_memory(gi);
+	return ok ? add_caustics(gi, leaves, count) : no_memory(gi);
 }
 
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count)
@@ -234,7 +252,7 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 
 static bool is_known(const gi_context *gi, gi_object object)
 {
-	const scene_object *o = scene_find(gi, object);
+	const scene_object *o = handles_find(gi, object);
 	return o && o->committed;
 }
 
@@ -242,7 +260,7 @@ static bool is_known(const gi_context *gi, gi_object object)
 static double part_of(const gi_context *gi, const double *sums, gi_object to)
 {
 	if (to.index1 != 0)
-		return sums[scene_find(gi, to)->slot];
+		return sums[handles_find(gi, to)->slot];
 	double sum = 0;
 	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
 		sum += slot != gi->scene.sky_slot ? sums[slot] : 0;
@@ -265,7 +283,7 @@ gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, u
 	double *sums = allocate(gi, sizeof *sums * gi->scene.slot_count), area = 0;
 	if (!sums)
 		return no_memory(gi);
-	result = sum_links(gi, scene_find(gi, from), sums, &area);
+	result = sum_links(gi, handles_find(gi, from), sums, &area);
 	for (uint32_t k = 0; !result && k < count; k++)
 		out[k] = part_of(gi, sums, to[k]) / area;
 	gi_free(sums);

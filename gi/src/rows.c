@@ -11,10 +11,15 @@
  * to each other, traces both, and closes the rows touched. Each step is a pure function of poses and geometry, so rows
  * kept by updates are those of a rebuild, bit for bit.
  */
+#include "rows.h"
+
+#include "binding.h"
 #include "bits.h"
+#include "changes.h"
 #include "context.h"
 #include "loans.h"
 #include "memory.h"
+#include "sky.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -118,21 +123,6 @@ static void clear_rows(gi_context *gi)
 uint64_t rows_most_entries(gi_context *gi, uint64_t wanted)
 {
 	return gpu_buffer_limit(&gi->gpu, sizeof(gi_uvec4) * wanted) / sizeof(gi_uvec4);
-}
-
-/* Entries of a row that there must at least be room for, on average: any closed scene of some detail has more. A commit
- * that fails for lack of them fails before anything is built. */
-static const uint64_t LEAST_ENTRIES = 16;
-
-uint64_t rows_table_bytes(uint64_t leaves, uint64_t sources)
-{
-	return sizeof(gi_uvec4) * leaves * (sources > LEAST_ENTRIES ? sources : LEAST_ENTRIES);
-}
-
-bool rows_can_hold(gi_context *gi, uint64_t leaves, uint64_t sources)
-{
-	const uint64_t bytes = rows_table_bytes(leaves, sources);
-	return leaves <= GI_ENTRY_LEAF_MASK && bytes <= gpu_buffer_limit(&gi->gpu, bytes);
 }
 
 /* How much finer surfaces are cut than if nothing emitted, on the mean over their area. */
@@ -446,7 +436,7 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 		if (!o || !slot_moved(gi, slot))
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
-		scene_include_box(o, &corners[2], &corners[3]);
+		object_include_box(o, &corners[2], &corners[3]);
 		gi->scene.object_data[slot].extra.w = ++p->swept;
 		ok = append_swept(list, (gi_uvec4){o->moved_update, slot, o->trails, 0}, corners);
 	}
@@ -614,6 +604,12 @@ static void begin(gi_context *gi)
 	clear_rows(gi);
 }
 
+void rows_progress(const gi_context *gi, gi_pass pass)
+{
+	if (!gi->rows.fitted)
+		gi_progress(&gi->gpu.log, (uint32_t)pass, ROWS_FIRST_STEPS, "first light: %s", gi_pass_name(pass));
+}
+
 /* Stages of prepare.comp. */
 enum { AFTER_CUT = 0, AFTER_FLAG = 1, AFTER_CLOSE = 2, ROWS_LISTED = 3, AFTER_TRACE = 4 };
 
@@ -625,7 +621,7 @@ static void prepare(gi_context *gi, uint32_t stage)
 
 static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
 {
-	frame_progress(gi, pass);
+	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -633,7 +629,7 @@ static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_
 
 static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads)
 {
-	frame_progress(gi, pass);
+	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
 	gpu_dispatch(&gi->gpu, program, threads);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
@@ -680,7 +676,7 @@ static void trace(gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
 	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
-	frame_progress(gi, GI_PASS_TRACE);
+	rows_progress(gi, GI_PASS_TRACE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
 	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
 	if (gi->scene.statics_slot != GI_NONE)
@@ -694,7 +690,7 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	p->part = !r->rebuild && !budget_is_exact(budget);
 	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
 	if (!result)
-		result = scene_upload_changes(gi);
+		result = changes_upload(gi);
 	if (result)
 		return result;
 	r->rebuild = r->rebuild || flagging_would_end_early(gi);
@@ -730,7 +726,7 @@ static void cut(gi_context *gi, const plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	const uint32_t statics = gi->scene.statics_slot;
-	frame_progress(gi, GI_PASS_CUT);
+	rows_progress(gi, GI_PASS_CUT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 	cut_by(gi, p, r->cut_program);
 	if (!r->rebuild && statics != GI_NONE && slot_moved(gi, statics))
@@ -755,7 +751,7 @@ static void find_covered(gi_context *gi, const plan *p)
 static void flag(gi_context *gi, const plan *p)
 {
 	const gi_rows *r = &gi->rows;
-	frame_progress(gi, GI_PASS_FLAG);
+	rows_progress(gi, GI_PASS_FLAG);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 	find_covered(gi, p);
 	if (!p->part) {
@@ -789,9 +785,7 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (result)
 		return result;
 	upload_frame(gi, &p, budget);
-	scene_bind(gi);
-	rows_bind(gi);
-	solver_bind(gi);
+	bind_all(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
 	if (p.part) {
@@ -815,37 +809,17 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	if (!p.part)
 		r->current = r->update;
 	forget_trails(gi);
-	gi->rations.in_force = p.part;
 	return GI_OK;
 }
 
 gi_result rows_relight(gi_context *gi)
 {
-	const gi_result result = scene_upload_materials(gi);
+	const gi_result result = changes_upload_materials(gi);
 	if (result)
 		return result;
 	upload_frame(gi, &(plan){0}, NULL);
 	rows_clear_counts(gi);
 	return GI_OK;
-}
-
-void rows_bind(const gi_context *gi)
-{
-	const gi_rows *r = &gi->rows;
-	gpu_bind_uniforms(&gi->gpu, GI_BIND_FRAME, &r->frame);
-	gpu_bind(&gi->gpu, GI_BIND_SEGMENTS, &r->segments);
-	gpu_bind(&gi->gpu, GI_BIND_ENTRIES, &r->entries);
-	gpu_bind(&gi->gpu, GI_BIND_TARGETS, &r->targets);
-	gpu_bind(&gi->gpu, GI_BIND_ENTRY_POOL, &r->entry_pool);
-	gpu_bind(&gi->gpu, GI_BIND_QUEUE, &r->queue);
-	gpu_bind(&gi->gpu, GI_BIND_ROWS, &r->headers);
-	gpu_bind(&gi->gpu, GI_BIND_LINKS, &r->links);
-	gpu_bind(&gi->gpu, GI_BIND_LINK_POOL, &r->link_pool);
-	gpu_bind(&gi->gpu, GI_BIND_TOUCHED, &r->touched);
-	gpu_bind(&gi->gpu, GI_BIND_RUNS, &r->runs);
-	gpu_bind(&gi->gpu, GI_BIND_SUSPECTS, &r->suspects);
-	gpu_bind(&gi->gpu, GI_BIND_STATE, &gi->state);
-	budget_bind(gi);
 }
 
 /* The buffers that a commit makes anew; the frame's small ones stay. */

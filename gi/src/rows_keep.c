@@ -5,6 +5,7 @@
  * changes, so that the rows are those of a scene that was built at once. Objects that came are movers of the next
  * update, lit anew: they and what sees them are cut then, under a budget if there is one.
  */
+#include "binding.h"
 #include "context.h"
 
 #include <math.h>
@@ -92,7 +93,7 @@ static bool include_freed(gi_context *gi, const rows_moves *m)
 		const uint32_t now = m->list[slot].now.x;
 		if (now == GI_NONE || now < s->first_source)
 			continue;
-		scene_include_box(&s->objects[s->slots[now]], &r->lost_lower, &r->lost_upper);
+		object_include_box(&s->objects[s->slots[now]], &r->lost_lower, &r->lost_upper);
 		any = true;
 	}
 	return any;
@@ -111,7 +112,7 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 		shifted = shifted || (!went(m, slot) && m->list[slot].now.z);
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
-	rows_bind(gi);
+	bind_rows(gi);
 	gpu_bind(&gi->gpu, GI_BIND_OLD_SEGMENTS, &before->segments);
 	gpu_bind(&gi->gpu, GI_BIND_OLD_ROWS, &before->headers);
 	gpu_bind(&gi->gpu, GI_BIND_MOVES, moves);
@@ -132,8 +133,8 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	}
 	r->lost = r->lost || lost || gone || include_freed(gi, m);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
-		if (gi->scene.objects[k].committed && !scene_is_alive(&gi->scene.objects[k]))
-			scene_include_box(&gi->scene.objects[k], &r->lost_lower, &r->lost_upper);
+		if (gi->scene.objects[k].committed && !object_is_alive(&gi->scene.objects[k]))
+			object_include_box(&gi->scene.objects[k], &r->lost_lower, &r->lost_upper);
 }
 
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)

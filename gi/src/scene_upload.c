@@ -1,15 +1,20 @@
-/* A commit: the arrays of all objects laid end to end, and uploaded.
+/* The arrays of all objects laid end to end, and uploaded.
  *
  *   leaves     | object 0 | object 1 | ...            (the sky has none)
  *   nodes      | object 0 | object 1 | ... | sky
  *   vertices   | object 0 | object 1 | ... | sky
  */
+#include "scene_upload.h"
+
 #include "bits.h"
 #include "context.h"
+#include "emitters.h"
 #include "frames.h"
+#include "limits.h"
 #include "memory.h"
 #include "pack.h"
 #include "rank.h"
+#include "sky.h"
 #include "statics.h"
 
 #include <inttypes.h>
@@ -25,7 +30,7 @@ static bool one_encloses_all(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
 		const scene_object *room = &s->objects[k];
-		if (!scene_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
+		if (!object_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
 			continue;
 		/* Rounding of the boxes and what stands in a wall by a hair. Of the room's size, not of where it is. */
 		float slack = 0;
@@ -34,7 +39,7 @@ static bool one_encloses_all(const gi_context *gi)
 		bool all = true;
 		for (uint32_t j = 0; j < s->object_count && all; j++) {
 			const scene_object *o = &s->objects[j];
-			for (int c = 0; c < 3 && scene_is_alive(o); c++)
+			for (int c = 0; c < 3 && object_is_alive(o); c++)
 				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - slack &&
 				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + slack;
 		}
@@ -83,7 +88,7 @@ static bool order_objects(gi_scene *s, gathered *g)
 		s->objects[g->order[g->order_count]].grouped = true;
 	}
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k]) && !s->objects[k].grouped)
+		if (object_is_alive(&s->objects[k]) && !s->objects[k].grouped)
 			g->order[g->order_count++] = k;
 	return true;
 }
@@ -93,7 +98,7 @@ static void count_all(const gi_context *gi, gathered *g)
 	gi_scene *n = &g->next;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
-		if (!scene_is_alive(o))
+		if (!object_is_alive(o))
 			continue;
 		n->slot_count++;
 		n->leaf_count += o->hierarchy.leaf_count;
@@ -118,12 +123,6 @@ static void count_all(const gi_context *gi, gathered *g)
 		n->node_count += g->sky.node_count;
 		n->vertex_count += g->sky.vertex_count;
 	}
-}
-
-/* One element more than asked: nothing is not a failure. */
-static void *allocate(size_t count, size_t size)
-{
-	return gi_calloc(count + 1, size);
 }
 
 /* What the scene keeps, and what goes to the GPU alone. */
@@ -239,11 +238,6 @@ static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
 	}
 }
 
-/* What this object's part of the old scene was, to carry its B over. */
-typedef struct carried {
-	uint32_t index, node_base, leaf_base;
-} carried;
-
 /* Is it where the scene before has it? */
 static bool is_placed(const scene_object *o)
 {
@@ -253,7 +247,7 @@ static bool is_placed(const scene_object *o)
 static void place(scene_object *o, const gi_object_data *before, gi_object_data *data)
 {
 	if (!before) {
-		scene_place_object(o, data);
+		object_place(o, data);
 		return;
 	}
 	data->row0 = before->row0;
@@ -309,14 +303,14 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
 		gather_light(g, o, link);
 		for (uint32_t m = 0; m < o->material_count; m++)
-			g->materials[material + m] = scene_material_data(o, m);
+			g->materials[material + m] = object_material_data(o, m);
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
 		gather_rays(g, o, data);
 		data->lower = o->hierarchy.lower;
 		data->upper = o->hierarchy.upper;
 		data->nodes = (gi_uvec4){node, node + o->hierarchy.node_count, leaf, leaf + o->hierarchy.leaf_count};
-		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, scene_object_flags(o), 0};
+		data->bvh = (gi_uvec4){bvh, bvh + o->bvh.node_count, object_flags(o), 0};
 		data->extra = (gi_uvec4){0, vertex, vertex + o->hierarchy.vertex_count, 0};
 		data->ids = (gi_uvec4){o->leaf_id - leaf, o->node_id - node, 0, 0};
 		place(o, placed, data);
@@ -400,60 +394,9 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	return GI_OK;
 }
 
-/* One part of a buffer of nodes' or leaves' light: elements [from, from + count) go to `to`. */
-static void carry_part(const gpu *g, gpu_buffer *before, uint64_t from, gpu_buffer *now, uint64_t to, uint64_t count)
-{
-	const uint64_t vec = sizeof(gi_vec4);
-	gpu_buffer_copy(g, before, vec * from, now, vec * to, vec * count);
-}
-
-/* The light of objects that stay moves from the old buffers, those of `scene`, to the new ones, as many objects at once
- * as lie in a row in both, with the tops between them; new objects start from E (solver.c). */
-static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *scene, const carried *old,
-			    uint32_t old_count)
-{
-	static const uint32_t leaf_parts[] = {GI_LEAF_B, GI_LEAF_R, GI_LEAF_BEFORE};
-	const gi_scene *s = &gi->scene;
-	for (uint32_t k = 0, next; k < old_count; k = next) {
-		const scene_object *o = &s->objects[old[k].index];
-		uint64_t nodes = o->hierarchy.node_count, leaves = o->hierarchy.leaf_count;
-		for (next = k + 1; next < old_count; next++) {
-			const scene_object *also = &s->objects[old[next].index];
-			const uint32_t apart = also->node_base - o->node_base;
-			if (old[next].node_base - old[k].node_base != apart ||
-			    old[next].leaf_base != old[k].leaf_base + leaves ||
-			    also->leaf_base != o->leaf_base + leaves)
-				break;
-			nodes = (uint64_t)apart + also->hierarchy.node_count;
-			leaves += also->hierarchy.leaf_count;
-		}
-		for (uint64_t p = 0; p < GI_NODE_PARTS; p++)
-			carry_part(&gi->gpu, &before->radiosity, p * scene->node_count + old[k].node_base,
-				   &gi->solver.radiosity, p * s->node_count + o->node_base, nodes);
-		for (size_t part = 0; part < sizeof leaf_parts / sizeof *leaf_parts; part++) {
-			const uint64_t p = leaf_parts[part];
-			carry_part(&gi->gpu, &before->leaf_radiosity, p * scene->leaf_count + old[k].leaf_base,
-				   &gi->solver.leaf_radiosity, p * s->leaf_count + o->leaf_base, leaves);
-		}
-	}
-}
-
 static bool wants_sky(const gi_context *gi)
 {
 	return gi->def.sky == GI_SKY_ON || (gi->def.sky == GI_SKY_AUTO && !one_encloses_all(gi));
-}
-
-/* What a commit does not make anew. */
-static void keep_objects(const gi_scene *from, gi_scene *to)
-{
-	to->objects = from->objects;
-	to->object_count = from->object_count;
-	to->first_free = from->first_free;
-	to->created_count = from->created_count;
-	to->automatic_static = from->automatic_static;
-	to->next_leaf_id = from->next_leaf_id;
-	to->next_node_id = from->next_node_id;
-	to->ever_committed = from->ever_committed;
 }
 
 /* What nodes emit, of those objects that are as they were from the scene before. */
@@ -462,7 +405,7 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 	gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
 		scene_object *o = &s->objects[k];
-		if (scene_is_alive(o) && (!o->committed || o->material_changed))
+		if (object_is_alive(o) && (!o->committed || o->material_changed))
 			scene_update_exitance(gi, o);
 	}
 	for (uint32_t k = 0; k < old_count; k++) {
@@ -487,7 +430,7 @@ static gi_result check_sizes(gi_context *gi, const gathered *g)
 {
 	const gi_scene *n = &g->next;
 	const uint64_t leaves = n->leaf_count, sources = n->slot_count - n->first_source;
-	const uint64_t table = rows_table_bytes(leaves, sources);
+	const uint64_t table = limits_table_bytes(leaves, sources);
 	uint64_t largest = sizeof(gi_vec4) * GI_LEAF_PARTS * leaves;
 	largest = larger_of(largest, sizeof(gi_node_geometry) * n->node_count);
 	largest = larger_of(largest, sizeof(gi_vec4) * n->vertex_count);
@@ -507,47 +450,33 @@ static gi_result check_sizes(gi_context *gi, const gathered *g)
 		       "%u leaves of %u objects need a buffer of %" PRIu64 " MiB and %s: use fewer levels or a larger "
 		       "leaf_size%s",
 		       n->leaf_count, g->order_count, (needed >> 20) + 1, gpu_limit_text(&gi->gpu, limit),
-		       by_table && rows_table_bytes(leaves, 0) < table
+		       by_table && limits_table_bytes(leaves, 0) < table
 			   ? ", or make what does not move GI_MOBILITY_STATIC: the table is of leaves times what moves"
 			   : "");
 }
 
-/* Are the static ones those of before, in the same order and below the same tops? One that was moved, and is to be
- * static all the same, may leave the order as it is and the tree another. */
-static bool same_statics(const gi_scene *old, const gi_scene *now)
+void scene_keep_objects(const gi_scene *from, gi_scene *to)
 {
-	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
-		return false;
-	for (uint32_t slot = 0; slot < old->first_source; slot++)
-		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
-			return false;
-	for (uint32_t k = 0; k < old->top_count; k++)
-		if (old->tops[k].first_slot != now->tops[k].first_slot ||
-		    old->tops[k].end_slot != now->tops[k].end_slot)
-			return false;
-	return true;
+	to->objects = from->objects;
+	to->object_count = from->object_count;
+	to->first_free = from->first_free;
+	to->created_count = from->created_count;
+	to->automatic_static = from->automatic_static;
+	to->next_leaf_id = from->next_leaf_id;
+	to->next_node_id = from->next_node_id;
+	to->ever_committed = from->ever_committed;
 }
 
-/* Everything of a context that a commit makes anew. */
-typedef struct committed {
-	gi_scene scene;
-	gi_solver solver;
-	gi_rows rows;
-	gi_lamps lamps;
-	scene_object *objects; /* with their places */
-} committed;
-
-/* Gathers and uploads all objects into gi->scene, whose buffers and arrays are none yet. */
-static gi_result upload_scene(gi_context *gi, const committed *before, gathered *g, carried *old, uint32_t *old_count)
+static gi_result upload_scene(gi_context *gi, const scene_before *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_alive(&s->objects[k]) && !is_placed(&s->objects[k])) {
+		if (object_is_alive(&s->objects[k]) && !is_placed(&s->objects[k])) {
 			gi_object_data scratch;
 			if (s->objects[k].committed)
-				scene_leave_trail(&s->objects[k]);
-			scene_place_object(&s->objects[k], &scratch);
+				object_leave_trail(&s->objects[k]);
+			object_place(&s->objects[k], &scratch);
 		}
 	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -555,153 +484,33 @@ static gi_result upload_scene(gi_context *gi, const committed *before, gathered 
 	if (check_sizes(gi, g))
 		return GI_ERROR_OUT_OF_MEMORY;
 	const bool ready = allocate_all(gi, g);
-	keep_objects(s, &g->next);
+	scene_keep_objects(s, &g->next);
 	*s = g->next;
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	gather_objects(gi, &before->scene, g, old, old_count);
+	gather_objects(gi, before->scene, g, old, old_count);
 	s->wide_count = g->next.wide_count;
-	statics_follow(s, &before->scene, before->objects, gi->rows.update + 1);
-	s->statics_update = same_statics(&before->scene, s) ? before->scene.statics_update : gi->rows.update + 1;
+	statics_follow(s, before->scene, before->objects, gi->rows.update + 1);
+	s->statics_update = statics_are_same(before->scene, s) ? before->scene->statics_update : gi->rows.update + 1;
 	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	place_vertices(g);
 	if (!rank_primitives(s, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (scene_weigh_emitters(gi))
+	if (emitters_weigh(gi))
 		return GI_ERROR_OUT_OF_MEMORY;
-	take_exitance(gi, &before->scene, old, *old_count);
+	take_exitance(gi, before->scene, old, *old_count);
 	for (uint32_t k = 0; k < s->top_count; k++)
 		scene_update_top(gi, &s->tops[k]);
 	lamps_select(gi, false);
 	return upload_gathered(gi, g);
 }
 
-/* Nodes of objects that stay, and tops with the same objects below them. */
-static void follow_nodes(const gi_scene *old, const gi_scene *now, rows_moves *m)
-{
-	for (uint32_t n = 0; n < m->node_count; n++)
-		m->nodes[n] = GI_NONE;
-	for (uint32_t slot = 0; slot < m->count; slot++) {
-		const gi_move *move = &m->list[slot];
-		if (slot == old->statics_slot || move->now.x == GI_NONE)
-			continue;
-		for (uint32_t n = move->before.z; n < move->before.w; n++)
-			m->nodes[n] = n + move->now.z;
-	}
-	for (uint32_t k = 0; k < now->top_count; k++)
-		if (now->tops[k].before != GI_NONE)
-			m->nodes[now->tops[k].before] = now->tops[k].node;
-}
-
-/* What became of the old scene's objects. False: out of memory. */
-static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves *m)
-{
-	*m = (rows_moves){.list = allocate(old->slot_count, sizeof *m->list),
-			  .count = old->slot_count,
-			  .leaf_count = old->leaf_count,
-			  .first_source = old->first_source,
-			  .nodes = allocate(old->node_count, sizeof *m->nodes),
-			  .node_count = old->node_count,
-			  .statics_slot = same_statics(old, now) ? GI_NONE : old->statics_slot};
-	if (!m->list || !m->nodes)
-		return false;
-	for (uint32_t slot = 0; slot < m->count; slot++) {
-		const gi_uvec4 nodes = old->object_data[slot].nodes;
-		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
-		uint32_t to = o ? (scene_is_alive(o) ? o->slot : GI_NONE) : now->sky_slot;
-		gi_move *move = &m->list[slot];
-		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
-		if (slot == old->statics_slot) {
-			to = now->statics_slot;
-			move->before.x = nodes.w; /* leaves are their objects' */
-		}
-		if (to == GI_NONE)
-			continue;
-		const gi_uvec4 next = now->object_data[to].nodes;
-		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
-	}
-	follow_nodes(old, now, m);
-	return true;
-}
-
-/* Where little stays, building all rows at once, in pools made for them, is less work. */
-static bool much_stays(const rows_moves *m, const gi_scene *now)
-{
-	uint64_t stay = 0;
-	for (uint32_t slot = 0; slot < m->count; slot++)
-		if (m->list[slot].now.x != GI_NONE)
-			stay += m->list[slot].before.y - m->list[slot].before.x;
-	return stay && 2 * stay >= now->leaf_count;
-}
-
-static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
-{
-	const gi_scene *now = &gi->scene;
-	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
-			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
-	rows_moves m = {0};
-	if (usable && !follow_objects(old, now, &m)) {
-		gi_free(m.list);
-		gi_free(m.nodes);
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	}
-	const gi_result result = usable && much_stays(&m, now) ? rows_keep(gi, rows, &m) : rows_allocate(gi);
-	gi_free(m.list);
-	gi_free(m.nodes);
-	return result;
-}
-
-static void put_back(gi_context *gi, const committed *before)
-{
-	scene_release(gi, &gi->scene);
-	solver_release(gi, &gi->solver);
-	rows_release(gi, &gi->rows);
-	gi->scene = before->scene;
-	gi->solver = before->solver;
-	gi->rows = before->rows;
-	gi->lamps = before->lamps;
-	memcpy(gi->scene.objects, before->objects, sizeof *before->objects * gi->scene.object_count);
-}
-
-static void let_go(gi_context *gi, committed *before)
-{
-	scene_retire(gi, &before->scene);
-	solver_retire(gi, &before->solver);
-	rows_retire(gi, &before->rows);
-}
-
-gi_result scene_upload(gi_context *gi)
+gi_result scene_upload(gi_context *gi, const scene_before *before, carried *old, uint32_t *old_count)
 {
 	gathered g = {0};
-	uint32_t old_count = 0;
-	committed before = {gi->scene, gi->solver, gi->rows, gi->lamps, NULL};
-	const uint32_t places = gi->scene.object_count;
-	gi_arena_measure(&gi->undo);
-	gi_arena_take(&gi->undo, places, sizeof(carried));
-	gi_arena_take(&gi->undo, places, sizeof(scene_object));
-	if (!gi_arena_reserve(&gi->undo))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	carried *old = gi_arena_take(&gi->undo, places, sizeof *old);
-	before.objects = gi_arena_take(&gi->undo, places, sizeof *before.objects);
-	if (places)
-		memcpy(before.objects, gi->scene.objects, sizeof *before.objects * places);
-	gi->scene = (gi_scene){0};
-	keep_objects(&before.scene, &gi->scene);
-	solver_forget(&gi->solver);
-	rows_forget(&gi->rows);
-	gi_result result = upload_scene(gi, &before, &g, old, &old_count);
-	if (!result)
-		result = solver_allocate(gi);
-	if (!result)
-		result = renew_rows(gi, &before.scene, &before.rows);
-	if (result) {
-		put_back(gi, &before);
-	} else {
-		carry_radiosity(gi, &before.solver, &before.scene, old, old_count);
-		gi->solver.cold = gi->solver.cold || !old_count;
-		let_go(gi, &before);
-	}
+	*old_count = 0;
+	const gi_result result = upload_scene(gi, before, &g, old, old_count);
 	gathered_free(&g);
 	return result;
 }

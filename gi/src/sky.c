@@ -1,8 +1,9 @@
 /* The sky as an object at infinity: the faces of a cube, each cut four by four levels down, seen as directions. Its
  * rows' entries are what closes a row of an open scene, and the light of a sky that shines.
  */
-#include "context.h"
+#include "sky.h"
 
+#include "context.h"
 #include "memory.h"
 
 #include <math.h>

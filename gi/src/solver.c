@@ -7,6 +7,10 @@
  * nodes their area means. Every sweep certifies its bound and leaves the light too, so that a solve may end with any:
  * under a budget of time it takes as many as fit, and the next update goes on from there.
  */
+#include "solver.h"
+
+#include "binding.h"
+#include "caustics.h"
 #include "context.h"
 
 #include <string.h>
@@ -127,16 +131,20 @@ static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
-	gpu_set_uint(&gi->gpu, gi->solver.emitted_program, 0,
-		     (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
-	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
+	const uint32_t through = caustics_emitted_program(gi), program = through ? through : gi->solver.emitted_program;
+	if (through) {
+		caustics_bind_light(gi);
+		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
+	}
+	gpu_set_uint(&gi->gpu, program, 0, through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);
 }
 
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 {
 	gi_solver *s = &gi->solver;
 	const bool cold = s->cold || !is_lit(&gi->scene);
-	frame_progress(gi, GI_PASS_SOLVE);
+	rows_progress(gi, GI_PASS_SOLVE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 	if (stage == STAGE_BEGIN)
 		gather_emitted(gi);
@@ -158,25 +166,14 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	gi_solver *s = &gi->solver;
 	const bool timed = budget_times_solve(gi, budget);
 	const bool begin = anew || s->cold || !is_lit(&gi->scene);
-	scene_bind(gi);
-	rows_bind(gi);
-	solver_bind(gi);
+	bind_all(gi);
 	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps);
 	s->cold = false;
 
-	frame_progress(gi, GI_PASS_LIGHT);
+	rows_progress(gi, GI_PASS_LIGHT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 	gpu_dispatch(&gi->gpu, s->light_program, gi->scene.light_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
-}
-
-void solver_bind(const gi_context *gi)
-{
-	const gi_solver *s = &gi->solver;
-	gpu_bind(&gi->gpu, GI_BIND_RADIOSITY, &s->radiosity);
-	gpu_bind(&gi->gpu, GI_BIND_LEAF_RADIOSITY, &s->leaf_radiosity);
-	gpu_bind(&gi->gpu, GI_BIND_LEAF_INDIRECT, &s->leaf_indirect);
-	gpu_bind(&gi->gpu, GI_BIND_LIGHT, &s->light);
 }
 
 void solver_forget(gi_solver *s)

@@ -18,7 +18,7 @@ static bool are_many(const gi_scene *s)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		count += scene_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
+		count += object_is_alive(&s->objects[k]) && s->objects[k].mobility != GI_MOBILITY_MOVABLE;
 	return count >= GI_AUTOMATIC_OBJECTS;
 }
 
@@ -26,7 +26,7 @@ static uint32_t list_statics(const gi_scene *s, uint32_t *list)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (scene_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
+		if (object_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
 			list[count++] = k;
 	return count;
 }
@@ -116,6 +116,21 @@ static const scene_top *find_top(const gi_scene *was, uint32_t first, uint32_t e
 	}
 	const scene_top *t = &was->tops[low];
 	return low < was->top_count && t->first_slot == first && t->end_slot == end ? t : NULL;
+}
+
+/* One that was moved, and is to be static all the same, may leave the order as it is and the tree another. */
+bool statics_are_same(const gi_scene *old, const gi_scene *now)
+{
+	if (old->statics_slot == GI_NONE || now->statics_slot == GI_NONE || old->first_source != now->first_source)
+		return false;
+	for (uint32_t slot = 0; slot < old->first_source; slot++)
+		if (old->slots[slot] != now->slots[slot] || !now->objects[now->slots[slot]].committed)
+			return false;
+	for (uint32_t k = 0; k < old->top_count; k++)
+		if (old->tops[k].first_slot != now->tops[k].first_slot ||
+		    old->tops[k].end_slot != now->tops[k].end_slot)
+			return false;
+	return true;
 }
 
 void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update)

@@ -11,7 +11,7 @@
 #ifndef GI_STATICS_H
 #define GI_STATICS_H
 
-#include "context.h"
+#include "scene.h"
 
 /* A node of the tree, depth-first. */
 typedef struct static_node {
@@ -39,6 +39,9 @@ void statics_free(static_tree *tree);
 /* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below
  * them. The others changed as of update `update`. */
 void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update);
+
+/* Are the static ones those of the scene before, in the same order and below the same tops? */
+bool statics_are_same(const gi_scene *was, const gi_scene *now);
 
 /* Geometry and topology of the tops, of the objects' roots in `rest` and `spread`, which are as numbered. Of corners, x
  * is the top's id and y the update that last changed it, as scene->tops has it. */

@@ -5,8 +5,11 @@
  *
  * Objects that are not seen are in neither.
  */
+#include "tlas.h"
+
 #include "bits.h"
 #include "context.h"
+#include "frames.h"
 #include "pack.h"
 
 #include <math.h>
@@ -58,16 +61,9 @@ typedef struct rest_plane {
 
 static rest_plane plane_at_rest(gi_vec4 world, const gi_object_data *data)
 {
-	const gi_vec4 rows[3] = {data->row0, data->row1, data->row2};
-	rest_plane p = {.height = world.w};
-	for (int r = 0; r < 3; r++) {
-		const double n = (&world.x)[r];
-		p.normal[0] += n * rows[r].x;
-		p.normal[1] += n * rows[r].y;
-		p.normal[2] += n * rows[r].z;
-		p.height -= n * rows[r].w;
-	}
-	return p;
+	const gi_vec3d n = gi_vec3d_from(world), turned = gi_direction_to_rest(data, n);
+	return (rest_plane){{turned.x, turned.y, turned.z},
+			    world.w - n.x * data->row0.w - n.y * data->row1.w - n.z * data->row2.w};
 }
 
 static double off_plane(const rest_plane *p, const float x[3])

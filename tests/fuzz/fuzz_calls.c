@@ -26,6 +26,8 @@ typedef struct input {
 	size_t size;
 	gi_object objects[SLOTS]; /* zero: none yet */
 	bool destroyed[SLOTS];
+	gi_prepared_object *prepared; /* NULL: none waits */
+	gi_material prepared_materials[2];
 	bool sane;           /* so far nothing that may overflow: large places, large lamps */
 	float exitance, rho; /* the largest so far */
 	bool updated;        /* the report is about this input's scene */
@@ -248,23 +250,62 @@ static gi_object_def define(input *in, cube *c)
 	return def;
 }
 
-static void create(input *in)
+/* What creating it gave: an object, which takes the slot of another, or a reason and no handle. */
+static void take(input *in, gi_result result, gi_object object, const gi_material *materials, uint32_t material_count)
 {
-	cube c = {0};
-	const gi_object_def def = define(in, &c);
 	const uint32_t slot = next_below(in, SLOTS);
-	gi_object object = {1, 1, 1};
-	gi_result result = gi_create_object(gi, &def, &object);
-	gi_free_leaf_choice(&c.choice);
 	check(result);
 	require(result == GI_OK || object.index1 == 0, "a failed creation gives a handle of zero");
 	if (result != GI_OK)
 		return;
-	remember(in, c.materials, def.material_count);
+	remember(in, materials, material_count);
 	if (in->objects[slot].index1 && !in->destroyed[slot])
 		check(gi_destroy_object(gi, in->objects[slot]));
 	in->objects[slot] = object;
 	in->destroyed[slot] = false;
+}
+
+static void create(input *in)
+{
+	cube c = {0};
+	const gi_object_def def = define(in, &c);
+	gi_object object = {1, 1, 1};
+	const gi_result result = gi_create_object(gi, &def, &object);
+	gi_free_leaf_choice(&c.choice);
+	take(in, result, object, c.materials, def.material_count);
+}
+
+static void ignore_message(gi_result result, const char *message, void *user);
+
+/* One that nobody took in goes for the next one. */
+static void prepare(input *in)
+{
+	cube c = {0};
+	const gi_object_def def = define(in, &c);
+	gi_free_prepared_object(in->prepared);
+	const gi_result result = gi_prepare_object(&def, ignore_message, NULL, NULL, &in->prepared);
+	gi_free_leaf_choice(&c.choice);
+	check(result);
+	require((result == GI_OK) == (in->prepared != NULL), "a prepared object or a reason");
+	memcpy(in->prepared_materials, c.materials, sizeof c.materials);
+}
+
+static void create_prepared(input *in)
+{
+	gi_object object = {1, 1, 1};
+	const bool waits = in->prepared;
+	const gi_result result = gi_create_prepared_object(gi, &in->prepared, &object);
+	require(waits || result == GI_ERROR_INVALID_ARGUMENT, "only what was prepared becomes an object");
+	require((in->prepared != NULL) == (waits && result != GI_OK), "what was taken in is the caller's no more");
+	take(in, result, object, in->prepared_materials, 2);
+}
+
+/* Both in one call, or with others in between. */
+static void prepare_and_create(input *in)
+{
+	prepare(in);
+	if (next_byte(in) & 1)
+		create_prepared(in);
 }
 
 static void destroy(input *in)
@@ -452,7 +493,7 @@ static void get_buffers(input *in)
 static void (*const calls[])(input *) = {
     create, create, create,      set_pose, set_pose, set_material, commit,       commit,      update,      update,
     update, report, read_leaves, destroy,  draw,     read_rows,    form_factors, trace_paths, get_buffers, forget,
-    hide,   hide,   destroy_and_update, set_mobility, set_mobility};
+    hide,   hide,   destroy_and_update, set_mobility, set_mobility, prepare_and_create, create_prepared};
 
 /* ---- contexts ---------------------------------------------------------------------------------------------------- */
 
@@ -553,6 +594,7 @@ static void destroy_all(input *in)
 		if (in->objects[slot].index1 && !in->destroyed[slot])
 			require(gi_destroy_object(gi, in->objects[slot]) == GI_OK, "what was made can be destroyed");
 	}
+	gi_free_prepared_object(in->prepared);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

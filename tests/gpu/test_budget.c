@@ -1,3 +1,4 @@
+#define _POSIX_C_SOURCE 200809L /* nanosleep */
 /* Updates under a budget: rows that wait are counted and bounded, none waits for ever, and what is exact again is a
  * rebuild's, to the bit.
  *
@@ -13,6 +14,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
 
 static gi_context_def coarse_def(void)
 {
@@ -484,6 +487,55 @@ static void time_holds_after_commits(void **state)
 	gi_context_destroy(gi);
 }
 
+/* A commit that takes as long as the budget: whoever hears of it sleeps. */
+static void sleep_in_commits(const char *what, uint32_t done, uint32_t total, void *user)
+{
+	const float *ms = user;
+	(void)done, (void)total;
+	if (strcmp(what, "joining objects") == 0)
+		nanosleep(&(struct timespec){0, (long)(1e6f * *ms)}, NULL);
+}
+
+/* The first move of a static object makes its update commit, and that is time of the budget: rows get the tenth that is
+ * left. The updates between have all of it, and as much to do. */
+static void a_commit_takes_from_the_budget(void **state)
+{
+	(void)state;
+	enum { STATICS = 5, WARM = 8, AGAIN = 2 };
+	float asleep = 0;
+	gi_context_def def = timed_def();
+	def.row_tolerance = .01f;
+	def.progress = sleep_in_commits;
+	def.user = &asleep;
+	room_of_many room;
+	gi_context *gi = open_many(&room, &def, 2 * STATICS + 4); /* two stay together to the end */
+	gi_budget budget = {.ms = 1e-3f};
+	double least = INFINITY; /* what no budget shortens */
+	uint64_t with = 0, without = 0;
+	for (int k = -WARM; k < AGAIN * STATICS; k++) {
+		for (int n = 0; n < STATICS; n++)
+			assert_gi(gi_set_pose(gi, room.boxes[2 * n],
+					      (gi_pose){{(float)n - 2, .1f * (float)(k & 7), -1.5f}, {0, 0, 0, 1}}));
+		const bool commits = k >= 0 && k % AGAIN == 0;
+		const gi_object box = room.boxes[2 * (k / AGAIN) + 1];
+		if (commits)
+			assert_gi(gi_set_pose(gi, box, (gi_pose){{.3f * (float)k / AGAIN, 1.2f, 1.5f}, {0, 0, 0, 1}}));
+		const gi_report r = update_under(gi, &budget);
+		if (k < 0) {
+			least = fmin(least, (double)r.update_ms);
+			budget.ms = asleep = k < -WARM / 2 ? 1e-3f : (float)(20 * least);
+		} else {
+			*(commits ? &with : &without) += r.rays;
+		}
+	}
+	with *= AGAIN - 1;
+	printf("  in %.1f ms: %llu rays beside commits of that time, %llu without\n", (double)budget.ms,
+	       (unsigned long long)with, (unsigned long long)without);
+	assert_true(with < without / 2);
+	assert_int_equal(harness_update(gi).waiting_rows, 0);
+	gi_context_destroy(gi);
+}
+
 /* ---- edges ---- */
 
 static void no_budget_is_exact(void **state)
@@ -566,6 +618,7 @@ int main(void)
 	    cmocka_unit_test(time_is_certified),
 	    cmocka_unit_test(little_time_little_work),
 	    cmocka_unit_test(time_holds_after_commits),
+	    cmocka_unit_test(a_commit_takes_from_the_budget),
 	    cmocka_unit_test(no_budget_is_exact),
 	    cmocka_unit_test(switches_and_commits),
 	    cmocka_unit_test(bad_budgets),

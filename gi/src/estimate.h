@@ -1,0 +1,19 @@
+/* How far off the rows are, on random leaves. */
+#ifndef GI_ESTIMATE_H
+#define GI_ESTIMATE_H
+
+#include "gpu.h"
+
+typedef struct gi_estimate {
+	bool fresh; /* chances are those of the committed scene */
+	double area; /* of all its leaves, m2 */
+	/* Made by the first update that wants them, as the buffers. */
+	uint32_t choose_program, trace_program, sum_program, mean_program;
+	gpu_buffer chances, items, shares, results;
+} gi_estimate;
+
+gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */
+void estimate_invalidate(gi_context *gi);  /* after a commit */
+void estimate_free(gi_context *gi);
+
+#endif

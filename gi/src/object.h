@@ -1,0 +1,96 @@
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built; where it is and
+ * what it is made of. Building it writes to nothing that threads share. */
+#ifndef GI_OBJECT_H
+#define GI_OBJECT_H
+
+#include "bvh.h"
+#include "gpu.h"
+#include "hierarchy.h"
+#include "material.h"
+#include "skin.h"
+
+/* Of a material of an object (emitters.c). */
+typedef struct scene_emission {
+	double area;    /* of its leaves, m2 */
+	uint32_t steps; /* while it emits it is cut 2^steps times finer than others */
+	bool ranked;    /* it emitted at the last commit (rank.h) */
+} scene_emission;
+
+typedef struct scene_object {
+	uint32_t generation; /* of the handle that owns this place; odd while alive */
+	bool committed;      /* part of the uploaded scene */
+	bool moved;          /* since the last update */
+	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
+	bool material_changed;
+	bool hidden;         /* by the host */
+	bool arrives;        /* it came or is shown again, since the last update: it has no rows yet */
+	gi_mobility mobility;
+	bool grouped;        /* one of the static objects that are one source (statics.h) */
+	bool was_grouped;    /* before the last commit */
+	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
+	char *name;
+	gi_pose pose;
+	gi_material *materials;
+	gi_specular *specular; /* of each; NULL: none is a mirror or glass */
+	scene_emission *emission; /* of each */
+	uint32_t material_count;
+	gi_hierarchy hierarchy;
+	gi_bvh bvh;
+	gi_skin skin;
+	uint32_t *by_size; /* numbers of its primitives (rank.h) */
+
+	/* Place in the uploaded scene. */
+	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
+	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
+	gi_vec4 world_lower, world_upper;
+	bool trails; /* where it was since every row has seen it: */
+	gi_vec4 trail_lower, trail_upper;
+	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
+	bool plane; /* all of it in one plane */
+	bool overlaps; /* and parts of it cover each other */
+	uint64_t created; /* how many were created before it */
+	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are
+	 * enough. */
+	uint32_t leaf_id, node_id, leaf_ids, node_ids;
+} scene_object;
+
+/* ---- building ---- */
+
+/* For whom an object is built. */
+typedef struct object_builder {
+	const gi_log *log;
+	gpu *gpu;        /* which has to hold it; NULL: none, on any thread */
+	uint32_t number; /* of objects before it: how far the host is told that it is; where there is a gpu */
+} object_builder;
+
+gi_result object_build(const object_builder *builder, const gi_object_def *def, scene_object *out);
+void object_free(scene_object *object);
+/* Lengths and places of objects, metres, are at most this: area times B, and the products of three lengths that rays
+ * take, stay in the range of floats. */
+#define OBJECT_MAX_LENGTH 1e9f
+/* Products of three lengths end here at the lower end. */
+#define OBJECT_MIN_AREA 1e-24f
+/* Whether the library takes the definition, but for what refining it shows. */
+gi_result object_check_def(const gi_log *log, const gi_object_def *def);
+/* About how many leaves an object would have; or exactly, by splitting its faces, false: memory ran out. */
+double object_estimate_leaves(const gi_object_def *def);
+bool object_count_leaves(const gi_object_def *def, uint64_t *count);
+/* A size in two digits, not less than it. */
+double object_rounded_size(double size);
+bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object);
+
+/* ---- one that is built ---- */
+
+bool object_measure_materials(scene_object *object); /* their areas */
+bool object_is_alive(const scene_object *object);
+/* Not hidden, not destroyed: what is not seen keeps its place until the next commit, and takes part in nothing. */
+bool object_is_seen(const scene_object *object);
+uint32_t object_flags(const scene_object *object); /* GI_OBJECT_ */
+void object_place(scene_object *object, gi_object_data *data);
+void object_leave_trail(scene_object *object); /* before it is placed elsewhere */
+void object_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
+bool object_is_smooth(const scene_object *object); /* something of it is a mirror or glass */
+bool object_has_glass(const scene_object *object);
+gi_material_data object_material_data(const scene_object *object, uint32_t material);
+
+#endif

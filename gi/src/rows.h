@@ -1,0 +1,67 @@
+/* The rows of M: which nodes each leaf receives from, form factors, visibility, closing. */
+#ifndef GI_ROWS_H
+#define GI_ROWS_H
+
+#include "gpu.h"
+
+typedef struct gi_slot_list {
+	uint32_t *slots, count, capacity;
+} gi_slot_list;
+
+typedef struct gi_rows {
+	uint32_t update;   /* number of the last update of the rows, from 1 */
+	uint32_t current;  /* every row has seen all that changed up to this one */
+	bool rebuild;      /* everything is to be cut anew */
+	bool fitted;       /* the pools held the rows at least once since the commit */
+	bool kept;         /* the last commit kept them: no update ran since */
+	bool lost;         /* and an object went */
+	uint32_t lost_update; /* that saw the last one that went */
+	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
+	uint64_t entry_limit, link_limit;
+	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects,
+		frame;
+	gi_uvec4 *run_data; /* pose runs, then cut runs */
+	uint32_t run_capacity;
+	gi_slot_list suspect_list; /* of the last update */
+	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
+		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
+		kept_program, covered_program;
+} gi_rows;
+
+enum { ROWS_PROGRAMS = 15 };
+void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
+gi_result rows_init(gi_context *gi);
+gi_result rows_allocate(gi_context *gi);
+/* What became of the objects of the scene before, slot by slot. */
+typedef struct rows_moves {
+	gi_move *list;
+	uint32_t count, leaf_count, first_source; /* slots and leaves before */
+	uint32_t *nodes, node_count;              /* where each node is now */
+	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
+} rows_moves;
+/* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what
+ * stays are kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */
+gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *moves);
+gi_result rows_grow(gi_context *gi);
+/* For rows_keep.c: tables of leaves and slots, without a row; pools of gi->rows.entry_limit; how many entries a pool
+ * may have where so many are wanted. */
+gi_result rows_allocate_tables(gi_context *gi);
+gi_result rows_allocate_pools(gi_context *gi);
+uint64_t rows_most_entries(gi_context *gi, uint64_t wanted);
+/* An allocator's state, for a pool of more elements. */
+void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit);
+void rows_recycle(gi_context *gi); /* what was given back may be taken again */
+gi_result rows_update(gi_context *gi, const gi_budget *budget);
+/* Where values of materials are all that changed: rows stay what they are. */
+gi_result rows_relight(gi_context *gi);
+void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
+void rows_forget(gi_rows *rows);                     /* drops the names of what a commit makes */
+void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
+void rows_retire(gi_context *gi, gi_rows *rows);      /* likewise, but memory of tables is kept for the next commit */
+void rows_free(gi_context *gi);
+/* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update come
+ * before this one. */
+enum { ROWS_FIRST_STEPS = GI_PASS_ESTIMATE };
+void rows_progress(const gi_context *gi, gi_pass pass);
+
+#endif

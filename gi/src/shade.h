@@ -1,0 +1,13 @@
+/* The picture. */
+#ifndef GI_SHADE_H
+#define GI_SHADE_H
+
+#include "gi/gi.h"
+
+typedef struct gi_shade gi_shade; /* all that pictures take */
+
+/* Drops what was made of the committed scene. */
+void shade_invalidate(gi_context *gi);
+void shade_free(gi_context *gi);
+
+#endif
