@@ -11,9 +11,9 @@
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
-#include "limits.h"
 #include "memory.h"
 #include "rank.h"
+#include "scene_limits.h"
 #include "sky.h"
 #include "statics.h"
 
