@@ -1,6 +1,6 @@
 #include "arena.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 /* Of a line of a cache. */
 static const size_t ALIGNMENT = 64;

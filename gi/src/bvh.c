@@ -6,7 +6,7 @@
 #include "bvh.h"
 
 #include "bits.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "vec3d.h"
 
 #include <float.h>

@@ -1,6 +1,6 @@
 #include "bvh.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <stdlib.h>
 

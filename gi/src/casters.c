@@ -2,7 +2,7 @@
 
 #include "context.h"
 #include "frames.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>

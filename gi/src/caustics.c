@@ -2,8 +2,8 @@
 
 #include "binding.h"
 #include "context.h"
+#include "host_memory.h"
 #include "lights.h"
-#include "memory.h"
 #include "specular.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "cells.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "caustics.h"
 #include "context.h"
 #include "handles.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "programs.h"
 #include "scene_upload.h"
 #include "specular.h"

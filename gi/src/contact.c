@@ -9,7 +9,7 @@
 #include "bits.h"
 #include "bvh.h"
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "vec3d.h"
 
 #include <stdlib.h>

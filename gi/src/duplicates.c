@@ -1,7 +1,7 @@
 #include "duplicates.h"
 
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <stdlib.h>
 #include <string.h>

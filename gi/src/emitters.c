@@ -12,7 +12,7 @@
 #include "emitters.h"
 
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@
 
 #include "binding.h"
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };

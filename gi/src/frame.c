@@ -5,7 +5,7 @@
 #include "commit.h"
 #include "context.h"
 #include "emitters.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "specular.h"
 
 #include <math.h>

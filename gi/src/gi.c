@@ -4,7 +4,7 @@
 #include "commit.h"
 #include "context.h"
 #include "handles.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "programs.h"
 #include "sky.h"
 #include "specular.h"

@@ -1,7 +1,7 @@
 #include "gpu.h"
 
 #include "clock.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <gi_gl.h>
 

@@ -2,7 +2,7 @@
  * may be of the same generator. */
 #include "gpu.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Programs of gi/: shader files flattened and handed to the driver. */
 #include "gpu.h"
 
-#include "memory.h"
+#include "host_memory.h"
 #include "shader_source.h"
 
 #include <gi_gl.h>

@@ -4,7 +4,7 @@
 #include "handles.h"
 
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "scene_limits.h"
 
 /* Doubled when full: there is room for the next power of two. */

@@ -9,7 +9,7 @@
  */
 #include "hierarchy.h"
 
-#include "memory.h"
+#include "host_memory.h"
 #include "quad_cover.h"
 #include "split.h"
 #include "vec3d.h"

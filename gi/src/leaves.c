@@ -7,7 +7,7 @@
 #include "context.h"
 #include "duplicates.h"
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "vec3d.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 #include "lights.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "bits.h"
 #include "context.h"
 #include "frames.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 
 #include "duplicates.h"
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "overlap.h"
 #include "scene_limits.h"
 #include "split.h"

@@ -1,7 +1,7 @@
 /* An object that is built: what it is made of, and where it is. */
 #include "object.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 
 #include "binding.h"
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "view.h"
 
 #include <stddef.h>

@@ -9,8 +9,8 @@
 
 #include "binding.h"
 #include "context.h"
+#include "host_memory.h"
 #include "lights.h"
-#include "memory.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 #include "rank.h"
 
 #include "bits.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <stdlib.h>
 

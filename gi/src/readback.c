@@ -3,7 +3,7 @@
 #include "caustics.h"
 #include "context.h"
 #include "handles.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #include "refine.h"
 
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "polygon.h"
 
 #include <opensubdiv/far/primvarRefiner.h>

@@ -17,8 +17,8 @@
 #include "bits.h"
 #include "changes.h"
 #include "context.h"
+#include "host_memory.h"
 #include "loans.h"
-#include "memory.h"
 #include "sky.h"
 
 #include <inttypes.h>

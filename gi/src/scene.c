@@ -2,7 +2,7 @@
 #include "scene.h"
 
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>

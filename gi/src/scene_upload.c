@@ -11,7 +11,7 @@
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "rank.h"
 #include "scene_limits.h"
 #include "sky.h"

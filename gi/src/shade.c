@@ -14,7 +14,7 @@
 
 #include "binding.h"
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "overlay.h"
 #include "reflections.h"
 #include "shadow.h"

@@ -2,8 +2,8 @@
 
 #include "context.h"
 #include "frames.h"
+#include "host_memory.h"
 #include "lamp_view.h"
-#include "memory.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 
 #include "bits.h"
 #include "bvh.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "skin_hanging.h"
 #include "vec3d.h"
 

@@ -1,7 +1,7 @@
 #include "skin_hanging.h"
 
 #include "bits.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "vec3d.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "sky.h"
 
 #include "context.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 #include "smooth.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include "vec3d.h"
 

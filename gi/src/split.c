@@ -9,7 +9,7 @@
 #include "split.h"
 
 #include "faces.h"
-#include "memory.h"
+#include "host_memory.h"
 #include "split_pieces.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Nodes, which lie depth-first, as levels of faces: those not split reach down to the finest. */
 #include "split_pieces.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* Points of the pieces: one a place, so that faces that share an edge share its points. */
 #include "split_pieces.h"
 
-#include "memory.h"
+#include "host_memory.h"
 
 #include <string.h>
 

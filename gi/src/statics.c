@@ -2,7 +2,7 @@
 
 #include "cells.h"
 #include "frames.h"
-#include "memory.h"
+#include "host_memory.h"
 
 #include <math.h>
 

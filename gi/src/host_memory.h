@@ -7,8 +7,8 @@
  * Each block knows its allocator: it is freed by that one, whoever frees it, on whichever thread. Nothing else of the
  * library calls malloc; OpenSubdiv and the C library's own functions do.
  */
-#ifndef GI_MEMORY_H
-#define GI_MEMORY_H
+#ifndef GI_HOST_MEMORY_H
+#define GI_HOST_MEMORY_H
 
 #include "gi/gi.h"
 
