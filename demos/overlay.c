@@ -116,6 +116,7 @@ static void add_help(lines *keys, lines *actions, bool can_move)
 	    {"O", "no overlay"},
 	    {"B", "build every frame from scratch"},
 	    {"-  =", "darker, brighter"},
+	    {"F5", "read the shaders again"},
 	    {"H", "this list"},
 	    {"Esc", "end"},
 	};

@@ -67,6 +67,7 @@ static bool open_gi(player *p)
 		def.row_tolerance = p->o->row_tolerance;
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
+	def.shader_directory = p->o->shaders;
 	def.pixel_lamps = p->o->pixel_lamps;
 	def.estimate_leaves = estimate_leaves(p);
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {

@@ -5,9 +5,9 @@
 
 #include "duplicates.h"
 #include "faces.h"
-#include "limits.h"
 #include "memory.h"
 #include "overlap.h"
+#include "scene_limits.h"
 #include "split.h"
 
 #include <float.h>

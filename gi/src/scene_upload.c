@@ -10,10 +10,10 @@
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
-#include "limits.h"
 #include "memory.h"
 #include "pack.h"
 #include "rank.h"
+#include "scene_limits.h"
 #include "sky.h"
 #include "statics.h"
 
