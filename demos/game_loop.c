@@ -64,8 +64,8 @@ static void add_room(gi_context *gi)
 	static const float x[3] = {4, 0, 0}, y[3] = {0, 3, 0}, z[3] = {0, 0, 4}, lx[3] = {1, 0, 0}, lz[3] = {0, 0, 1};
 	static const float low[3] = {-2, 0, -2}, high[3] = {-2, 3, -2}, front[3] = {-2, 0, 2}, right[3] = {2, 0, -2},
 			   lamp[3] = {-.5f, 2.99f, -.5f};
-	const gi_material grey = {{.7f, .7f, .7f}, {0, 0, 0}}, red = {{.6f, .1f, .1f}, {0, 0, 0}},
-			  green = {{.1f, .5f, .1f}, {0, 0, 0}}, light = {{0, 0, 0}, {25, 22, 18}};
+	const gi_material grey = {.rho = {.7f, .7f, .7f}}, red = {.rho = {.6f, .1f, .1f}},
+			  green = {.rho = {.1f, .5f, .1f}}, light = {.exitance = {25, 22, 18}};
 	add_wall(gi, "floor", low, z, x, grey);
 	add_wall(gi, "ceiling", high, x, z, grey);
 	add_wall(gi, "back", low, x, y, grey);
@@ -78,7 +78,7 @@ static void add_room(gi_context *gi)
 static gi_object add_box(gi_context *gi, float half)
 {
 	static const uint32_t indices[24] = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
-	const gi_material white = {{.8f, .8f, .8f}, {0, 0, 0}};
+	const gi_material white = {.rho = {.8f, .8f, .8f}};
 	float positions[24];
 	for (int k = 0; k < 24; k++)
 		positions[k] = (k / 3) >> (k % 3) & 1 ? half : -half;

@@ -2,7 +2,7 @@
 
 #include "image.h"
 #include "output.h"
-#include "player.h"
+#include "wall_clock.h"
 
 #include <errno.h>
 #include <float.h>
@@ -334,7 +334,7 @@ options options_default(const char *program)
 {
 	engine_output_watch(program);
 	return (options){.program = program,
-			 .began_ms = player_clock_ms(),
+			 .began_ms = wall_clock_ms(),
 			 .fps = 24,
 			 .budget_fps = 30,
 			 .width = 512,

@@ -21,7 +21,7 @@ typedef enum options_sides {
 
 typedef struct options {
 	const char *program;
-	double began_ms; /* when it did, by player_clock_ms */
+	double began_ms; /* when it did, by wall_clock_ms */
 	uint32_t frames; /* 0: endless in a window, the program's choice without one */
 	double fps;      /* frames a second of a recorded animation, default 24 */
 	int width, height;

@@ -3,20 +3,13 @@
 
 #include "interrupt.h"
 #include "overlay.h"
+#include "wall_clock.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
-
-double player_clock_ms(void)
-{
-	struct timespec now;
-	clock_gettime(CLOCK_MONOTONIC, &now);
-	return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
-}
 
 /* ---- messages ------------------------------------------------------------------------------------------------------
  */
@@ -35,13 +28,6 @@ static void on_progress(const char *what, uint32_t done, uint32_t total, void *u
 {
 	player *p = user;
 	progress_show(&p->progress, what, done, total);
-}
-
-static bool succeeded(player *p, gi_result result)
-{
-	if (result && !p->message[0])
-		snprintf(p->message, sizeof p->message, "%s", gi_result_text(result));
-	return result == GI_OK;
 }
 
 /* ---- begin ---------------------------------------------------------------------------------------------------------
@@ -87,7 +73,7 @@ static bool open_gi(player *p)
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;
 	}
-	return succeeded(p, gi_context_create(&def, &p->gi));
+	return player_succeeded(p, gi_context_create(&def, &p->gi));
 }
 
 static bool open_picture(player *p)
@@ -123,9 +109,9 @@ static bool begin(player *p)
 	choose_frames(p);
 	if (!open_gi(p))
 		return false;
-	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !succeeded(p, gi_commit(p->gi)))
+	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !player_succeeded(p, gi_commit(p->gi)))
 		return false;
-	p->last_clock_ms = player_clock_ms();
+	p->last_clock_ms = wall_clock_ms();
 	return player_budget_open(p) && player_open_files(p);
 }
 
@@ -140,45 +126,6 @@ static void end(player *p)
 	free(p->poses);
 }
 
-/* ---- exposure ------------------------------------------------------------------------------------------------------
- */
-
-/* Area-weighted mean of the radiance that leaves what does not shine itself, W/(m2 sr); 0 in the dark. */
-static double mean_radiance(const gi_leaf *leaves, uint32_t count)
-{
-	double sum = 0, area = 0;
-	for (uint32_t k = 0; k < count; k++) {
-		const gi_leaf *l = leaves + k;
-		const double b = 0.2126 * (double)l->radiosity[0] + 0.7152 * (double)l->radiosity[1] +
-				 0.0722 * (double)l->radiosity[2];
-		if (l->exitance[0] + l->exitance[1] + l->exitance[2] > 0 || !isfinite(b))
-			continue;
-		sum += (double)l->area * b;
-		area += (double)l->area;
-	}
-	return area > 0 ? sum / area / 3.14159265358979 : 0;
-}
-
-/* The mean of the scene as 0.3 in the picture leaves its bright half below white. */
-static float measured_exposure(player *p)
-{
-	uint32_t count = 0;
-	gi_leaf *leaves = NULL;
-	if (gi_read_leaves(p->gi, NULL, 0, &count) == GI_OK && count &&
-	    (leaves = malloc(count * sizeof *leaves)) != NULL && gi_read_leaves(p->gi, leaves, count, &count) != GI_OK)
-		count = 0;
-	const double mean = leaves ? mean_radiance(leaves, count) : 0;
-	free(leaves);
-	return mean > 0 ? (float)(0.3 / mean) : 1;
-}
-
-static void choose_exposure(player *p)
-{
-	p->exposure = p->o->exposure > 0       ? p->o->exposure
-		      : p->scene->exposure > 0 ? p->scene->exposure
-					       : measured_exposure(p);
-}
-
 /* ---- frame ---------------------------------------------------------------------------------------------------------
  */
 
@@ -190,29 +137,14 @@ static bool waits(const player *p)
 
 static bool light(player *p)
 {
-	if (!succeeded(p, p->scene->animate(p->scene->user, p->gi, p->time_s)))
+	if (!player_succeeded(p, p->scene->animate(p->scene->user, p->gi, p->time_s)))
 		return false;
 	if (p->rebuild) {
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
 	const gi_budget budget = player_budget_next(p);
-	return succeeded(p, gi_update(p->gi, &budget)) && (!waits(p) || succeeded(p, gi_finish(p->gi)));
-}
-
-bool player_draw(player *p, gi_mode mode)
-{
-	gi_view view = gi_view_default();
-	view.width = (uint32_t)engine_target_width(p->target);
-	view.height = (uint32_t)engine_target_height(p->target);
-	view.mode = mode;
-	view.overlay = p->layer;
-	camera_matrices(&p->camera, (float)view.width / (float)view.height, view.view_from_world, view.clip_from_view);
-	engine_target_begin(p->target);
-	if (!succeeded(p, gi_draw(p->gi, &view)))
-		return false;
-	engine_target_tonemap(p->target, p->exposure);
-	return true;
+	return player_succeeded(p, gi_update(p->gi, &budget)) && (!waits(p) || player_succeeded(p, gi_finish(p->gi)));
 }
 
 static void show(player *p, const gi_report *report)
@@ -256,10 +188,10 @@ static bool draw(player *p, double began, gi_report *report)
 {
 	if (is_seen(p) && (!fit_window(p) || !player_draw(p, p->mode)))
 		return false;
-	if (waits(p) && is_seen(p) && !succeeded(p, gi_finish(p->gi)))
+	if (waits(p) && is_seen(p) && !player_succeeded(p, gi_finish(p->gi)))
 		return false;
-	p->frame_ms = player_clock_ms() - began;
-	return succeeded(p, gi_get_report(p->gi, report));
+	p->frame_ms = wall_clock_ms() - began;
+	return player_succeeded(p, gi_get_report(p->gi, report));
 }
 
 static bool record(player *p, const gi_report *report)
@@ -297,26 +229,26 @@ static bool play_frame(player *p)
 		p->time_s = p->frame / p->o->fps;
 	if (!p->camera_taken)
 		p->scene->view(p->scene->user, p->time_s, &p->camera);
-	const double began = player_clock_ms();
+	const double began = wall_clock_ms();
 	if (!light(p))
 		return false;
-	p->update_ms = player_clock_ms() - began;
+	p->update_ms = wall_clock_ms() - began;
 	if (p->frame == 0)
-		choose_exposure(p);
+		player_choose_exposure(p);
 	if (p->frame == 0)
 		progress_show(&p->progress, "first picture", 0, 0);
-	const double drawing = player_clock_ms();
+	const double drawing = wall_clock_ms();
 	gi_report report;
 	if (!draw(p, drawing - p->update_ms, &report))
 		return false;
 	progress_end(&p->progress); /* shaders for what is wanted later are compiled later */
 	if (p->frame == 0)
-		p->report.start_ms = player_clock_ms() - p->o->began_ms;
+		p->report.start_ms = wall_clock_ms() - p->o->began_ms;
 	if (!player_write_frame(p))
 		return false;
 	if (p->hud)
 		show(p, &report);
-	p->shown_ms = p->recording ? p->frame_ms : player_clock_ms() - began;
+	p->shown_ms = p->recording ? p->frame_ms : wall_clock_ms() - began;
 	player_budget_note(p, &report);
 	if (!record(p, &report))
 		return false;

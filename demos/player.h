@@ -37,9 +37,6 @@ typedef struct player_scene {
 	const char *report; /* without --report: a file in the folder --out; NULL: none */
 } player_scene;
 
-/* Milliseconds of a clock that only goes forward. */
-double player_clock_ms(void);
-
 /* Returns the exit code; whatever failed has been told on stderr in one line. */
 int player_run(const options *o, const player_scene *scene);
 

@@ -1,5 +1,6 @@
 /* What an update may take: what the user gave, or what keeps the frame rate while something moves. */
 #include "player_internal.h"
+#include "wall_clock.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,7 +41,7 @@ gi_budget player_budget_next(player *p)
 {
 	/* The first frame's poses are news, but nothing was seen to move. */
 	const bool moved = anything_moved(p) && p->frame > 0;
-	p->budget = p->o->budget_given ? p->o->budget : frame_budget_next(&p->rate, moved, player_clock_ms());
+	p->budget = p->o->budget_given ? p->o->budget : frame_budget_next(&p->rate, moved, wall_clock_ms());
 	return p->budget;
 }
 

@@ -1,4 +1,5 @@
 #include "player_internal.h"
+#include "wall_clock.h"
 
 #include <math.h>
 
@@ -116,7 +117,7 @@ static void note_interval(player *p, double ms)
 void player_input(player *p)
 {
 	const engine_input *in = engine_context_poll(p->context);
-	const double before = p->last_clock_ms, now = player_clock_ms(), seconds = fmin(0.25, 1e-3 * (now - before));
+	const double before = p->last_clock_ms, now = wall_clock_ms(), seconds = fmin(0.25, 1e-3 * (now - before));
 	p->last_clock_ms = now;
 	note_interval(p, now - before);
 	if (!engine_context_has_window(p->context))

@@ -73,8 +73,14 @@ bool player_open_files(player *p);
 /* Whether this frame's picture goes to a file. */
 bool player_wants_picture(const player *p);
 
+/* Of a call of the library: the line that it told is p->message, else its result is. */
+bool player_succeeded(player *p, gi_result result);
+
 /* Draws the scene in a mode into the target's picture. */
 bool player_draw(player *p, gi_mode mode);
+
+/* As asked for, or from the light of the first frame. */
+void player_choose_exposure(player *p);
 
 /* Writes the pictures and the field of this frame; the picture of the player's mode is in the target. */
 bool player_write_frame(player *p);

@@ -2,7 +2,7 @@
 #include "progress.h"
 
 #include "gl.h"
-#include "player.h"
+#include "wall_clock.h"
 
 #include <stdio.h>
 #include <unistd.h>
@@ -54,11 +54,11 @@ void progress_show(progress *p, const char *what, uint32_t done, uint32_t total)
 	p->told = isatty(STDERR_FILENO);
 	if (p->told)
 		tell_terminal(p->program, what, done, total);
-	const double now = player_clock_ms();
+	const double now = wall_clock_ms();
 	if (!p->hud || (p->shown_ms > 0 && now - p->shown_ms < WINDOW_EVERY_MS))
 		return;
 	draw(p, what, done, total);
-	p->shown_ms = player_clock_ms();
+	p->shown_ms = wall_clock_ms();
 }
 
 void progress_end(progress *p)

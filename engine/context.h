@@ -11,6 +11,8 @@
 #ifndef ENGINE_CONTEXT_H
 #define ENGINE_CONTEXT_H
 
+#include "gl_proc.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -37,10 +39,6 @@ typedef struct engine_context_def {
 } engine_context_def;
 
 typedef struct engine_context engine_context;
-
-/* A GL entry point before it is cast to its type, and what looks one up by name (NULL: not there). */
-typedef void (*engine_gl_proc)(void);
-typedef engine_gl_proc (*engine_gl_get_proc)(const char *name);
 
 /* Keys: printable ones are their upper-case ASCII code ('W', '1', ' '), the rest start at 256. */
 typedef enum engine_key {

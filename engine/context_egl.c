@@ -9,6 +9,7 @@
  */
 #define EGL_NO_X11 /* <EGL/eglplatform.h> would ask for the X11 headers */
 #include "context_internal.h"
+#include "library.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -1,6 +1,7 @@
 /* GLFW: a window, its keyboard and its mouse. */
 #define GLFW_INCLUDE_NONE
 #include "context_internal.h"
+#include "library.h"
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* OSMesa: llvmpipe without a window system, into memory of ours. */
 #include "context_internal.h"
+#include "library.h"
 
 #include <GL/osmesa.h>
 #include <stdio.h>

@@ -2,9 +2,12 @@
 #ifndef ENGINE_GL_H
 #define ENGINE_GL_H
 
-#include "context.h"
+#include "gl_proc.h"
 
 #include <glad/gl.h>
+
+#include <stdbool.h>
+#include <stddef.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -366,8 +366,7 @@ bool gltf_open(gltf_document *document, scene_loader *loader)
 	note_all_extensions(document);
 	if (!make_side_tables(document))
 		return scene_fail(loader, "out of memory");
-	return read_buffers(document) &&
-	       (gltf_place_accessors(document) || scene_fail(loader, "out of memory for accessors"));
+	return read_buffers(document);
 }
 
 void gltf_close(gltf_document *document)

@@ -7,7 +7,7 @@
 #ifndef ENGINE_GLTF_DOCUMENT_H
 #define ENGINE_GLTF_DOCUMENT_H
 
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <cjson/cJSON.h>
 

@@ -43,3 +43,41 @@ bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out)
 		engine_mesh_free(out);
 	return ok;
 }
+
+/* Newell's method relative to the first corner, which keeps the digits of a small face far from the origin. */
+void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3])
+{
+	const float *origin = mesh->positions + 3 * (size_t)corners[0];
+	normal[0] = normal[1] = normal[2] = 0;
+	for (uint32_t i = 1; i + 1 < count; i++) {
+		const float *p = mesh->positions + 3 * (size_t)corners[i];
+		const float *q = mesh->positions + 3 * (size_t)corners[i + 1];
+		double a[3], b[3];
+		for (int k = 0; k < 3; k++) {
+			a[k] = (double)p[k] - origin[k];
+			b[k] = (double)q[k] - origin[k];
+		}
+		for (int k = 0; k < 3; k++)
+			normal[k] += 0.5 * (a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+	}
+}
+
+uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context)
+{
+	uint32_t read = 0, write = 0, faces = 0;
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		const uint32_t count = mesh->face_counts[f];
+		if (keep(context, f, mesh->indices + read)) {
+			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
+			if (mesh->face_materials)
+				mesh->face_materials[faces] = mesh->face_materials[f];
+			mesh->face_counts[faces++] = count;
+			write += count;
+		}
+		read += count;
+	}
+	const uint32_t dropped = mesh->face_count - faces;
+	mesh->face_count = faces;
+	mesh->index_count = write;
+	return dropped;
+}

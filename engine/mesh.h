@@ -33,6 +33,15 @@ void engine_mesh_free(engine_mesh *mesh);
 /* Copies every array into `out`, which must not own any. False, and `out` zeroed, when out of memory. */
 bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out);
 
+/* Keeps, in their order, the faces of which `keep` says so; returns how many went. It is asked once of each, from the
+ * first on, with the corners where they are.
+ */
+typedef bool engine_mesh_keep(const void *context, uint32_t face, const uint32_t *corners);
+uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context);
+
+/* Area-weighted normal of face corners (Newell's method), its length is the area. */
+void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3]);
+
 #ifdef __cplusplus
 }
 #endif

@@ -33,12 +33,6 @@ bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t mat
  */
 bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *message, size_t message_size);
 
-/* Keeps, in their order, the faces of which `keep` says so; returns how many went. It is asked once of each, from the
- * first on, with the corners where they are.
- */
-typedef bool engine_mesh_keep(const void *context, uint32_t face, const uint32_t *corners);
-uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context);
-
 /* Drops the vertices that no face has. False, with nothing changed: out of memory. */
 bool engine_mesh_drop_unused_vertices(engine_mesh *mesh);
 
@@ -51,9 +45,6 @@ void engine_mesh_turn_face(uint32_t *corners, uint32_t count);
  * Needs welded vertices.
  */
 void engine_mesh_pair_triangles(engine_mesh *mesh);
-
-/* Area-weighted normal of face corners (Newell's method), its length is the area. */
-void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3]);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 #include "mesh_duplicates.h"
 
-#include "mesh_clean.h"
+#include "mesh.h"
 
 #include <stdlib.h>
 #include <string.h>

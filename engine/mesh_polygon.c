@@ -1,6 +1,6 @@
 #include "mesh_polygon.h"
 
-#include "mesh_clean.h"
+#include "mesh.h"
 
 #include <GL/glu.h>
 

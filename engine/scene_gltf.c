@@ -1,4 +1,6 @@
 /* glTF 2.0 to a scene: nodes, their tree, cameras; other files of gltf_scene.h read what hangs on them. */
+#include "scene_gltf.h"
+
 #include "gltf_scene.h"
 
 #include <math.h>
@@ -183,7 +185,9 @@ bool scene_read_gltf(scene_loader *loader)
 {
 	gltf_document document;
 	gltf_objects objects = {0};
-	bool read = gltf_open(&document, loader) && read_scene(&document, &objects);
+	bool read = gltf_open(&document, loader) &&
+		    (gltf_place_accessors(&document) || scene_fail(loader, "out of memory for accessors")) &&
+		    read_scene(&document, &objects);
 	gltf_free_objects(&document, &objects);
 	gltf_close(&document);
 	return read;

@@ -2,7 +2,7 @@
 #ifndef ENGINE_SCENE_LEVEL_H
 #define ENGINE_SCENE_LEVEL_H
 
-#include "scene_internal.h"
+#include "scene_build.h"
 
 /* Brings the corners of faces that lie in one plane, but for the rounding of the file, into one plane; faces of all
  * objects that stand still, in the world at rest. No corner moves by more than some units of that rounding. Nothing is

@@ -1,5 +1,5 @@
 /* Materials of a scene: made as files state them, brought into the ranges that have a solution. */
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <math.h>
 #include <stdlib.h>

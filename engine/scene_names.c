@@ -1,7 +1,7 @@
 /* Names that are taken: a hash table with linear probing, so that a file of many objects of one name loads in linear
  * time.
  */
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* What a reader tells: the one reason why a file is refused, and what it left out or mended, once a kind. */
 #include "output.h"
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -4,8 +4,9 @@
  * is counted and told. Numbers of vertices may run ahead of the vertices, as some writers put all faces first.
  */
 #define _POSIX_C_SOURCE 200809L /* fileno */
+#include "scene_obj.h"
+
 #include "image_mean.h"
-#include "scene_internal.h"
 #include "scene_mtl.h"
 #include "scene_path.h"
 #include "scene_polygons.h"

@@ -2,7 +2,7 @@
  */
 #include "mesh_clean.h"
 #include "scene_bounds.h"
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Where an object stands: its pose, and what of its matrix or its mesh no pose can hold. */
 #include "mesh_clean.h"
-#include "scene_internal.h"
+#include "scene_build.h"
 
 #include <math.h>
 

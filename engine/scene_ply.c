@@ -3,6 +3,8 @@
  * Memory grows with what has been read, so that no count in a header takes any: a file that states more than it holds
  * is read to its end and refused.
  */
+#include "scene_ply.h"
+
 #include "scene_ply_header.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef ENGINE_SCENE_POLYGONS_H
 #define ENGINE_SCENE_POLYGONS_H
 
-#include "scene_internal.h"
+#include "scene_build.h"
 
 /* A face without a material: by its colour, where it has one, else the default material. */
 #define SCENE_NO_MATERIAL UINT32_MAX

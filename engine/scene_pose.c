@@ -4,7 +4,8 @@
  * chains of parents.
  */
 #include "mesh_clean.h"
-#include "scene_internal.h"
+#include "scene_pose.h"
+#include "scene_build.h"
 
 #include <math.h>
 #include <string.h>

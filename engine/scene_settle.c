@@ -1,7 +1,8 @@
 /* The objects of a scene once all are there: the origin near them, their poses at rest, what animation does to them. */
+#include "scene_settle.h"
+
 #include "mesh_clean.h"
 #include "scene_bounds.h"
-#include "scene_internal.h"
 #include "scene_level.h"
 
 #include <math.h>

@@ -496,6 +496,60 @@ uint load_sobol(uint n)
 }
 #endif
 
+#ifdef READ_SMOOTH
+TEXELS(GI_BIND_SMOOTH) smooth_texels;
+uvec4 load_smooth_normals(uint n)
+{
+	return texel(smooth_texels, n);
+}
+
+TEXELS(GI_BIND_SMOOTH_MATERIALS) smooth_material_texels;
+gi_smooth_material load_smooth_material(uint n)
+{
+	return gi_smooth_material(float_texel(smooth_material_texels, 2u * n), float_texel(smooth_material_texels, 2u * n + 1u));
+}
+#endif
+
+#ifdef READ_CORNER_LIGHTS
+TEXELS(GI_BIND_CORNER_LIGHTS) corner_light_texels;
+uvec4 load_corner_lights(uint n)
+{
+	return texel(corner_light_texels, n);
+}
+#endif
+
+#ifdef READ_PHOTONS
+TEXELS(GI_BIND_PHOTONS) photon_texels;
+gi_photon load_photon(uint n)
+{
+	return gi_photon(float_texel(photon_texels, 2u * n), float_texel(photon_texels, 2u * n + 1u));
+}
+#endif
+
+#ifdef READ_CAUSTIC_PAIRS
+TEXELS(GI_BIND_CAUSTIC_PAIRS) caustic_pair_texels;
+gi_caustic_pair load_caustic_pair(uint n)
+{
+	return gi_caustic_pair(float_texel(caustic_pair_texels, 3u * n), float_texel(caustic_pair_texels, 3u * n + 1u), texel(caustic_pair_texels, 3u * n + 2u));
+}
+#endif
+
+#ifdef READ_CAUSTIC_LIGHT
+TEXELS(GI_BIND_CAUSTIC_LIGHT) caustic_light_texels;
+vec4 load_caustic_light(uint n)
+{
+	return float_texel(caustic_light_texels, n);
+}
+#endif
+
+#ifdef READ_CAUSTIC_CELLS
+TEXELS(GI_BIND_CAUSTIC_CELLS) caustic_cell_texels;
+uint load_caustic_cell(uint n)
+{
+	return word(caustic_cell_texels, n);
+}
+#endif
+
 #ifdef READ_OLD_SEGMENTS
 TEXELS(GI_BIND_OLD_SEGMENTS) old_segment_texels;
 uvec4 load_old_segment(uint n)
@@ -607,6 +661,22 @@ STORAGE(GI_BIND_ESTIMATE_RESULTS) estimate_results_block { gi_estimate_leaf resu
 #endif
 #ifdef WRITE_PATH_SLOTS
 STORAGE(GI_BIND_PATH_SLOTS) path_slots_block { gi_path_slot slots[]; };
+#endif
+
+#ifdef WRITE_PHOTONS
+STORAGE(GI_BIND_PHOTONS) photons_block { gi_photon photons[]; };
+#endif
+#ifdef WRITE_CAUSTIC_PATHS
+STORAGE(GI_BIND_CAUSTIC_PATHS) caustic_paths_block { uint caustic_paths[]; };
+#endif
+#ifdef WRITE_CAUSTIC_SUMS
+STORAGE(GI_BIND_CAUSTIC_SUMS) caustic_sums_block { uint caustic_sums[]; };
+#endif
+#ifdef WRITE_CAUSTIC_LIGHT
+STORAGE(GI_BIND_CAUSTIC_LIGHT) caustic_light_block { vec4 caustic_light[]; };
+#endif
+#ifdef WRITE_CAUSTIC_CELLS
+STORAGE(GI_BIND_CAUSTIC_CELLS) caustic_cells_block { uint caustic_cells[]; };
 #endif
 
 #ifdef READ_OBJECTS

@@ -528,6 +528,56 @@ GI_STRUCT(gi_path_slot) {
 	GI_VEC4 sum;
 } GI_END(gi_path_slot)
 
+/* Mirrors and glass, of scenes that have any (specular.c, caustics.c): in places of what their dispatches do not read. */
+#define GI_BIND_SMOOTH GI_BIND_SPREAD            /* uvec4 per primitive: normals at its corners (smooth.h) */
+#define GI_BIND_SMOOTH_MATERIALS GI_BIND_CHOICES /* gi_smooth_material per material */
+#define GI_BIND_CORNER_LIGHTS GI_BIND_ROWS       /* uvec4 per leaf: the light vertices at its corners */
+#define GI_BIND_PHOTONS GI_BIND_PENDING          /* gi_photon, those of a pair one after the other */
+#define GI_BIND_CAUSTIC_PAIRS GI_BIND_SHINE      /* gi_caustic_pair */
+#define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
+#define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
+#define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
+#define GI_BIND_CAUSTIC_CELLS GI_BIND_TARGETS    /* uint: photons per cell of a hashed grid, level by level */
+
+/* The smooth part of a material: specular, and in w the index of refraction; transmittance. */
+GI_STRUCT(gi_smooth_material) {
+	GI_VEC4 specular;
+	GI_VEC4 transmittance;
+} GI_END(gi_smooth_material)
+
+/* An emitting object and a mirror or glass object.
+ *
+ *   //--------------- 16B ---------------
+ *   sphere       bounding sphere of the smooth object, world
+ *   power.x      of the emitter, the largest channel, W    power.y 1 over the number of photons
+ *   power.z      1 where all of it is to be traced anew    power.w W that one step of the sums is worth
+ *   lights.x     first of the emitter's triangles          lights.y their end
+ *   lights.z     slot of the emitter                       lights.w slot of the smooth object
+ */
+GI_STRUCT(gi_caustic_pair) {
+	GI_VEC4 sphere;
+	GI_VEC4 power;
+	GI_UVEC4 lights;
+} GI_END(gi_caustic_pair)
+
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; 1 where it is traced anew. */
+#define GI_CAUSTIC_DIRTY 6u
+#define GI_CAUSTIC_PATH_WORDS 8u
+
+/* Where a packet of light arrived.
+ *
+ *   //--------------- 16B ---------------
+ *   place.xyz world position    place.w leaf, as uint bits; GI_NONE: it was absorbed, or lost
+ *   flux.rgb  W                 flux.w  radius that it is drawn with, metres
+ */
+GI_STRUCT(gi_photon) {
+	GI_VEC4 place;
+	GI_VEC4 flux;
+} GI_END(gi_photon)
+
+#define GI_CAUSTIC_LEVELS 8u      /* of the grid, each twice as coarse as the one before */
+#define GI_CAUSTIC_CELLS 65536u   /* of a level */
+
 /* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
 #define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
 #define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */

@@ -17,6 +17,7 @@ static const float HALF = 2.75f, HEIGHT = 5.5f;
 static const float LIGHT_HALF_X = 0.65f, LIGHT_HALF_Z = 0.525f;
 static const float LIGHT_EXITANCE[3] = {47.1f, 38.8f, 29.4f};
 
+static const float BLACK[3] = {0, 0, 0};
 static const float WHITE[3] = {.73f, .73f, .73f}, RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
 
 /* The Buddha glides this far above the floor: bodies that touch suspect each other of hiding everything. */
@@ -183,9 +184,11 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 		const scene_body b = {.name = k ? "small ball" : "ball",
 				      .scheme = GI_SCHEME_CATMULL_CLARK,
 				      .leaf_size = def->leaf_size,
-				      .rho = WHITE,
+				      .rho = def->ball_specular ? BLACK : WHITE,
 				      .position = {places[k][0], places[k][1], places[k][2]}};
 		result = scene_add_body(gi, &b, &mesh, &out->balls[k]);
+		if (!result && def->ball_specular)
+			result = gi_set_specular(gi, out->balls[k], 0, def->ball_specular[k]);
 	}
 	return result;
 }

@@ -20,6 +20,7 @@ typedef struct cornell_def {
 	float leaf_size;       /* > 0: mean leaf edge of everything, metres, instead of all levels; default 0 */
 	bool balls;            /* two balls beside it, as in the paper; default true */
 	uint32_t ball_faces;   /* base faces of a ball: 6 n^2; default 5 */
+	const gi_specular *ball_specular; /* of both, which are black else; default NULL: they are white */
 } cornell_def;
 
 typedef struct cornell {

@@ -1,7 +1,8 @@
 /* A corridor of 2.4 x 16 m, 2.6 m high, under two rows of 14 small lamps; a ball rolls along it. */
-#include "scenes/scenes.h"
+#include "scenes/corridor.h"
 
 #include "scenes/body.h"
+#include "scenes/look_at.h"
 #include "scenes/shapes.h"
 
 #include <cglm/cglm.h>
@@ -95,5 +96,5 @@ gi_pose corridor_ball_pose(float t)
 
 void corridor_camera(float aspect, float view_from_world[16], float clip_from_view[16])
 {
-	scene_camera((float[]){.25f, 1.5f, 7.9f}, (float[]){0, 1.2f, 0}, 52, aspect, view_from_world, clip_from_view);
+	look_at((float[]){.25f, 1.5f, 7.9f}, (float[]){0, 1.2f, 0}, 52, aspect, view_from_world, clip_from_view);
 }

@@ -1,10 +1,11 @@
 /* A closed room and a Buddha in it, all of one reflectance and one exitance: nothing can be told from anything else,
  * and H = E / (1 - rho) everywhere, wherever the Buddha is. */
-#include "scenes/scenes.h"
+#include "scenes/furnace.h"
 
 #include "scenes/body.h"
 #include "scenes/buddha.h"
 #include "scenes/cornell.h"
+#include "scenes/look_at.h"
 #include "scenes/shapes.h"
 
 /* scene_kind.exact_irradiance is E / (1 - rho) = 2.5. */
@@ -34,5 +35,5 @@ gi_result furnace_create(gi_context *gi, gi_object *buddha)
 
 void furnace_camera(float aspect, float view_from_world[16], float clip_from_view[16])
 {
-	scene_camera((float[]){0, 1.7f, 8.5f}, (float[]){0, 1.7f, 0}, 36, aspect, view_from_world, clip_from_view);
+	look_at((float[]){0, 1.7f, 8.5f}, (float[]){0, 1.7f, 0}, 36, aspect, view_from_world, clip_from_view);
 }

@@ -8,9 +8,10 @@
  *      |         lamp            |    |
  *      +-----------+|+-----------+    +-- x
  */
-#include "scenes/scenes.h"
+#include "scenes/rooms.h"
 
 #include "scenes/body.h"
+#include "scenes/look_at.h"
 #include "scenes/shapes.h"
 
 #include <cglm/cglm.h>
@@ -134,5 +135,5 @@ gi_pose rooms_door_pose(float t)
 
 void rooms_camera(float aspect, float view_from_world[16], float clip_from_view[16])
 {
-	scene_camera((float[]){1.3f, 2, 8.6f}, (float[]){.05f, 1.3f, 0}, 34, aspect, view_from_world, clip_from_view);
+	look_at((float[]){1.3f, 2, 8.6f}, (float[]){.05f, 1.3f, 0}, 34, aspect, view_from_world, clip_from_view);
 }

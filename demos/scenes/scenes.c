@@ -1,8 +1,9 @@
 #include "scenes/scenes.h"
 
 #include "scenes/cornell.h"
-
-#include <cglm/cglm.h>
+#include "scenes/corridor.h"
+#include "scenes/furnace.h"
+#include "scenes/rooms.h"
 
 #include <string.h>
 
@@ -51,17 +52,4 @@ const scene_kind *scene_kind_find(const char *name)
 		if (strcmp(scene_kinds[k].name, name) == 0)
 			return &scene_kinds[k];
 	return NULL;
-}
-
-void scene_camera(const float eye[3], const float target[3], float fov, float aspect, float view_from_world[16],
-		  float clip_from_view[16])
-{
-	vec3 from, to;
-	mat4 view, clip;
-	memcpy(from, eye, sizeof from);
-	memcpy(to, target, sizeof to);
-	glm_lookat(from, to, (vec3){0, 1, 0}, view);
-	glm_perspective(glm_rad(fov), aspect, .05f, 100, clip);
-	memcpy(view_from_world, view, sizeof view);
-	memcpy(clip_from_view, clip, sizeof clip);
 }

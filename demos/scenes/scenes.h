@@ -31,20 +31,4 @@ extern const scene_kind scene_kinds[SCENE_KINDS];
 /* NULL: none has that name. */
 const scene_kind *scene_kind_find(const char *name);
 
-/* rooms.c, corridor.c, furnace.c */
-gi_result rooms_create(gi_context *gi, gi_object *door);
-gi_pose rooms_door_pose(float t);
-void rooms_camera(float aspect, float view_from_world[16], float clip_from_view[16]);
-
-gi_result corridor_create(gi_context *gi, gi_object *ball);
-gi_pose corridor_ball_pose(float t);
-void corridor_camera(float aspect, float view_from_world[16], float clip_from_view[16]);
-
-gi_result furnace_create(gi_context *gi, gi_object *buddha);
-void furnace_camera(float aspect, float view_from_world[16], float clip_from_view[16]);
-
-/* A camera at `eye` that looks at `target`, y up; field of view in degrees, from bottom to top. */
-void scene_camera(const float eye[3], const float target[3], float fov, float aspect, float view_from_world[16],
-		  float clip_from_view[16]);
-
 #endif

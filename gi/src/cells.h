@@ -8,7 +8,7 @@
 #ifndef GI_CELLS_H
 #define GI_CELLS_H
 
-#include "../../shaders/gi_shared.h"
+#include "gi_shared.h"
 
 #include <stdint.h>
 

@@ -4,11 +4,13 @@
  * are carried over. */
 #include "commit.h"
 
+#include "caustics.h"
 #include "context.h"
 #include "handles.h"
 #include "memory.h"
 #include "programs.h"
 #include "scene_upload.h"
+#include "specular.h"
 #include "statics.h"
 
 #include <string.h>
@@ -241,6 +243,8 @@ gi_result commit_objects(gi_context *gi)
 		return result;
 	shade_invalidate(gi);
 	estimate_invalidate(gi);
+	specular_invalidate(gi);
+	caustics_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;

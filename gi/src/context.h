@@ -5,6 +5,7 @@
 
 #include "arena.h"
 #include "budget.h"
+#include "caustics.h"
 #include "estimate.h"
 #include "gpu.h"
 #include "lamp.h"
@@ -13,6 +14,7 @@
 #include "scene.h"
 #include "shade.h"
 #include "solver.h"
+#include "specular.h"
 
 struct gi_context {
 	uint32_t number; /* of all contexts of the program, from 1: handles have it */
@@ -31,6 +33,8 @@ struct gi_context {
 	gi_estimate estimate;
 	gi_shade *shade; /* made by the first gi_draw */
 	gi_paths *paths; /* made by the first gi_trace_paths */
+	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
+	gi_caustics *caustics; /* likewise, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];

@@ -1,10 +1,12 @@
 /* A frame: what changed, rows and solve issued, reports taken in when the GPU is done with them. */
 #include "bits.h"
+#include "caustics.h"
 #include "clock.h"
 #include "commit.h"
 #include "context.h"
 #include "emitters.h"
 #include "memory.h"
+#include "specular.h"
 
 #include <math.h>
 #include <string.h>
@@ -191,6 +193,10 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	} else {
 		rows_clear_counts(gi);
 	}
+	if (!result && (c.rows || c.light))
+		result = specular_update(gi);
+	if (!result && (c.rows || c.light))
+		result = caustics_update(gi);
 	if (result)
 		return result;
 	if (c.rows)

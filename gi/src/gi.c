@@ -1,15 +1,19 @@
 /* The public functions about contexts and objects: arguments are checked here, work is done by the modules (context.h).
  */
+#include "caustics.h"
 #include "commit.h"
 #include "context.h"
 #include "handles.h"
-#include "programs.h"
 #include "memory.h"
+#include "programs.h"
 #include "sky.h"
+#include "specular.h"
 #include "statics.h"
 
 #include <math.h>
 #include <string.h>
+
+static const uint32_t MOST_CAUSTIC_PHOTONS = 1u << 20;
 
 static const uint32_t CONTEXT_COOKIE = 0x47493031u, OBJECT_COOKIE = 0x47494f31u;
 
@@ -23,6 +27,7 @@ gi_context_def gi_context_def_default(void)
 	    .solve_tolerance = .1f,
 	    .max_sweeps = 100,
 	    .pixel_lamps = GI_LAMP_MAX,
+	    .caustic_photons = 16384,
 	    .profile = true,
 	    .internal = CONTEXT_COOKIE,
 	};
@@ -102,6 +107,14 @@ static bool allocator_is_whole(const gi_allocator *a)
 	return !a->allocate == !a->reallocate && !a->allocate == !a->free;
 }
 
+static gi_result check_caustics(const gi_log *log, const gi_context_def *def)
+{
+	if (def->caustic_photons > MOST_CAUSTIC_PHOTONS)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "caustic_photons %u is outside 0..%u",
+			       def->caustic_photons, MOST_CAUSTIC_PHOTONS);
+	return GI_OK;
+}
+
 static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 {
 	if (def->internal != CONTEXT_COOKIE)
@@ -111,7 +124,7 @@ static gi_result check_context_def(const gi_log *log, const gi_context_def *def)
 	if (!allocator_is_whole(&def->allocator))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "allocator has some of its functions, not all");
 	const bool right = !check_rows(log, def) && !check_solve(log, def) && !check_lamps(log, def) &&
-			   !check_estimate(log, def) && !check_sky(log, def);
+			   !check_caustics(log, def) && !check_estimate(log, def) && !check_sky(log, def);
 	return right ? GI_OK : GI_ERROR_INVALID_ARGUMENT;
 }
 
@@ -198,6 +211,8 @@ void gi_context_destroy(gi_context *gi)
 		    "context");
 	shade_free(gi);
 	paths_free(gi);
+	caustics_free(gi);
+	specular_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
@@ -476,6 +491,48 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 	return GI_OK;
 }
 
+static const gi_specular *specular_of(const scene_object *o, uint32_t material)
+{
+	static const gi_specular none;
+	return o->specular ? &o->specular[material] : &none;
+}
+
+gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out)
+{
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_get_specular: out");
+	const scene_object *o = handles_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_get_specular");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	*out = *specular_of(o, material);
+	return GI_OK;
+}
+
+gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	scene_object *o = handles_find(gi, object);
+	if (!o)
+		return stale(gi, "gi_set_specular");
+	if (material >= o->material_count)
+		return no_material(gi, o, material);
+	if (!material_specular_is_valid(&gi->gpu.log, &value, &o->materials[material], o->name, material))
+		return GI_ERROR_INVALID_MATERIAL;
+	if (memcmp(specular_of(o, material), &value, sizeof value) == 0)
+		return GI_OK;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	o->specular = o->specular ? o->specular : gi_calloc(o->material_count, sizeof *o->specular);
+	gi_memory_from(before);
+	if (!o->specular)
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	o->specular[material] = value;
+	o->material_changed = true;
+	return GI_OK;
+}
+
 static bool reflects(const gi_material *m)
 {
 	return m->rho[0] + m->rho[1] + m->rho[2] > 0;
@@ -490,7 +547,8 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
-	if (!material_is_valid(&gi->gpu.log, &value, o->name, material))
+	if (!material_is_valid(&gi->gpu.log, &value, o->name, material) ||
+	    !material_specular_is_valid(&gi->gpu.log, specular_of(o, material), &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
 	if (memcmp(m, &value, sizeof value) == 0)

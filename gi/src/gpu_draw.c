@@ -67,6 +67,13 @@ void gpu_mesh_draw(const gpu *g, const gpu_mesh *mesh, uint32_t program)
 	draw(g, mesh, program, GL_TRIANGLES, (gpu_range){0, (uint32_t)mesh->index_count});
 }
 
+void gpu_mesh_draw_instances(const gpu *g, const gpu_mesh *mesh, uint32_t program, uint32_t count)
+{
+	g->gl->UseProgram(program);
+	g->gl->BindVertexArray(mesh->array);
+	g->gl->DrawElementsInstanced(GL_TRIANGLES, (GLsizei)mesh->index_count, GL_UNSIGNED_INT, NULL, (GLsizei)count);
+}
+
 void gpu_mesh_draw_lines(const gpu *g, const gpu_mesh *mesh, uint32_t program)
 {
 	draw(g, mesh, program, GL_LINES, (gpu_range){0, (uint32_t)mesh->index_count});
@@ -219,6 +226,12 @@ void gpu_target_free(gpu *g, gpu_target *t)
 	}
 	g->buffer_bytes -= t->bytes;
 	*t = (gpu_target){0};
+}
+
+void gpu_target_clear(const gpu *g, const gpu_target *t)
+{
+	static const GLfloat black[4];
+	g->gl->ClearNamedFramebufferfv(t->framebuffer, GL_COLOR, 0, black);
 }
 
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture)

@@ -24,6 +24,8 @@ gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_a
 			  const uint32_t *indices);
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
 void gpu_mesh_draw(const gpu *g, const gpu_mesh *mesh, uint32_t program);
+/* So many times, gl_InstanceID counting. */
+void gpu_mesh_draw_instances(const gpu *g, const gpu_mesh *mesh, uint32_t program, uint32_t count);
 void gpu_mesh_draw_lines(const gpu *g, const gpu_mesh *mesh, uint32_t program);
 
 /* A part of a mesh's indices. */
@@ -61,6 +63,8 @@ typedef struct gpu_target {
 gi_result gpu_target_create(gpu *g, gpu_target *target, const char *label, const gpu_format formats[2], bool depth,
 			    uint32_t width, uint32_t height);
 void gpu_target_free(gpu *g, gpu_target *target);
+/* The first colour of it to 0. */
+void gpu_target_clear(const gpu *g, const gpu_target *target);
 /* Read by texelFetch. */
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);
 
@@ -122,6 +126,8 @@ void gpu_draw_multiplied(const gpu *g, bool on, gpu_convention convention);
 
 /* What is drawn is added to what is there, whatever the depth. */
 void gpu_draw_added(const gpu *g, bool on);
+/* The same, where it lies no deeper; depths are not written. */
+void gpu_draw_added_in_front(const gpu *g, bool on, gpu_convention convention);
 
 /* A part of the buffer; offset a multiple of 256. */
 void gpu_bind_uniform_range(const gpu *g, uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes);

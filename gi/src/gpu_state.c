@@ -203,3 +203,14 @@ void gpu_draw_added(const gpu *g, bool on)
 	g->gl->BlendFunci(0, GL_ONE, on ? GL_ONE : GL_ZERO);
 	set(g, GL_DEPTH_TEST, !on);
 }
+
+void gpu_draw_added_in_front(const gpu *g, bool on, gpu_convention c)
+{
+	set_indexed(g, GL_BLEND, 0, on);
+	g->gl->BlendFunci(0, GL_ONE, on ? GL_ONE : GL_ZERO);
+	if (on)
+		g->gl->DepthFunc(c.reversed ? GL_GEQUAL : GL_LEQUAL);
+	else
+		g->gl->DepthFunc(c.reversed ? GL_GREATER : GL_LESS);
+	g->gl->DepthMask(!on);
+}

@@ -12,4 +12,10 @@ bool material_emits(const gi_material *material);
 /* Fails with a line that names the object and the material's number. */
 bool material_is_valid(const gi_log *log, const gi_material *material, const char *object, uint32_t index);
 
+/* Likewise; `material` is what it is a part of. */
+bool material_specular_is_valid(const gi_log *log, const gi_specular *specular, const gi_material *material,
+				const char *object, uint32_t index);
+bool material_is_mirror(const gi_specular *specular);
+bool material_is_glass(const gi_specular *specular);
+
 #endif

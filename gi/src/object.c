@@ -14,6 +14,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Of an object without materials. */
+static const gi_material GREY = {.rho = {0.5f, 0.5f, 0.5f}};
+
 enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4, NAME_BYTES = 128 };
 
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
@@ -244,6 +247,10 @@ static gi_result check_def(const gi_log *log, const gi_object_def *def, const ch
 	for (uint32_t k = 0; k < def->material_count; k++)
 		if (!material_is_valid(log, &def->materials[k], name, k))
 			return GI_ERROR_INVALID_MATERIAL;
+	for (uint32_t k = 0; def->specular && k < (def->material_count ? def->material_count : 1); k++)
+		if (!material_specular_is_valid(log, &def->specular[k], def->material_count ? &def->materials[k] : &GREY,
+						name, k))
+			return GI_ERROR_INVALID_MATERIAL;
 	return GI_OK;
 }
 
@@ -253,6 +260,7 @@ void object_free(scene_object *o)
 {
 	gi_free(o->name);
 	gi_free(o->materials);
+	gi_free(o->specular);
 	gi_free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
@@ -276,16 +284,18 @@ static char *duplicate_text(const char *text)
 
 static bool copy_values(scene_object *o, const gi_object_def *def, const char *name)
 {
-	static const gi_material grey = {.rho = {0.5f, 0.5f, 0.5f}};
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
 	o->name = duplicate_text(name);
-	if (!o->materials || !o->name)
+	o->specular = def->specular ? gi_malloc(sizeof(gi_specular) * o->material_count) : NULL;
+	if (!o->materials || !o->name || (def->specular && !o->specular))
 		return false;
+	if (def->specular)
+		memcpy(o->specular, def->specular, sizeof(gi_specular) * o->material_count);
 	if (def->material_count)
 		memcpy(o->materials, def->materials, sizeof(gi_material) * def->material_count);
 	else
-		o->materials[0] = grey;
+		o->materials[0] = GREY;
 	o->pose = def->pose;
 	return object_measure_materials(o);
 }

@@ -31,6 +31,7 @@ typedef struct scene_object {
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
+	gi_specular *specular; /* of each; NULL: none is a mirror or glass */
 	scene_emission *emission; /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
@@ -88,6 +89,8 @@ uint32_t object_flags(const scene_object *object); /* GI_OBJECT_ */
 void object_place(scene_object *object, gi_object_data *data);
 void object_leave_trail(scene_object *object); /* before it is placed elsewhere */
 void object_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
+bool object_is_smooth(const scene_object *object); /* something of it is a mirror or glass */
+bool object_has_glass(const scene_object *object);
 gi_material_data object_material_data(const scene_object *object, uint32_t material);
 
 #endif

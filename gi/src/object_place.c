@@ -128,3 +128,19 @@ void object_include_box(const scene_object *o, gi_vec4 *lower, gi_vec4 *upper)
 	if (o->trails)
 		include(o->trail_lower, o->trail_upper, lower, upper);
 }
+
+bool object_is_smooth(const scene_object *o)
+{
+	bool smooth = false;
+	for (uint32_t m = 0; o->specular && m < o->material_count && !smooth; m++)
+		smooth = material_is_mirror(&o->specular[m]) || material_is_glass(&o->specular[m]);
+	return smooth;
+}
+
+bool object_has_glass(const scene_object *o)
+{
+	bool glass = false;
+	for (uint32_t m = 0; o->specular && m < o->material_count && !glass; m++)
+		glass = material_is_glass(&o->specular[m]);
+	return glass;
+}

@@ -3,6 +3,7 @@
 #include "binding.h"
 #include "context.h"
 #include "memory.h"
+#include "view.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -72,19 +73,6 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 	return result;
 }
 
-/* Where the camera is, for a view that turns, moves and scales evenly; for a parallel projection the way to it, w 0. */
-static void eye_of(const gi_view *view, float eye[4])
-{
-	const float *m = view->view_from_world;
-	const bool parallel = view->clip_from_view[15] != 0.0f;
-	const float scale = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
-	for (int k = 0; k < 3; k++) {
-		const float *column = m + 4 * k;
-		eye[k] = parallel ? column[2] : -(column[0] * m[12] + column[1] * m[13] + column[2] * m[14]) / scale;
-	}
-	eye[3] = parallel ? 0.0f : 1.0f;
-}
-
 gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
 {
 	if (!overlays->edges.array || !overlays->program) {
@@ -92,9 +80,9 @@ gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *vie
 		if (result)
 			return result;
 	}
-	const gpu_convention convention = {view->clip_upper_left, view->clip_zero_to_one, view->depth_reversed};
+	const gpu_convention convention = view_convention(view);
 	float eye[4];
-	eye_of(view, eye);
+	view_eye(view, eye);
 	bind_rows(gi);
 	gpu_set_matrices(&gi->gpu, overlays->program, 0, 1, clip_from_world);
 	gpu_set_uint(&gi->gpu, overlays->program, 1, (uint32_t)view->overlay);

@@ -9,9 +9,9 @@
 
 #include "binding.h"
 #include "context.h"
+#include "lights.h"
 #include "memory.h"
 
-#include <math.h>
 #include <string.h>
 
 /* As many slots as keep a renderer busy, and as many as one dispatch may have: of 8 vertices each, under half a second
@@ -20,10 +20,6 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 		      LONGEST_RUN = 1 << 10;
 
 enum { MOST_PATHS = 1 << 24 };
-
-/* A ray starts this far above its surface, in parts of the scene's largest coordinate: 32 float steps there or more,
- * above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
-static const float LIFT = 0x1p-18f;
 
 struct gi_paths {
 	uint32_t program;
@@ -118,115 +114,21 @@ void paths_free(gi_context *gi)
 
 /* ---- emitters ---- */
 
-typedef struct lights {
-	gi_uvec4 *triangles; /* 3 each, as the shader has them; the tops of their slices are set last */
-	double *powers;
-	uint32_t count;
-	double power;
-} lights;
-
-static void to_world(const gi_object_data *o, const gi_vec4 *p, float out[3])
-{
-	const gi_vec4 rows[3] = {o->row0, o->row1, o->row2};
-	for (int k = 0; k < 3; k++)
-		out[k] =
-		    (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
-}
-
-static double triangle_area(const float a[3], const float b[3], const float c[3])
-{
-	return gi_quad_area(a, b, c, c);
-}
-
-static void add_light(lights *l, float corners[3][3], double luminance, uint32_t material, uint32_t leaf)
-{
-	const double power = luminance * triangle_area(corners[0], corners[1], corners[2]);
-	if (!(power > 0))
-		return;
-	gi_uvec4 *out = l->triangles + 3 * l->count;
-	for (int k = 0; k < 3; k++)
-		memcpy(&out[k], corners[k], sizeof corners[k]);
-	out[1].w = material;
-	out[2].w = leaf;
-	l->powers[l->count++] = power;
-	l->power += power;
-}
-
-static void add_object_lights(const gi_scene *s, const scene_object *o, lights *l)
-{
-	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
-		const gi_primitive *p = &o->bvh.primitives[k];
-		uint32_t leaf; /* a primitive's leaves are of one material */
-		memcpy(&leaf, &p->a.w, sizeof leaf);
-		const gi_vec4 e = s->node_exitance[o->node_base + o->hierarchy.leaf_node[leaf]];
-		const double luminance = 0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z;
-		if (!(luminance > 0))
-			continue;
-		const gi_vec4 *const corners[2][3] = {{&p->a, &p->b, &p->c}, {&p->a, &p->c, &p->d}};
-		for (int half = 0; half < 2; half++) {
-			float world[3][3];
-			for (int c = 0; c < 3; c++)
-				to_world(&s->object_data[o->slot], corners[half][c], world[c]);
-			add_light(l, world, luminance, o->material_base + o->hierarchy.leaf_material[leaf],
-				  o->leaf_base + leaf);
-		}
-	}
-}
-
-static void set_slices(lights *l)
-{
-	double running = 0;
-	for (uint32_t k = 0; k < l->count; k++) {
-		running += l->powers[k];
-		const double top = running / l->power * 0x1p32;
-		l->triangles[3 * k].w = k + 1 < l->count && top < UINT32_MAX ? (uint32_t)top : UINT32_MAX;
-	}
-}
-
-/* As the scene was at the last gi_update: that is what the GPU has of it. */
-static bool find_lights(const gi_scene *s, lights *l)
-{
-	uint32_t most = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
-			most += 2 * s->objects[s->slots[slot]].bvh.primitive_count;
-	*l = (lights){.triangles = gi_calloc(3 * (size_t)most + 1, sizeof *l->triangles),
-		      .powers = gi_calloc((size_t)most + 1, sizeof *l->powers)};
-	if (!l->triangles || !l->powers)
-		return false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (s->slots[slot] != GI_NONE)
-			add_object_lights(s, &s->objects[s->slots[slot]], l);
-	set_slices(l);
-	return true;
-}
-
 static gi_result upload_lights(gi_context *gi, path_scene *out)
 {
-	lights l;
-	gi_result result = GI_OK;
-	if (find_lights(&gi->scene, &l))
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
-					     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
-	else
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	gi_lights l;
+	if (!lights_find(&gi->scene, lights_luminance, &l))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	lights_set_slices(&l, 0, l.count);
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+						     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
-	gi_free(l.triangles);
-	gi_free(l.powers);
+	lights_free(&l);
 	return result;
 }
 
 /* ---- batches ---- */
-
-static float ray_lift(const gi_scene *s)
-{
-	const float *lower = &s->tlas[0].lower.x, *upper = &s->tlas[0].upper.x;
-	float largest = 0;
-	for (int k = 0; k < 3; k++)
-		largest = fmaxf(largest, fmaxf(fabsf(lower[k]), fabsf(upper[k])));
-	return LIFT * largest;
-}
 
 static uint32_t minimum(uint32_t a, uint32_t b)
 {
@@ -322,7 +224,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	if (slots && totals) {
 		if (gi->scene.sky_slot != GI_NONE)
 			memcpy(scene.sky_and_lift, sky_exitance(&gi->scene), 3 * sizeof *scene.sky_and_lift);
-		scene.sky_and_lift[3] = ray_lift(&gi->scene);
+		scene.sky_and_lift[3] = scene_ray_lift(&gi->scene);
 		bind_paths(gi, &scene, o->seed);
 		batch b = largest;
 		for (b.first_path = 0; b.first_path < o->paths; b.first_path += largest.paths)

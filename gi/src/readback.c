@@ -1,5 +1,6 @@
 /* Reading rows and light back to the CPU: for tests, exports and figures. Waits for the GPU. */
 #include "bits.h"
+#include "caustics.h"
 #include "context.h"
 #include "handles.h"
 #include "memory.h"
@@ -63,6 +64,22 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_ob
 	memcpy(out->radiosity, &a->radiosity[leaf], sizeof out->radiosity);
 }
 
+/* What comes through mirrors and glass is no link's. */
+static gi_result add_caustics(gi_context *gi, gi_leaf *leaves, uint32_t count)
+{
+	const gpu_buffer *light = caustics_light(gi);
+	if (!light)
+		return GI_OK;
+	gi_vec4 *found = read_buffer(gi, light, sizeof *found * gi->scene.leaf_count);
+	if (!found)
+		return no_memory(gi);
+	for (uint32_t leaf = 0; leaf < count; leaf++)
+		for (int c = 0; c < 3; c++)
+			leaves[leaf].irradiance[c] += (&found[leaf].x)[c];
+	gi_free(found);
+	return GI_OK;
+}
+
 /* H = sum of weight * B over the leaf's links; also right where rho is zero. */
 static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count, const gi_uvec4 *headers)
 {
@@ -85,7 +102,7 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 	const bool ok = b && links;
 	gi_free(b);
 	gi_free(links);
-	return ok ? GI_OK : no_memory(gi);
+	return ok ? add_caustics(gi, leaves, count) : no_memory(gi);
 }
 
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count)

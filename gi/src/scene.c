@@ -7,6 +7,19 @@
 #include <math.h>
 #include <string.h>
 
+/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float steps there or
+ * more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
+static const float RAY_LIFT = 0x1p-18f;
+
+float scene_ray_lift(const gi_scene *s)
+{
+	const float *lower = &s->tlas[0].lower.x, *upper = &s->tlas[0].upper.x;
+	float largest = 0;
+	for (int k = 0; k < 3; k++)
+		largest = fmaxf(largest, fmaxf(fabsf(lower[k]), fabsf(upper[k])));
+	return RAY_LIFT * largest;
+}
+
 uint32_t scene_source_count(const gi_scene *s)
 {
 	return s->slot_count - s->first_source;

@@ -74,6 +74,7 @@ typedef struct gi_scene {
 
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
+float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 uint32_t scene_source_count(const gi_scene *scene);
 void scene_place_sky(gi_object_data *data);
 void scene_update_exitance(gi_context *gi, scene_object *object);

@@ -16,8 +16,11 @@
 #include "context.h"
 #include "memory.h"
 #include "overlay.h"
+#include "reflections.h"
 #include "shadow.h"
+#include "specular.h"
 #include "vec3d.h"
+#include "view.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -44,20 +47,24 @@ typedef enum program {
 	PROGRAM_MORE_SHADOWS,
 	PROGRAM_LAST,
 	PROGRAM_LAST_SHADOWS,
+	PROGRAM_SURFACE_LAST, /* no lamp at all */
 	PROGRAM_COUNT
 } program;
 static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {
     {"draw.vert", "draw_none.frag"},    {"draw.vert", "surface.frag"},
     {"screen.vert", "light_more.frag"}, {"screen.vert", "light_more_shadows.frag"},
-    {"screen.vert", "light_last.frag"}, {"screen.vert", "light_last_shadows.frag"}};
+    {"screen.vert", "light_last.frag"}, {"screen.vert", "light_last_shadows.frag"},
+    {"screen.vert", "surface_last.frag"}};
 
 struct gi_shade {
 	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
 	gpu_mesh mesh, screen;
+	bool others; /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
 	gi_overlays overlays;
+	gi_reflections reflections;
 };
 
 /* ---- the mesh ---- */
@@ -189,6 +196,7 @@ void shade_free(gi_context *gi)
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
 	overlay_free(gi, &gi->shade->overlays);
+	reflections_free(gi, &gi->shade->reflections);
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
@@ -199,34 +207,6 @@ void shade_free(gi_context *gi)
 }
 
 /* ---- drawing ---- */
-
-gi_view gi_view_default(void)
-{
-	return (gi_view){
-	    .view_from_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-	    .clip_from_view = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
-	    .width = 512,
-	    .height = 512,
-	};
-}
-
-/* clip from world, column-major. */
-static void combine(const gi_view *view, float out[16])
-{
-	for (int column = 0; column < 4; column++)
-		for (int row = 0; row < 4; row++) {
-			double sum = 0;
-			for (int k = 0; k < 4; k++)
-				sum +=
-				    (double)view->clip_from_view[4 * k + row] * view->view_from_world[4 * column + k];
-			out[4 * column + row] = (float)sum;
-		}
-}
-
-static gpu_convention convention_of(const gi_view *view)
-{
-	return (gpu_convention){view->clip_upper_left, view->clip_zero_to_one, view->depth_reversed};
-}
 
 static bool is_heat_map(const gi_view *view)
 {
@@ -248,9 +228,9 @@ static void draw_surfaces(const gi_context *gi, program which, const gi_view *vi
 	gpu_mesh_draw(&gi->gpu, &shade->mesh, program);
 }
 
-/* One lamp's pass over a rectangle of the picture, whose corner is where the framebuffer has it. */
-static void draw_rect(const gi_context *gi, program which, uint32_t lamp, float farthest, const int corner[2], int x0,
-		      int y0, int x1, int y1)
+/* A pass over a rectangle of the picture, whose corner is where the framebuffer has it. */
+static void draw_rect(const gi_context *gi, program which, float farthest, const int corner[2], int x0, int y0, int x1,
+		      int y1)
 {
 	const gi_shade *shade = gi->shade;
 	if (x0 >= x1 || y0 >= y1)
@@ -258,8 +238,8 @@ static void draw_rect(const gi_context *gi, program which, uint32_t lamp, float 
 	const uint32_t program = shade->programs[which];
 	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
 	gpu_set_corner(&gi->gpu, program, 0, corner);
-	if (which == PROGRAM_LAST || which == PROGRAM_LAST_SHADOWS) {
-		gpu_set_uint(&gi->gpu, program, 1, lamp == 0);
+	if (which >= PROGRAM_LAST) {
+		gpu_set_uint(&gi->gpu, program, 1, !shade->others);
 		gpu_set_floats(&gi->gpu, program, 2, 1, 1, &farthest);
 	}
 	gpu_draw_scissor(&gi->gpu, lower, upper);
@@ -267,51 +247,93 @@ static void draw_rect(const gi_context *gi, program which, uint32_t lamp, float 
 }
 
 /* Where it may be hidden, and the rest around. */
-static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_view *view,
-		      const float clip_from_world[16], const int corner[2])
+static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_view *view, const int corner[2])
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t size[2] = {view->width, view->height};
 	const int width = (int)view->width, height = (int)view->height;
-	const float farthest = view->depth_reversed ? 0 : 1;
-	float window_from_world[16]; /* y as pixels are counted */
-	for (int k = 0; k < 16; k++)
-		window_from_world[k] = view->clip_upper_left && k % 4 == 1 ? -clip_from_world[k] : clip_from_world[k];
+	const float farthest = view_farthest(view);
+	float window_from_world[16];
+	view_window_from_world(view, window_from_world);
 	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, window_from_world, size);
 	if (r.upper[0] <= r.lower[0] || r.upper[1] <= r.lower[1])
 		r = (screen_rect){{0, 0}, {0, 0}};
 	gpu_bind_uniform_range(&gi->gpu, GI_BIND_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp),
 			       sizeof(gi_lamp));
-	draw_rect(gi, which + 1, lamp, farthest, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
-	draw_rect(gi, which, lamp, farthest, corner, 0, 0, width, r.lower[1]);
-	draw_rect(gi, which, lamp, farthest, corner, 0, r.upper[1], width, height);
-	draw_rect(gi, which, lamp, farthest, corner, 0, r.lower[1], r.lower[0], r.upper[1]);
-	draw_rect(gi, which, lamp, farthest, corner, r.upper[0], r.lower[1], width, r.upper[1]);
+	draw_rect(gi, which + 1, farthest, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
+	draw_rect(gi, which, farthest, corner, 0, 0, width, r.lower[1]);
+	draw_rect(gi, which, farthest, corner, 0, r.upper[1], width, height);
+	draw_rect(gi, which, farthest, corner, 0, r.lower[1], r.lower[0], r.upper[1]);
+	draw_rect(gi, which, farthest, corner, r.upper[0], r.lower[1], width, r.upper[1]);
 	gpu_draw_unscissored(&gi->gpu);
 }
 
-static void bind_surfaces(gi_context *gi)
+/* For the lamps' passes: what they light, and the picture's depths. */
+static void bind_surfaces(gi_context *gi, const gpu_target *surfaces)
 {
 	gi_shade *shade = gi->shade;
 	gpu_depth_maps_bind(&gi->gpu, &shade->shadow.maps, GI_UNIT_MAPS);
-	gpu_bind_texture(&gi->gpu, GI_UNIT_PLACE, shade->surfaces.color[0]);
-	gpu_bind_texture(&gi->gpu, GI_UNIT_LOOK, shade->surfaces.color[1]);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_PLACE, surfaces->color[0]);
+	gpu_bind_texture(&gi->gpu, GI_UNIT_LOOK, surfaces->color[1]);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_DEPTH, shade->surfaces.depth);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_SO_FAR, shade->so_far.color[0]);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_MASKS, shade->shadow.mask_words.texture);
 }
 
-/* All lamps but the last, into a picture of their own. */
-static void add_lamps(gi_context *gi, uint32_t count, const gi_view *view, const float clip_from_world[16])
+/* All lamps but the last, and caustics, into a picture of their own. */
+static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, const float clip_from_world[16])
 {
 	static const int corner[2] = {0, 0};
-	const gi_shade *shade = gi->shade;
-	gpu_draw_to_target(&gi->gpu, &shade->so_far, convention_of(view));
-	for (uint32_t k = 0; k < count; k++) {
-		gpu_draw_added(&gi->gpu, k > 0);
-		draw_lamp(gi, PROGRAM_MORE, k, view, clip_from_world, corner);
-	}
+	gi_shade *shade = gi->shade;
+	const bool caustics = gi->smooth && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
+	shade->others = lamps > 1;
+	if (lamps <= 1 && !caustics)
+		return;
+	gpu_target_clear(&gi->gpu, &shade->so_far);
+	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
+	gpu_draw_added(&gi->gpu, true);
+	for (uint32_t k = 0; k + 1 < lamps; k++)
+		draw_lamp(gi, PROGRAM_MORE, k, view, corner);
+	if (caustics)
+		shade->others = reflections_splat(gi, &shade->reflections, clip_from_world) || shade->others;
 	gpu_draw_added(&gi->gpu, false);
+}
+
+/* Of a layer, whose surfaces may be hidden anywhere. */
+static void light_layer(gi_context *gi, uint32_t lamps, const gi_view *view)
+{
+	static const int corner[2] = {0, 0};
+	gi_shade *shade = gi->shade;
+	const screen_rect r = shade->reflections.rect;
+	gpu_target_clear(&gi->gpu, &shade->so_far);
+	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
+	gpu_draw_added(&gi->gpu, true);
+	for (uint32_t k = 0; k < lamps; k++) {
+		gpu_bind_uniform_range(&gi->gpu, GI_BIND_LAMP, &shade->shadow.uniforms, k * sizeof(gi_lamp),
+				       sizeof(gi_lamp));
+		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
+			  r.upper[1]);
+	}
+	gpu_draw_unscissored(&gi->gpu);
+	gpu_draw_added(&gi->gpu, false);
+}
+
+static void draw_reflections(gi_context *gi, uint32_t lamps, const gi_view *view, const gpu_draw_state *state,
+			     const int corner[2])
+{
+	gi_shade *shade = gi->shade;
+	gi_reflections *r = &shade->reflections;
+	if (r->rect.upper[0] <= r->rect.lower[0] || r->rect.upper[1] <= r->rect.lower[1])
+		return;
+	for (gi_layer layer = 0; layer < (r->glass ? GI_LAYER_COUNT : GI_LAYER_REFRACTED); layer++) {
+		bind_surfaces(gi, &shade->surfaces);
+		reflections_trace(gi, r, layer, view, &shade->screen);
+		bind_surfaces(gi, &r->layer);
+		if (lamps)
+			light_layer(gi, lamps, view);
+		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
+		reflections_add(gi, r, lamps > 0, view, corner, &shade->screen);
+	}
 }
 
 static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
@@ -323,16 +345,28 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
+	const bool more = lamps > 1 || gi->smooth;
 	gi_result result = want_program(gi, PROGRAM_SURFACE);
-	for (program k = lamps > 1 ? PROGRAM_MORE : PROGRAM_LAST; !result && k < PROGRAM_COUNT; k++)
+	if (!result && !lamps)
+		result = want_program(gi, PROGRAM_SURFACE_LAST);
+	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
 		result = want_program(gi, k);
 	if (!result && !shade->screen.array)
 		result = gpu_mesh_create(g, &shade->screen, "whole picture", attributes, sizeof *corners, 3, corners, 3,
 					 indices);
 	if (!result)
 		result = gpu_target_create(g, &shade->surfaces, "surfaces", surfaces, true, view->width, view->height);
-	if (!result && lamps > 1)
+	if (!result && more)
 		result = gpu_target_create(g, &shade->so_far, "light so far", so_far, false, view->width, view->height);
+	return result;
+}
+
+/* In a scene without lamps and without mirrors and glass: straight into the host's framebuffer. */
+static gi_result draw_own(gi_context *gi, const gi_view *view, const float clip_from_world[16])
+{
+	const gi_result result = want_program(gi, PROGRAM_OWN);
+	if (!result)
+		draw_surfaces(gi, PROGRAM_OWN, view, clip_from_world);
 	return result;
 }
 
@@ -341,21 +375,26 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
-	gi_result result = lamps ? prepare_lamps(gi, view, lamps) : want_program(gi, PROGRAM_OWN);
+	if (!lamps && !gi->smooth)
+		return draw_own(gi, view, clip_from_world);
+	gi_result result = prepare_lamps(gi, view, lamps);
+	if (!result && gi->smooth)
+		result = reflections_prepare(gi, &shade->reflections, view);
 	if (result)
 		return result;
-	if (!lamps) {
-		draw_surfaces(gi, PROGRAM_OWN, view, clip_from_world);
-		return GI_OK;
-	}
-	gpu_draw_to_target(&gi->gpu, &shade->surfaces, convention_of(view));
-	draw_surfaces(gi, PROGRAM_SURFACE, view, clip_from_world);
-	bind_surfaces(gi);
-	if (lamps > 1)
-		add_lamps(gi, lamps - 1, view, clip_from_world);
-	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	const int corner[2] = {(int)floorf(state->viewport[0]), (int)floorf(state->viewport[1])};
-	draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, clip_from_world, corner);
+	gpu_draw_to_target(&gi->gpu, &shade->surfaces, view_convention(view));
+	draw_surfaces(gi, PROGRAM_SURFACE, view, clip_from_world);
+	bind_surfaces(gi, &shade->surfaces);
+	add_others(gi, lamps, view, clip_from_world);
+	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
+	if (lamps)
+		draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, corner);
+	else
+		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width, (int)view->height);
+	gpu_draw_unscissored(&gi->gpu);
+	if (gi->smooth)
+		draw_reflections(gi, lamps, view, state, corner);
 	return GI_OK;
 }
 
@@ -363,9 +402,9 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 {
 	gi_result result = GI_OK;
 	float clip_from_world[16];
-	combine(view, clip_from_world);
+	view_clip_from_world(view, clip_from_world);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
-	gpu_draw_convention(&gi->gpu, convention_of(view));
+	gpu_draw_convention(&gi->gpu, view_convention(view));
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (!is_heat_map(view))
 		result = draw_lit(gi, view, state, clip_from_world);

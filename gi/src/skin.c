@@ -38,7 +38,6 @@ typedef struct skinner {
 	const uint8_t *parted; /* as gi_refined has it; NULL: none */
 	gi_skin *out;
 	uint32_t *group; /* per corner: another corner of its group, or itself */
-	uint32_t *light; /* per corner: its light vertex */
 	gi_hanging_list hanging;
 	uint32_t *first_drawn; /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
 	uint32_t *next_drawn;  /* per drawn vertex: the next one at the same place */
@@ -203,11 +202,11 @@ static void number_lights(skinner *s)
 		for (uint32_t k = 0; k < q.count; k++) {
 			/* A group's name is its lowest corner, which is met first. */
 			const uint32_t corner = 4 * leaf + k, name = group_of(s->group, corner);
-			s->light[corner] = name == corner ? out->light_count++ : s->light[name];
-			out->light_first[s->light[corner] + 1]++;
+			s->out->corner_light[corner] = name == corner ? out->light_count++ : s->out->corner_light[name];
+			out->light_first[s->out->corner_light[corner] + 1]++;
 		}
 		if (q.count == 3)
-			s->light[4 * leaf + 3] = s->light[4 * leaf + 2];
+			s->out->corner_light[4 * leaf + 3] = s->out->corner_light[4 * leaf + 2];
 	}
 	for (uint32_t light = 0; light < out->light_count; light++)
 		out->light_first[light + 1] += out->light_first[light];
@@ -219,7 +218,7 @@ static void fill_lights(const skinner *s, uint32_t *filled)
 	for (uint32_t leaf = 0; leaf < s->h->leaf_count; leaf++) {
 		const quad q = leaf_quad(s->h, leaf);
 		for (uint32_t k = 0; k < q.count; k++) {
-			const uint32_t light = s->light[4 * leaf + k];
+			const uint32_t light = s->out->corner_light[4 * leaf + k];
 			const uint32_t at = out->light_first[light] + filled[light]++;
 			out->light_leaf[at] = leaf;
 			out->light_weight[at] = corner_angle(s->h, &q, k);
@@ -239,7 +238,7 @@ static bool make_lights(skinner *s, double least_cosine)
 	const size_t corners = 4 * (size_t)s->h->leaf_count;
 	bool enough = true;
 	s->group = allocate(corners, sizeof *s->group, &enough);
-	s->light = allocate(corners, sizeof *s->light, &enough);
+	s->out->corner_light = allocate(corners, sizeof *s->out->corner_light, &enough);
 	s->out->light_first = allocate(corners, sizeof *s->out->light_first, &enough);
 	s->out->light_leaf = allocate(corners, sizeof *s->out->light_leaf, &enough);
 	s->out->light_weight = allocate(corners, sizeof *s->out->light_weight, &enough);
@@ -250,13 +249,12 @@ static bool make_lights(skinner *s, double least_cosine)
 	if (enough)
 		fill_lights(s, filled);
 	gi_free(filled);
-	return enough && gi_skin_hang_lights(&s->hanging, s->light, s->h->leaf_count, s->out);
+	return enough && gi_skin_hang_lights(&s->hanging, s->out->corner_light, s->h->leaf_count, s->out);
 }
 
 static void free_skinner(skinner *s)
 {
 	gi_free(s->group);
-	gi_free(s->light);
 	gi_free(s->hanging.items);
 	gi_free(s->first_drawn);
 	gi_free(s->next_drawn);
@@ -287,7 +285,7 @@ static void set_light(const skinner *s, uint32_t leaf, const float weight[4], gi
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < 4; k++)
 		if (weight[k] > 0.0f)
-			add_light(v, &count, s->light[4 * leaf + k], weight[k]);
+			add_light(v, &count, s->out->corner_light[4 * leaf + k], weight[k]);
 	for (; count > 0 && count < 4; count++) {
 		v->light[count] = v->light[0];
 		v->weight[count] = 0.0f;
@@ -902,6 +900,7 @@ void gi_skin_free(gi_skin *skin)
 	gi_free(skin->light_first);
 	gi_free(skin->light_leaf);
 	gi_free(skin->light_weight);
+	gi_free(skin->corner_light);
 	gi_free(skin->vertices);
 	gi_free(skin->indices);
 	*skin = (gi_skin){0};

@@ -25,6 +25,7 @@ typedef struct gi_skin {
 	uint32_t *light_first;  /* light_count + 1 offsets into the two arrays below */
 	uint32_t *light_leaf;   /* leaves, local to the object */
 	float *light_weight;    /* sum 1 for each light vertex */
+	uint32_t *corner_light; /* 4 a leaf: the light vertices at its corners */
 	uint32_t vertex_count;
 	gi_draw_vertex *vertices;
 	uint32_t index_count;   /* three a triangle, counter-clockwise */

@@ -10,6 +10,7 @@
 #include "solver.h"
 
 #include "binding.h"
+#include "caustics.h"
 #include "context.h"
 
 #include <string.h>
@@ -130,9 +131,13 @@ static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
-	gpu_set_uint(&gi->gpu, gi->solver.emitted_program, 0,
-		     (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
-	gpu_dispatch(&gi->gpu, gi->solver.emitted_program, gi->scene.leaf_count);
+	const uint32_t through = caustics_emitted_program(gi), program = through ? through : gi->solver.emitted_program;
+	if (through) {
+		caustics_bind_light(gi);
+		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
+	}
+	gpu_set_uint(&gi->gpu, program, 0, through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);
 }
 
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)

@@ -292,7 +292,7 @@ static gi_object add_many_lamps(gi_context *gi, float factor)
 	gi_material materials[FACES];
 	for (int k = 0; k < FACES; k++) {
 		const float e = factor * powf(10, 3.0f * (float)k - 6);
-		materials[k] = (gi_material){{.1f, .2f, .3f}, {e, e, e}};
+		materials[k] = (gi_material){.rho = {.1f, .2f, .3f}, .exitance = {e, e, e}};
 	}
 	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = "six lamps";
@@ -398,7 +398,7 @@ static void small_face_of_a_large_object(void **state)
 	const float t = 1e-5f;
 	const float positions[] = {-10, 0, -10, -10, 0, 10, 10, 0, 10, 10, 0, -10, 0, 5, 0, t, 5, 0, t, 5, t, 0, 5, t};
 	const uint32_t indices[] = {0, 1, 2, 3, 4, 5, 6, 7}, numbers[] = {0, 1};
-	const gi_material materials[] = {{{.5f, .5f, .5f}, {0}}, {{0}, {1e10f, 1e10f, 1e10f}}};
+	const gi_material materials[] = {{.rho = {.5f, .5f, .5f}}, {.exitance = {1e10f, 1e10f, 1e10f}}};
 	gi_object_def def = gi_object_def_default();
 	def.name = "floor with a lamp";
 	def.positions = positions;
@@ -698,7 +698,7 @@ static void next_to_nothing(void **state)
 		for (int c = 0; c < 3; c++)
 			assert_true(s.leaves[k].radiosity[c] == 0 && s.leaves[k].irradiance[c] == 0);
 	snapshot_free(&s);
-	assert_gi(gi_set_material(gi, leaf, 0, (gi_material){{.5f, .5f, .5f}, {3, 2, 1}}));
+	assert_gi(gi_set_material(gi, leaf, 0, (gi_material){.rho = {.5f, .5f, .5f}, .exitance = {3, 2, 1}}));
 	finish(gi, leaf, .1f, "and one leaf lit");
 }
 
@@ -778,7 +778,7 @@ static void refusals(void **state)
 	}
 	const float bright[] = {1e30f, 1e13f};
 	for (size_t k = 0; k < sizeof bright / sizeof *bright; k++)
-		expect_refused(s.gi, gi_set_material(s.gi, s.ball, 0, (gi_material){{0}, {0, bright[k], 0}}),
+		expect_refused(s.gi, gi_set_material(s.gi, s.ball, 0, (gi_material){.exitance = {0, bright[k], 0}}),
 			       GI_ERROR_INVALID_MATERIAL, &before, "too bright");
 	const struct {
 		float scale, position;

@@ -180,6 +180,7 @@ static void do_everything(gi_context *gi)
 	add(gi, "floor", 0, true, 0);
 	add(gi, "lamp", 2, false, 20);
 	const gi_object more = add(gi, "another lamp", 1.5f, false, 30);
+	assert_gi(gi_set_specular(gi, more, 0, (gi_specular){.transmittance = {.5f, .5f, .5f}, .index = 1.5f}));
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
 	assert_gi(gi_set_pose(gi, more, (gi_pose){{.5f, .25f, 0}, {0, 0, 0, 1}}));

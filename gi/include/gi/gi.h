@@ -76,7 +76,7 @@ GI_API uint32_t gi_version(void);
 	X(GI_ERROR_INVALID_DEF, "a definition was not made by its _default function")                                  \
 	X(GI_ERROR_INVALID_HANDLE, "a handle is stale, was never valid or is another context's")                       \
 	X(GI_ERROR_INVALID_GEOMETRY, "the geometry cannot be used")                                                    \
-	X(GI_ERROR_INVALID_MATERIAL, "rho outside [0,1) or negative emission")                                         \
+	X(GI_ERROR_INVALID_MATERIAL, "a value of a material is out of its range")                                      \
 	X(GI_ERROR_INVALID_POSE, "the pose is not a rotation and a translation")                                       \
 	X(GI_ERROR_NOT_COMMITTED, "there was no gi_commit yet, or no gi_update since")                                 \
 	X(GI_ERROR_NO_OPENGL_45, "no OpenGL 4.5 context is current")                                                   \
@@ -180,6 +180,10 @@ typedef struct gi_context_def {
 	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
 	uint32_t pixel_lamps;
 
+	/* Packets of light that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
+	 * 16384, 0: none. A packet takes some four rays, when something moved that it meets. */
+	uint32_t caustic_photons;
+
 	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
 	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
 	uint32_t estimate_leaves;
@@ -239,6 +243,19 @@ typedef struct gi_material {
 	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
 	float exitance[3]; /* E, W/m2, 0..1e12; a glTF emissive radiance L is E = pi L */
 } gi_material;
+
+/* What a material is besides: a mirror or glass. All 0: neither.
+ *
+ * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees. What
+ * emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are many,
+ * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. Channel by channel rho + reflectance and
+ * rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both. */
+typedef struct gi_specular {
+	float reflectance[3];   /* of a mirror, at any angle, each in [0,1]; its back is black */
+	float transmittance[3]; /* of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is
+				 * refracted and how much reflected Fresnel's equations say; it takes a closed object */
+	float index;            /* of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
+} gi_specular;
 
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
 typedef struct gi_pose {
@@ -320,6 +337,7 @@ typedef struct gi_object_def {
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
+	const gi_specular *specular; /* material_count, or one without materials; default NULL: no mirrors, no glass */
 	gi_mobility mobility; /* default automatic */
 	bool double_sided; /* adds a back-to-back side that reflects too; default false */
 
@@ -412,6 +430,8 @@ GI_API gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 GI_API gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 GI_API gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
 GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
+GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
+GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
 
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
  * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
@@ -498,6 +518,7 @@ typedef enum gi_pass {
 	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
 	GI_PASS_TRACE,      /* visibility rays */
 	GI_PASS_CLOSE,      /* row sums */
+	GI_PASS_CAUSTICS,   /* packets of light through mirrors and glass */
 	GI_PASS_SOLVE,      /* sweeps */
 	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
 	GI_PASS_ESTIMATE,   /* how far off the rows are (def.estimate_leaves) */

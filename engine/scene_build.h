@@ -1,8 +1,8 @@
-/* What the readers of scene files share: the loader's state, nodes and animation, and the last checks. */
-#ifndef ENGINE_SCENE_INTERNAL_H
-#define ENGINE_SCENE_INTERNAL_H
+/* What readers of files build a scene with: the loader's state, nodes and animation, and the last checks. */
+#ifndef ENGINE_SCENE_BUILD_H
+#define ENGINE_SCENE_BUILD_H
 
-#include "scene_file.h"
+#include "scene_types.h"
 
 typedef enum scene_interpolation { SCENE_LINEAR, SCENE_STEP, SCENE_CUBIC } scene_interpolation;
 
@@ -157,11 +157,6 @@ typedef struct scene_object_def {
 } scene_object_def;
 bool scene_add_object(scene_loader *loader, const scene_object_def *def, engine_mesh *mesh);
 
-/* Places all objects once they and the animations are there: moves a scene that is far from the origin, finds the
- * poses at rest and what animation does to them, drops objects that have none. False: out of memory (reported).
- */
-bool scene_settle_objects(scene_loader *loader);
-
 typedef enum scene_pose_result {
 	SCENE_POSE_OK,
 	SCENE_POSE_SINGULAR,
@@ -202,9 +197,5 @@ void scene_multiply(const double a[16], const double b[16], double out[16]);
 
 /* Object point to world; out may be point. */
 void scene_transform_point(const engine_pose *pose, const float point[3], float out[3]);
-
-bool scene_read_gltf(scene_loader *loader);
-bool scene_read_obj(scene_loader *loader);
-bool scene_read_ply(scene_loader *loader);
 
 #endif

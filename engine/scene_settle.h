@@ -1,0 +1,11 @@
+#ifndef ENGINE_SCENE_SETTLE_H
+#define ENGINE_SCENE_SETTLE_H
+
+#include "scene_build.h"
+
+/* Places all objects once they and the animations are there: moves a scene that is far from the origin, finds the
+ * poses at rest and what animation does to them, drops objects that have none. False: out of memory (reported).
+ */
+bool scene_settle_objects(scene_loader *loader);
+
+#endif

@@ -1,0 +1,296 @@
+#include "caustics.h"
+
+#include "binding.h"
+#include "context.h"
+#include "lights.h"
+#include "memory.h"
+#include "specular.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of all pairs together; where there are more pairs each has fewer. */
+enum { MOST_PHOTONS = 1 << 22, MOST_PAIRS = 1 << 14 };
+
+/* Positions along a path are off by less than this many lifts (scene_ray_lift). */
+static const float MARGIN_LIFTS = 16;
+
+enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2 }; /* uniforms */
+
+enum { PROGRAMS = 7 };
+
+struct gi_caustics {
+	bool built;  /* packets are of the committed scene */
+	bool spread; /* their radii are of where they are */
+	uint32_t pair_count, photons_a_pair;
+	gi_uvec4 *traced; /* pair_count: lights of the pair whose packets these are */
+	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program, radius_program;
+	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
+};
+
+static gi_result out_of_memory(const gi_context *gi)
+{
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
+static void list_programs(gi_caustics *c, gpu_program_file list[PROGRAMS])
+{
+	const gpu_program_file programs[PROGRAMS] = {
+	    {"caustic_begin.comp", &c->begin_program},     {"caustic_trace.comp", &c->trace_program},
+	    {"caustic_deposit.comp", &c->deposit_program}, {"caustic_light.comp", &c->light_program},
+	    {"emitted_caustics.comp", &c->emitted_program}, {"caustic_count.comp", &c->count_program},
+	    {"caustic_radius.comp", &c->radius_program}};
+	memcpy(list, programs, sizeof programs);
+}
+
+static gi_result make(gi_context *gi)
+{
+	if (gi->caustics)
+		return GI_OK;
+	gi->caustics = gi_calloc(1, sizeof *gi->caustics);
+	if (!gi->caustics)
+		return out_of_memory(gi);
+	gpu_program_file list[PROGRAMS];
+	list_programs(gi->caustics, list);
+	const gi_result result = gpu_programs_compute(&gi->gpu, list, PROGRAMS);
+	if (result)
+		caustics_free(gi);
+	return result;
+}
+
+void caustics_free(gi_context *gi)
+{
+	gi_caustics *c = gi->caustics;
+	if (!c)
+		return;
+	gpu_program_file list[PROGRAMS];
+	list_programs(c, list);
+	gpu_programs_free(&gi->gpu, list, PROGRAMS);
+	gpu_buffer *buffers[] = {&c->lights, &c->pairs, &c->paths, &c->photons, &c->sums, &c->light, &c->cells};
+	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
+		gpu_buffer_free(&gi->gpu, buffers[k]);
+	gi_free(c->traced);
+	gi_free(c);
+	gi->caustics = NULL;
+}
+
+void caustics_invalidate(gi_context *gi)
+{
+	if (gi->caustics)
+		gi->caustics->built = false;
+}
+
+/* ---- pairs ---- */
+
+static const scene_object *seen_in(const gi_scene *s, uint32_t slot)
+{
+	const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+	return o && object_is_seen(o) ? o : NULL;
+}
+
+static bool changed(const scene_object *o)
+{
+	return o->moved || o->relit || o->material_changed;
+}
+
+/* At most this share of what the emitter gives goes to the sphere: from its nearest point a cap of solid angle
+ * 2 pi (1 - cosine), and radiance is exitance / pi. */
+static double largest_share(const gi_object_data *emitter, const gi_object_data *smooth)
+{
+	double square = 0;
+	for (int k = 0; k < 3; k++) {
+		const double d = (double)(&emitter->sphere.x)[k] - (&smooth->sphere.x)[k];
+		square += d * d;
+	}
+	const double near = sqrt(square) - emitter->sphere.w, sine = smooth->sphere.w / fmax(near, smooth->sphere.w);
+	return fmin(2 * (1 - sqrt(fmax(1 - sine * sine, 0))), 1);
+}
+
+/* Fills the list, or counts them where it is NULL. */
+static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_pair *pairs)
+{
+	const gi_scene *s = &gi->scene;
+	uint32_t count = 0;
+	double most = 0;
+	for (uint32_t from = 0; from < s->slot_count; from++) {
+		if (lights->first[from] == lights->first[from + 1])
+			continue;
+		const double power = pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
+		for (uint32_t to = 0; to < s->slot_count; to++) {
+			const scene_object *smooth = to == from ? NULL : seen_in(s, to);
+			if (!smooth || !object_is_smooth(smooth) || count == MOST_PAIRS)
+				continue;
+			if (pairs) {
+				const scene_object *emitter = &s->objects[s->slots[from]];
+				const gi_uvec4 before = gi->caustics->traced[count];
+				const bool anew = !gi->caustics->built || before.z != from || before.w != to ||
+						  changed(smooth) || changed(emitter);
+				pairs[count] = (gi_caustic_pair){
+				    .sphere = s->object_data[to].sphere,
+				    .power = {(float)power, 1.0f / (float)gi->caustics->photons_a_pair, anew ? 1 : 0, 0},
+				    .lights = {lights->first[from], lights->first[from + 1], from, to}};
+				most += power * largest_share(&s->object_data[from], &s->object_data[to]);
+			}
+			count++;
+		}
+	}
+	/* Half the range of the sums: rounding may add to it. */
+	for (uint32_t k = 0; pairs && k < count; k++)
+		pairs[k].power.w = (float)(most * 0x1p-31);
+	return count;
+}
+
+static uint32_t photons_for(const gi_context *gi, uint32_t pairs)
+{
+	const uint32_t most = MOST_PHOTONS / (pairs ? pairs : 1);
+	return gi->def.caustic_photons < most ? gi->def.caustic_photons : most;
+}
+
+static gi_result allocate(gi_context *gi, uint32_t pairs)
+{
+	gi_caustics *c = gi->caustics;
+	const uint32_t photons = photons_for(gi, pairs);
+	if (c->built && c->pair_count == pairs && c->photons_a_pair == photons)
+		return GI_OK;
+	c->built = false;
+	c->pair_count = pairs;
+	c->photons_a_pair = photons;
+	gi_free(c->traced);
+	c->traced = gi_calloc((size_t)pairs + 1, sizeof *c->traced);
+	if (!c->traced)
+		return out_of_memory(gi);
+	const struct {
+		gpu_buffer *buffer;
+		const char *label;
+		uint64_t size;
+	} wanted[] = {{&c->paths, "caustics: paths", sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
+		      {&c->photons, "caustics: packets", sizeof(gi_photon) * (uint64_t)pairs * photons},
+		      {&c->sums, "caustics: sums", sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
+		      {&c->light, "caustics: light", sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
+		      {&c->cells, "caustics: cells", sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
+	gi_result result = GI_OK;
+	for (size_t k = 0; !result && k < sizeof wanted / sizeof *wanted; k++)
+		if (wanted[k].buffer->size != wanted[k].size)
+			result = gpu_buffer_allocate(&gi->gpu, wanted[k].buffer, wanted[k].label, wanted[k].size, NULL);
+	return result;
+}
+
+/* Where the emitters and the smooth objects are now. */
+static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
+{
+	gi_caustics *c = gi->caustics;
+	gi_caustic_pair *pairs = gi_calloc((size_t)c->pair_count + 1, sizeof *pairs);
+	if (!pairs)
+		return out_of_memory(gi);
+	list_pairs(gi, lights, pairs);
+	gi_result result = gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights", sizeof(gi_uvec4) * 3 * lights->count,
+					     lights->triangles);
+	for (uint32_t k = 0; k < c->pair_count; k++)
+		c->traced[k] = pairs[k].lights;
+	c->built = c->built && !result;
+	gi_free(pairs);
+	return result;
+}
+
+/* ---- passes ---- */
+
+static void bind(const gi_context *gi)
+{
+	const gi_caustics *c = gi->caustics;
+	specular_bind(gi);
+	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &c->lights);
+	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PAIRS, &c->pairs);
+	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PATHS, &c->paths);
+	gpu_bind(&gi->gpu, GI_BIND_PHOTONS, &c->photons);
+	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_SUMS, &c->sums);
+	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_CELLS, &c->cells);
+	caustics_bind_light(gi);
+}
+
+static void run_photons(gi_context *gi, uint32_t program)
+{
+	const gi_caustics *c = gi->caustics;
+	gpu_set_uint(&gi->gpu, program, PHOTONS_A_PAIR, c->photons_a_pair);
+	gpu_set_uint(&gi->gpu, program, PAIR_COUNT, c->pair_count);
+	gpu_dispatch(&gi->gpu, program, (uint64_t)c->photons_a_pair * c->pair_count);
+}
+
+static void trace(gi_context *gi)
+{
+	gi_caustics *c = gi->caustics;
+	const float lift = scene_ray_lift(&gi->scene), margin = MARGIN_LIFTS * lift;
+	gpu_set_uint(&gi->gpu, c->begin_program, 0, c->pair_count);
+	gpu_set_floats(&gi->gpu, c->begin_program, 1, 1, 1, &margin);
+	gpu_dispatch(&gi->gpu, c->begin_program, c->pair_count);
+	gpu_set_floats(&gi->gpu, c->trace_program, LIFT, 1, 1, &lift);
+	run_photons(gi, c->trace_program);
+	gpu_buffer_clear(&gi->gpu, &c->sums, 0, c->sums.size, 0);
+	run_photons(gi, c->deposit_program);
+	gpu_dispatch(&gi->gpu, c->light_program, gi->scene.leaf_count);
+	c->spread = false;
+}
+
+gi_result caustics_update(gi_context *gi)
+{
+	gi_lights lights = {0};
+	if (!gi->smooth || !gi->def.caustic_photons) {
+		caustics_free(gi);
+		return GI_OK;
+	}
+	if (!lights_find(&gi->scene, lights_largest, &lights))
+		return out_of_memory(gi);
+	const uint32_t pairs = list_pairs(gi, &lights, NULL);
+	gi_result result = GI_OK;
+	if (pairs)
+		result = make(gi);
+	else
+		caustics_free(gi);
+	if (!result && pairs)
+		result = allocate(gi, pairs);
+	if (!result && pairs)
+		result = upload_pairs(gi, &lights);
+	lights_free(&lights);
+	if (result || !pairs)
+		return result;
+	rows_progress(gi, GI_PASS_CAUSTICS);
+	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
+	bind_scene(gi);
+	bind_rows(gi);
+	bind(gi);
+	trace(gi);
+	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
+	gi->caustics->built = true;
+	return GI_OK;
+}
+
+uint32_t caustics_emitted_program(const gi_context *gi)
+{
+	return gi->caustics ? gi->caustics->emitted_program : 0;
+}
+
+const gpu_buffer *caustics_light(const gi_context *gi)
+{
+	return gi->caustics && gi->caustics->built ? &gi->caustics->light : NULL;
+}
+
+void caustics_bind_light(const gi_context *gi)
+{
+	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_LIGHT, &gi->caustics->light);
+}
+
+uint32_t caustics_draw(gi_context *gi)
+{
+	gi_caustics *c = gi->caustics;
+	if (!c || !c->built)
+		return 0;
+	bind(gi);
+	if (!c->spread) {
+		gpu_buffer_clear(&gi->gpu, &c->cells, 0, c->cells.size, 0);
+		run_photons(gi, c->count_program);
+		run_photons(gi, c->radius_program);
+		c->spread = true;
+	}
+	return c->pair_count * c->photons_a_pair;
+}

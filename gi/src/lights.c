@@ -1,0 +1,104 @@
+#include "lights.h"
+#include "memory.h"
+
+#include <math.h>
+#include <string.h>
+
+double lights_luminance(gi_vec4 e)
+{
+	return 0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z;
+}
+
+double lights_largest(gi_vec4 e)
+{
+	return fmax(e.x, fmax(e.y, e.z));
+}
+
+static void to_world(const gi_object_data *o, const gi_vec4 *p, float out[3])
+{
+	const gi_vec4 rows[3] = {o->row0, o->row1, o->row2};
+	for (int k = 0; k < 3; k++)
+		out[k] =
+		    (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
+}
+
+static void add_light(gi_lights *l, float corners[3][3], double measured, uint32_t material, uint32_t leaf)
+{
+	const double power = measured * gi_quad_area(corners[0], corners[1], corners[2], corners[2]);
+	if (!(power > 0))
+		return;
+	gi_uvec4 *out = l->triangles + 3 * l->count;
+	for (int k = 0; k < 3; k++)
+		memcpy(&out[k], corners[k], sizeof corners[k]);
+	out[1].w = material;
+	out[2].w = leaf;
+	l->powers[l->count++] = power;
+	l->power += power;
+}
+
+static void add_object(const gi_scene *s, const scene_object *o, gi_light_measure *measure, gi_lights *l)
+{
+	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
+		const gi_primitive *p = &o->bvh.primitives[k];
+		uint32_t leaf; /* a primitive's leaves are of one material */
+		memcpy(&leaf, &p->a.w, sizeof leaf);
+		const double measured = measure(s->node_exitance[o->node_base + o->hierarchy.leaf_node[leaf]]);
+		if (!(measured > 0))
+			continue;
+		const gi_vec4 *const corners[2][3] = {{&p->a, &p->b, &p->c}, {&p->a, &p->c, &p->d}};
+		for (int half = 0; half < 2; half++) {
+			float world[3][3];
+			for (int c = 0; c < 3; c++)
+				to_world(&s->object_data[o->slot], corners[half][c], world[c]);
+			add_light(l, world, measured, o->material_base + o->hierarchy.leaf_material[leaf],
+				  o->leaf_base + leaf);
+		}
+	}
+}
+
+static const scene_object *object_of(const gi_scene *s, uint32_t slot)
+{
+	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+}
+
+bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_lights *l)
+{
+	uint32_t most = 0;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		most += object_of(s, slot) ? 2 * object_of(s, slot)->bvh.primitive_count : 0;
+	*l = (gi_lights){.triangles = gi_calloc(3 * (size_t)most + 1, sizeof *l->triangles),
+			 .powers = gi_calloc((size_t)most + 1, sizeof *l->powers),
+			 .first = gi_calloc((size_t)s->slot_count + 1, sizeof *l->first)};
+	if (!l->triangles || !l->powers || !l->first) {
+		lights_free(l);
+		return false;
+	}
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		l->first[slot] = l->count;
+		if (object_of(s, slot))
+			add_object(s, object_of(s, slot), measure, l);
+	}
+	l->first[s->slot_count] = l->count;
+	return true;
+}
+
+double lights_set_slices(gi_lights *l, uint32_t first, uint32_t end)
+{
+	double power = 0, running = 0;
+	for (uint32_t k = first; k < end; k++)
+		power += l->powers[k];
+	for (uint32_t k = first; k < end; k++) {
+		running += l->powers[k];
+		const double top = running / power * 0x1p32;
+		l->triangles[3 * k].w = k + 1 < end && top < UINT32_MAX ? (uint32_t)top : UINT32_MAX;
+	}
+	return power;
+}
+
+void lights_free(gi_lights *l)
+{
+	gi_free(l->triangles);
+	gi_free(l->powers);
+	gi_free(l->first);
+	*l = (gi_lights){0};
+}

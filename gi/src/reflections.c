@@ -1,0 +1,122 @@
+#include "reflections.h"
+
+#include "binding.h"
+#include "caustics.h"
+#include "context.h"
+#include "specular.h"
+#include "view.h"
+
+/* Uniforms. */
+enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5 };
+enum { CORNER = 0, LIT = 1 };
+
+/* specular.glsl */
+static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
+
+/* The balls around smooth objects. */
+static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *view)
+{
+	const gi_scene *s = &gi->scene;
+	float window_from_world[16];
+	view_window_from_world(view, window_from_world);
+	const uint32_t size[2] = {view->width, view->height};
+	r->rect = screen_rect_empty();
+	r->glass = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		if (!o || !scene_slot_is_seen(s, slot) || !object_is_smooth(o))
+			continue;
+		const gi_vec4 sphere = s->object_data[slot].sphere;
+		screen_rect_add(&r->rect, window_from_world, size, gi_vec3d_from(sphere), sphere.w);
+		r->glass = r->glass || object_has_glass(o);
+	}
+}
+
+static gi_result want_program(gi_context *gi, const char *vertex, const char *fragment, uint32_t *program)
+{
+	return *program ? GI_OK : gpu_program_draw(&gi->gpu, vertex, fragment, program);
+}
+
+gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
+{
+	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
+	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
+	static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+	gi_result result = want_program(gi, "screen.vert", "mirror.frag", &r->trace_program);
+	if (!result)
+		result = want_program(gi, "screen.vert", "mirror_add.frag", &r->add_program);
+	if (!result)
+		result = want_program(gi, "splat.vert", "splat.frag", &r->splat_program);
+	if (!result)
+		result = gpu_target_create(&gi->gpu, &r->layer, "layer of reflections", formats, false, view->width, view->height);
+	if (!result && !r->square.array)
+		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a packet", attributes, sizeof *corners, 4, corners, 6, indices);
+	if (!result)
+		find_rect(gi, r, view);
+	return result;
+}
+
+void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen)
+{
+	const gpu *g = &gi->gpu;
+	const uint32_t program = r->trace_program;
+	const float lift = scene_ray_lift(&gi->scene), farthest = view_farthest(view);
+	const float *exitance = gi->def.sky_exitance, beyond = gi->scene.sky_slot != GI_NONE ? 1 : 0;
+	const float sky[4] = {beyond * exitance[0], beyond * exitance[1], beyond * exitance[2], 0};
+	float eye[4];
+	view_eye(view, eye);
+	bind_scene(gi);
+	bind_rows(gi); /* for the frame's trees */
+	bind_solver(gi);
+	specular_bind(gi);
+	gpu_set_floats(g, program, EYE, 4, 1, eye);
+	gpu_set_uint(g, program, WAY, WAYS[layer]);
+	gpu_set_uint(g, program, MODE, (uint32_t)view->mode);
+	gpu_set_floats(g, program, LIFT, 1, 1, &lift);
+	gpu_set_floats(g, program, SKY, 4, 1, sky);
+	gpu_set_floats(g, program, FARTHEST, 1, 1, &farthest);
+	gpu_draw_to_target(g, &r->layer, view_convention(view));
+	gpu_draw_scissor(g, r->rect.lower, r->rect.upper);
+	gpu_mesh_draw(g, screen, program);
+	gpu_draw_unscissored(g);
+}
+
+void reflections_add(gi_context *gi, gi_reflections *r, bool lit, const gi_view *view, const int corner[2],
+		     const gpu_mesh *screen)
+{
+	const gpu *g = &gi->gpu;
+	int lower[2], upper[2];
+	for (int k = 0; k < 2; k++) {
+		lower[k] = corner[k] + r->rect.lower[k];
+		upper[k] = corner[k] + r->rect.upper[k];
+	}
+	gpu_set_corner(g, r->add_program, CORNER, corner);
+	gpu_set_uint(g, r->add_program, LIT, lit);
+	gpu_draw_added_in_front(g, true, view_convention(view));
+	gpu_draw_scissor(g, lower, upper);
+	gpu_mesh_draw(g, screen, r->add_program);
+	gpu_draw_unscissored(g);
+	gpu_draw_added_in_front(g, false, view_convention(view));
+}
+
+bool reflections_splat(gi_context *gi, gi_reflections *r, const float clip_from_world[16])
+{
+	const uint32_t photons = caustics_draw(gi);
+	if (!photons)
+		return false;
+	gpu_set_matrices(&gi->gpu, r->splat_program, 0, 1, clip_from_world);
+	gpu_draw_cull(&gi->gpu, GPU_CULL_NONE);
+	gpu_mesh_draw_instances(&gi->gpu, &r->square, r->splat_program, photons);
+	gpu_draw_cull(&gi->gpu, GPU_CULL_BACKS);
+	return true;
+}
+
+void reflections_free(gi_context *gi, gi_reflections *r)
+{
+	gpu_program_free(&gi->gpu, &r->trace_program);
+	gpu_program_free(&gi->gpu, &r->add_program);
+	gpu_program_free(&gi->gpu, &r->splat_program);
+	gpu_target_free(&gi->gpu, &r->layer);
+	gpu_mesh_free(&gi->gpu, &r->square);
+}

@@ -1,0 +1,36 @@
+/* What is seen in mirrors and through glass: a layer each of what is reflected and what is refracted by the first surface,
+ * which the lamps' passes light as they light the picture. */
+#ifndef GI_REFLECTIONS_H
+#define GI_REFLECTIONS_H
+
+#include "gpu_draw.h"
+#include "screen_rect.h"
+
+struct gi_context;
+
+typedef struct gi_reflections {
+	uint32_t trace_program, add_program, splat_program;
+	gpu_target layer; /* of the last view's size */
+	gpu_mesh square;
+	bool glass;       /* there is a second layer */
+	screen_rect rect; /* where mirrors and glass are, of the last view */
+} gi_reflections;
+
+typedef enum gi_layer { GI_LAYER_REFLECTED, GI_LAYER_REFRACTED, GI_LAYER_COUNT } gi_layer;
+
+/* For a scene with mirrors or glass: programs, textures, and where they are seen. */
+gi_result reflections_prepare(struct gi_context *gi, gi_reflections *r, const gi_view *view);
+
+/* Traces the layer's rays from the surfaces that are bound (shade.c). */
+void reflections_trace(struct gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen);
+
+/* Adds the layer that is bound to the host's picture. lit: GI_UNIT_SO_FAR has light of lamps on it. */
+void reflections_add(struct gi_context *gi, gi_reflections *r, bool lit, const gi_view *view, const int corner[2],
+		     const gpu_mesh *screen);
+
+/* Adds caustics to the irradiance of the surfaces that are bound; the target is bound too. False: there are none. */
+bool reflections_splat(struct gi_context *gi, gi_reflections *r, const float clip_from_world[16]);
+
+void reflections_free(struct gi_context *gi, gi_reflections *r);
+
+#endif

@@ -1,0 +1,23 @@
+#version 450 core
+// Packets per cell. One thread a packet.
+#define READ_PHOTONS
+#define READ_CAUSTIC_PAIRS
+#define WRITE_CAUSTIC_CELLS
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "caustic_cells.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint photons_a_pair;
+layout(location = 1) uniform uint pair_count;
+
+void main()
+{
+	uint t = thread_number(), pair = t / photons_a_pair;
+	if (pair >= pair_count)
+		return;
+	vec4 place = load_photon(t).place;
+	float finest = FINEST * load_caustic_pair(pair).sphere.w;
+	for (uint level = 0u; level < GI_CAUSTIC_LEVELS && floatBitsToUint(place.w) != GI_NONE; level++)
+		atomicAdd(caustic_cells[cell_of(place.xyz, pair, level, finest)], 1u);
+}

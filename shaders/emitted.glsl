@@ -1,0 +1,101 @@
+// Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum over
+// links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights sum to less
+// than 1, rounded down. Walks the rows that were closed, or with ALL every row. One thread a leaf.
+//
+// Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected light
+// exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
+#define READ_FRAME
+#define READ_TOPOLOGY
+#define READ_REST
+#define READ_LEAVES
+#define READ_MATERIALS
+#define READ_ROWS
+#define READ_LINKS
+#define READ_NODE_EXITANCE
+#define READ_LEAF_RADIOSITY
+#define READ_TOUCHED
+#ifdef CAUSTICS
+#define READ_CAUSTIC_LIGHT
+#endif
+#define WRITE_LEAF_RADIOSITY
+#define WRITE_STATE
+#include "buffers.glsl"
+#include "dispatch.glsl"
+#include "solve.glsl"
+
+layout(local_size_x = GI_GROUP_SIZE) in;
+layout(location = 0) uniform uint all;
+#ifdef CAUSTICS
+layout(location = 1) uniform uint caustics_undrawn; // 1: no pixel is lit by them
+#endif
+
+const uint FOUND = 6u;
+shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
+
+// More than the rounding of rho * irradiance and of a division.
+const float OUTWARD = 1.0 + 1.0 / 1048576.0;
+
+// More than a double's sum of ten thousand weights is off by, and than a float's rounding.
+const double SUMMED = 1e-12lf, ROUNDED_DOWN = 1.0lf - 1.0lf / 4194304.0lf;
+
+void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
+{
+	vec3 exitance = load_exitance(node).xyz;
+	if (exitance == vec3(0.0))
+		return;
+	dvec3 light = double(uintBitsToFloat(weight)) * dvec3(exitance);
+	sum += light;
+	if ((load_range(node).w & GI_NODE_LAMP) == 0u)
+		undrawn += light;
+}
+
+vec3 walk(uint leaf, uvec4 row)
+{
+	dvec3 sum = dvec3(0.0lf), undrawn = dvec3(0.0lf);
+	double weights = 0.0lf;
+	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
+	for (uint k = row.x / 2u; 2u * k < end; k++) {
+		uvec4 two = load_two_links(k);
+		add(sum, undrawn, two.x, two.y);
+		add(sum, undrawn, two.z, two.w);
+		weights += double(uintBitsToFloat(two.y));
+		weights += double(uintBitsToFloat(two.w));
+	}
+#ifdef CAUSTICS
+	sum += dvec3(load_caustic_light(leaf).xyz);
+	if (caustics_undrawn != 0u)
+		undrawn += dvec3(load_caustic_light(leaf).xyz);
+#endif
+	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
+	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w =
+		float(max(1.0lf - weights - SUMMED, 0.0lf) * ROUNDED_DOWN);
+	float area = load_rest(load_leaf(leaf).x).moment.w;
+	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn, area);
+	return emitted;
+}
+
+void report(uint leaf, vec3 emitted)
+{
+	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz, s = OUTWARD * rho * emitted, ceiling = OUTWARD * s / (1.0 - rho);
+	for (uint c = 0u; c < 3u; c++) {
+		atomicMax(found[c], floatBitsToUint(s[c]));
+		atomicMax(found[3u + c], floatBitsToUint(ceiling[c]));
+	}
+}
+
+void main()
+{
+	uint local = gl_LocalInvocationID.x, leaf = thread_number();
+	if (local < FOUND)
+		found[local] = 0u;
+	barrier();
+	if (leaf < frame.counts.x) {
+		uvec4 row = load_row(leaf);
+		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
+		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
+	}
+	barrier();
+	if (local < FOUND)
+		atomicMax(state[GI_STATE_DIRECT_BITS + local], found[local]);
+}

@@ -1,0 +1,16 @@
+// A surface that is seen by way of others: as surface.glsl reads it, but for the material, in whose place there is what it
+// reflects, in nine bits a channel, as the bits of a float that is no odd one.
+const float PI = 3.14159265358979;
+
+void store_layer(vec3 p, vec3 n, vec3 own, vec3 albedo, out vec4 place, out uvec4 look)
+{
+	uvec3 bits = uvec3(clamp(albedo, 0.0, 1.0) * 511.0 + 0.5);
+	place = vec4(p, uintBitsToFloat(0x40000000u | bits.x << 18u | bits.y << 9u | bits.z));
+	look = uvec4(floatBitsToUint(own), packSnorm2x16(octahedron_from_direction(n)));
+}
+
+vec3 layer_albedo(float w)
+{
+	uint bits = floatBitsToUint(w);
+	return vec3(bits >> 18u & 511u, bits >> 9u & 511u, bits & 511u) / 511.0;
+}
