@@ -140,9 +140,11 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 		s.firm_emitters += emitter ? v : 0.0;
 		return;
 	}
-	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(load_target(at) & ~GI_TARGET_BLACK).xyz;
+	uint target = load_target(at) & ~GI_TARGET_BLACK;
+	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
-	if (taken > 1u && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
+	// Whose light it takes may change, or is not known.
+	if ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
 	}

@@ -9,6 +9,7 @@
 #define READ_TARGETS
 #define READ_ROWS
 #define READ_TOUCHED
+#define WRITE_TOUCHED
 #define WRITE_SEGMENTS
 #define WRITE_ROWS
 #define WRITE_LINKS
@@ -17,6 +18,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "entry.glsl"
+#include "touched.glsl"
 #define POOL link_pool
 #include "pool.glsl"
 
@@ -162,7 +164,9 @@ row_counts count_row(uint leaf)
 		}
 		// By Laplace's rule of succession: a few rays that all agree leave some doubt.
 		float share = seen > 0u ? (float(seen) + 1.0) / (float(taken) + 2.0) : 0.0;
-		segments[slot].zw = floatBitsToUint(vec2(share, factors));
+		uint kept = segments[slot].z; // which face hides it
+		kept = (kept & GI_SEGMENT_FACE) != 0u ? kept : GI_SEGMENT_UNKNOWN;
+		segments[slot].zw = uvec2(seen == 0u ? kept : floatBitsToUint(share), floatBitsToUint(factors));
 		count.entries += range.y - range.x;
 	}
 	return count;
@@ -175,7 +179,7 @@ row_sums sum_corrected(uint leaf, correction c, bool raise)
 	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
-		float share = uintBitsToFloat(segments[slot].z);
+		float share = max(uintBitsToFloat(segments[slot].z), 0.0);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
 			share = share_up_to(e, share);
@@ -200,7 +204,7 @@ float write_links(uint leaf, uint at, correction c, float scale)
 	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uint slot = segment_of(leaf, s);
 		uvec2 range = range_of(slot);
-		float share = uintBitsToFloat(segments[slot].z);
+		float share = max(uintBitsToFloat(segments[slot].z), 0.0);
 		for (uint k = range.x; k < range.y; k++) {
 			uvec4 e = load_entry(k);
 			share = share_up_to(e, share);
@@ -222,7 +226,7 @@ void main()
 	uint k = spread_number(state[GI_STATE_CHANGED_ROWS]);
 	if (k >= state[GI_STATE_CHANGED_ROWS] || state[GI_STATE_OVERFLOW] != 0u)
 		return;
-	uint leaf = load_touched(2u * frame.counts.x + k);
+	uint leaf = load_listed(k);
 
 	// llvmpipe ends all loops of a thread, wherever they are, after 65,535 turns in sum.
 	row_counts counts = count_row(leaf);

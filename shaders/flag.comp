@@ -33,7 +33,7 @@ uint row_to_look_at()
 	if ((frame.update.w & GI_UPDATE_PART) != 0u)
 		return chosen_row();
 	uint k = spread_number(state[GI_STATE_CONCERNED_ROWS]);
-	return k < state[GI_STATE_CONCERNED_ROWS] ? load_touched(2u * frame.counts.x + k) : GI_NONE;
+	return k < state[GI_STATE_CONCERNED_ROWS] ? load_listed(k) : GI_NONE;
 }
 
 // What may have changed entries of a row: a mover, or of a leaf that moved one of its neighbours.
@@ -49,7 +49,8 @@ struct suspect {
 	bool counts;
 };
 
-suspect load_suspect_of(watch w, gi_node_geometry p, uint k)
+// covered: a static face hides it from the leaf.
+suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
 {
 	uvec4 change = load_swept_change(min(k, max(frame.swept.y, 1u) - 1u));
 	bool there = w.suspects.x + k < w.suspects.y;
@@ -63,7 +64,7 @@ suspect load_suspect_of(watch w, gi_node_geometry p, uint k)
 	s.in_trail = place_in(p.sphere.xyz, load_swept_corner(k, 0u).xyz, load_swept_corner(k, 1u).xyz);
 	s.in_hull = place_in(p.sphere.xyz, lower.xyz, upper.xyz);
 	s.hull = w.moved ? s.box.ball : ball_about(lower, upper);
-	s.counts = w.moved ? there || k == 0u : k < frame.swept.y && change.x > w.since && reaches_before(s.hull, p);
+	s.counts = w.moved ? there || k == 0u : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
 	return s;
 }
 
@@ -85,7 +86,7 @@ bool is_flagged_for(watch w, gi_node_geometry p, suspect s, uvec4 entry, bool sk
 {
 	uint blocker = entry.z >> 16u;
 	bool hid = w.moved ? s.first && blocker != w.mine && blocker != GI_BLOCKER_NONE : blocker == s.object;
-	bool crossed = crosses(s, p, entry.x, (entry.z & 0xFFFFu) != 0u, blocker == GI_BLOCKER_MIXED, sky);
+	bool crossed = crosses(s, p, entry.x, (entry.z & 0xFFFFu) != 0u, is_hidden_by_several(w, blocker), sky);
 	return samples_of(entry) > 0u && (hid || crossed);
 }
 
@@ -98,7 +99,7 @@ void main()
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint flagged = 0u, suspects = w.moved ? max(w.suspects.y - w.suspects.x, 1u) : frame.swept.y;
 	for (uint k = 0u; k < suspects; k++) {
-		suspect s = load_suspect_of(w, p, k);
+		suspect s = load_suspect_of(w, p, k, is_covered(leaf, k));
 		uint source = s.counts ? frame.swept.z : frame.counts.z, at = 0u, end = 0u;
 		bool sky = false;
 		while (source < frame.counts.z || at < end) {

@@ -68,6 +68,7 @@ struct watch {
 	uint mine;     // the leaf's object
 	uint since;    // the update that refreshed the row
 	bool moved;    // the leaf moved since then
+	bool statics;  // some static object changed since then
 	uvec2 suspects;
 	obstacle first; // of them: mostly there is no other
 };
@@ -78,7 +79,14 @@ watch watch_of(uint leaf)
 	bool moved = moved_since(mine, since);
 	uvec2 range = moved ? uvec2(object_bvh(mine).w, object_extra(mine).x) : frame.update.yz;
 	uint object = range.x < range.y ? load_suspect(range.x) : mine;
-	return watch(mine, since, moved, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
+	bool statics = frame.swept.w != GI_NONE && moved_since(frame.swept.w, since);
+	return watch(mine, since, moved, statics, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
+}
+
+// Which objects hid an entry is not known; of static ones that is of no concern while they are what they were.
+bool is_hidden_by_several(watch w, uint blocker)
+{
+	return blocker == GI_BLOCKER_MIXED || (blocker == GI_BLOCKER_STATICS && w.statics);
 }
 
 bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
@@ -121,8 +129,7 @@ bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 		return false; // form factor zero
 	uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
 	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
-	// Which ones hid it is not known.
-	if (!w.moved && blocker == GI_BLOCKER_MIXED)
+	if (!w.moved && is_hidden_by_several(w, blocker))
 		blocker_moved = was_crossed(w, p, entry.x);
 	return blocker_moved || (visible != 0u && may_cross(w, p, entry.x));
 }

@@ -1,7 +1,7 @@
 /* Structures and constants shared by the C side and the shaders; read by both compilers.
  *
  * Only vec4 and uvec4 members: their layout is the C layout, in storage blocks, in uniform blocks and as texels of
- * buffer textures, which buffers.glsl counts. gi/src/gpu.c asserts how many there are.
+ * buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there are.
  */
 #ifndef GI_SHARED_H
 #define GI_SHARED_H
@@ -134,7 +134,7 @@ GI_STRUCT(gi_primitive) {
  *   plane.xyz  normal of the world plane that all its surface lies in, plane.w  its height along it; 0: in no plane
  *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
- *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w 0
+ *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1; 0: none
  *   changed.x update that last moved it    changed.y update that last lit or put it out
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
@@ -197,6 +197,8 @@ GI_STRUCT(gi_material_data) {
  *   swept: in the list of suspects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
+ *   statics: primitives of static objects, which are the first ones; 0, 0, 0
+ *
  * Swept is, of each object that moved since some row was refreshed and of what went, GI_SWEPT_PARTS vec4:
  *   as uint bits: the update that saw it move; its slot, GI_NONE of what went; 1 where a box of where it was follows; 0
  *   lower corner of the world box of where it was
@@ -220,6 +222,7 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 rations;
 	GI_VEC4 ceiling;
 	GI_UVEC4 swept;
+	GI_UVEC4 statics;
 } GI_END(gi_frame)
 
 #define GI_SWEPT_PARTS 5u
@@ -272,7 +275,7 @@ GI_STRUCT(gi_pending) {
 #define GI_ENTRY_EXACT 0x20000000u /* a polygon or a patch of sky, whose form factors are hardly off */
 #define GI_ENTRY_BACK 0x80000000u
 #define GI_ENTRY_GONE 0x40000000u /* its node was changed or went; x is the node whose B its link takes: to be cut anew */
-#define GI_BLOCKER_STATICS 0xFFFDu /* several objects, all of them static: only a commit changes that */
+#define GI_BLOCKER_STATICS 0xFFFDu /* static objects, one or several: nothing else changes that */
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
 
@@ -282,8 +285,14 @@ GI_STRUCT(gi_pending) {
 /* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
  * samples that see their object, w the sum of the form factors of entries that are no backs.
  *
+ * Where no sample sees the object, z is GI_SEGMENT_FACE and the number of a primitive that may hide it (covered.comp), GI_SEGMENT_NO_FACE or
+ * more: none was found, or none looked for.
+ *
  * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
  */
+#define GI_SEGMENT_FACE 0x80000000u
+#define GI_SEGMENT_NO_FACE 0x007FFFFFu
+#define GI_SEGMENT_UNKNOWN 0xFF000000u /* all of z, GI_SEGMENT_FACE too; rows of nothing have it, and as a float it is below 0 */
 #define GI_BLOCK_COUNT_MASK 0x00FFFFFFu
 #define GI_BLOCK_NO_CLASS 255u
 #define GI_BLOCK_CLASSES 22u
@@ -439,7 +448,7 @@ GI_STRUCT(gi_move) {
 #define GI_DARK_SHARE 1e-5f
 
 /* Words a leaf of GI_BIND_TOUCHED (touched.glsl). */
-#define GI_TOUCHED_PARTS 3u
+#define GI_TOUCHED_PARTS 4u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
 #define GI_POOL_BUMP 0u

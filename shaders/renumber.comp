@@ -66,11 +66,11 @@ bool has_block(uvec2 block)
 }
 
 // An object that went is no blocker that could be asked for: such entries are retested where something was. So are those that
-// static objects hid, where these are no longer the same.
+// static objects hid, where there are none any more; where these are only no longer the same flagging sees that.
 uint new_blocker(uint blocker)
 {
 	if (blocker >= GI_BLOCKER_STATICS)
-		return blocker == GI_BLOCKER_STATICS && old_statics != GI_NONE ? GI_BLOCKER_MIXED : blocker;
+		return blocker == GI_BLOCKER_STATICS && end_static == 0u ? GI_BLOCKER_MIXED : blocker;
 	uint now = load_move(blocker).now.x;
 	return now == GI_NONE ? GI_BLOCKER_MIXED : now;
 }

@@ -18,6 +18,7 @@
 #define READ_ENTRIES
 #define READ_QUEUE
 #define READ_NODE_EXITANCE
+#define READ_TOUCHED
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
 #define WRITE_TOUCHED
@@ -124,13 +125,49 @@ bool choose_segment(pair p, uint k, uint candidates, out segment_end a, out segm
 	return sum > 0.0;
 }
 
-// Of samples that one blocker hides and one that another does. Static objects have the first slots.
+// Of samples that one blocker hides and one that another does. Static objects have the first slots and are asked first (tlas.c): that
+// they hide it is said the same way whichever of them does, and whatever else is there.
 uint joined_blocker(uint blocker, uint by)
 {
-	if (blocker == GI_BLOCKER_NONE || blocker == by)
-		return by;
-	bool stay = by < frame.swept.z && (blocker < frame.swept.z || blocker == GI_BLOCKER_STATICS);
-	return stay ? GI_BLOCKER_STATICS : GI_BLOCKER_MIXED;
+	uint kind = by < frame.swept.z ? GI_BLOCKER_STATICS : by;
+	return blocker == GI_BLOCKER_NONE || blocker == kind ? kind : GI_BLOCKER_MIXED;
+}
+
+// Does a static face hide all of the source, a mover, from the leaf (covered.comp)? Then all rays would be hidden.
+bool is_behind_face(uint leaf, uvec4 source)
+{
+	if (TOPS == 1 || (source.w & GI_NODE_SKY) != 0u)
+		return false;
+	uint k = object_extra(load_leaf(source.y).y).w;
+	return k > 0u && is_covered(leaf, k - 1u);
+}
+
+// How many rays an entry has.
+struct sampling {
+	uint wanted;        // at most
+	uint probes;        // so many where they agree,
+	uint hidden_probes; // and where all are hidden
+};
+
+// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the tolerance. Stopping
+// early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many rays to save. Black sky is not seen
+// at all.
+sampling sampling_of(float factor, uint flags)
+{
+	bool emitter = (flags & GI_NODE_EMITTER) != 0u, dark_sky = (flags & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
+	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
+	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
+	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
+	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
+	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
+	return sampling(wanted, probes, emitter ? min(wanted, HIDDEN_PROBES) : probes);
+}
+
+void keep(uint slot, uvec4 entry, uint visible, uint blocker, uint taken)
+{
+	entries[slot].z = visible | (blocker << 16u);
+	if (taken != samples_of(entry))
+		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
 }
 
 void main()
@@ -139,36 +176,26 @@ void main()
 	if (t >= min(state[GI_STATE_QUEUED], frame.limits.y))
 		return;
 	uint slot = load_queued(t);
-	uvec4 entry = load_entry(slot);
-	if (((load_range(entry.x).w & GI_NODE_TOP) != 0u) != (TOPS == 1))
+	uvec4 entry = load_entry(slot), source = load_range(entry.x);
+	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	float factor = uintBitsToFloat(entry.y);
-	bool is_new = t < state[GI_STATE_NEW];
-	if (factor <= 0.0) {
+	sampling rays = sampling_of(factor, source.w);
+	bool is_new = t < state[GI_STATE_NEW], none = factor <= 0.0;
+	if (none || (is_new && is_behind_face(entry.w & GI_ENTRY_LEAF_MASK, source))) {
 		// However small, a bright lamp may be behind it.
-		entries[slot].z = GI_BLOCKER_NONE << 16u;
-		entries[slot].w = entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT);
+		keep(slot, entry, 0u, none ? GI_BLOCKER_NONE : GI_BLOCKER_STATICS, none ? 0u : rays.hidden_probes);
 		targets[slot] = entry.x;
 		return;
 	}
 	pair p = load_pair(entry);
-	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
-	// Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
-	// tolerance.
-	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
-	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
-	bool dark_sky = p.sky && frame.misc.w == 0u;
-	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
-	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
-	// Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
-	// rays to save. Black sky is not seen at all.
-	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;
-	bool reordered = emitter || (!p.sky && wanted <= PROBES);
+	bool emitter = (source.w & GI_NODE_EMITTER) != 0u;
+	bool reordered = emitter || (!p.sky && rays.wanted <= PROBES);
 	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
 	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
 	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
-	while (taken < wanted) {
+	while (taken < rays.wanted) {
 		segment_end a, b;
 		body on = p.source;
 		// What is not before the receiver must not shine through its back.
@@ -187,12 +214,10 @@ void main()
 			blocker = joined_blocker(blocker, by);
 		taken++;
 		bool agree = visible == 0u || visible == (1u << taken) - 1u;
-		if (agree && taken == (emitter && visible == 0u ? min(wanted, HIDDEN_PROBES) : probes))
+		if (agree && taken == (visible == 0u ? rays.hidden_probes : rays.probes))
 			break;
 	}
-	entries[slot].z = visible | (blocker << 16u);
-	if (taken != samples_of(entry))
-		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
+	keep(slot, entry, visible, blocker, taken);
 	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
 	// light altogether. On average it is what the node shows.
 	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;

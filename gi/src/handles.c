@@ -4,8 +4,8 @@
 #include "handles.h"
 
 #include "context.h"
-#include "limits.h"
 #include "memory.h"
+#include "scene_limits.h"
 
 /* Doubled when full: there is room for the next power of two. */
 static bool add_place(gi_scene *s)

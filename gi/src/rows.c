@@ -43,7 +43,8 @@ void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
 	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
 	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
-	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program}};
+	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program},
+	    {"covered.comp", &r->covered_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -299,6 +300,7 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		s->object_data[slot].extra.w = 0;
 	}
 	if (s->statics_slot != GI_NONE)
 		number_tops(gi);
@@ -435,7 +437,7 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
 		object_include_box(o, &corners[2], &corners[3]);
-		p->swept++;
+		gi->scene.object_data[slot].extra.w = ++p->swept;
 		ok = append_swept(list, (gi_uvec4){o->moved_update, slot, o->trails, 0}, corners);
 	}
 	const gi_vec4 lost[4] = {r->lost_lower, r->lost_upper, r->lost_lower, r->lost_upper};
@@ -530,6 +532,15 @@ static gi_vec4 ceiling_of(const gi_context *gi)
 	return ceiling;
 }
 
+/* Primitives lie in the order of slots. */
+static uint32_t static_primitives(const gi_scene *s)
+{
+	if (!s->first_source)
+		return 0;
+	const scene_object *last = &s->objects[s->slots[s->first_source - 1]];
+	return last->primitive_base + last->bvh.primitive_count;
+}
+
 static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 {
 	const gi_scene *s = &gi->scene;
@@ -549,6 +560,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
+	    .statics = {static_primitives(s), 0, 0, 0},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
@@ -580,7 +592,7 @@ static void begin(gi_context *gi)
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * 2 * gi->scene.leaf_count, 0);
+	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * (GI_TOUCHED_PARTS - 1) * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -722,12 +734,26 @@ static void cut(gi_context *gi, const plan *p)
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 }
 
+/* Rows that static faces hide movers from. */
+static void find_covered(gi_context *gi, const plan *p)
+{
+	const gi_rows *r = &gi->rows;
+	if (gi->scene.statics_slot == GI_NONE || !p->swept)
+		return;
+	if (p->part)
+		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state,
+				      sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+	else
+		gpu_dispatch(&gi->gpu, r->covered_program, gi->scene.leaf_count);
+}
+
 /* Queues what movers may have changed, of the rows that they may concern, or of those chosen. */
 static void flag(gi_context *gi, const plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	rows_progress(gi, GI_PASS_FLAG);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
+	find_covered(gi, p);
 	if (!p->part) {
 		gpu_dispatch(&gi->gpu, r->concern_program, gi->scene.leaf_count);
 		prepare(gi, ROWS_LISTED);

@@ -25,10 +25,10 @@ typedef struct gi_rows {
 	gi_slot_list suspect_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
-		kept_program;
+		kept_program, covered_program;
 } gi_rows;
 
-enum { ROWS_PROGRAMS = 14 };
+enum { ROWS_PROGRAMS = 15 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 gi_result rows_allocate(gi_context *gi);

@@ -143,6 +143,40 @@ static bool encloses(const gi_scene *s, uint32_t slot)
 	return !(front && behind);
 }
 
+/* Puts a tree of its own at node `base` of a larger one, whose boxes are numbered on from `first`. */
+static void shift_tree(gi_bvh_node *nodes, uint32_t count, uint32_t base, uint32_t first)
+{
+	for (uint32_t k = 0; k < count; k++) {
+		const uint32_t primitive = gi_bits_from_float(nodes[k].upper.w);
+		nodes[k].lower.w = gi_float_from_bits(gi_bits_from_float(nodes[k].lower.w) + base);
+		if (primitive != GI_NONE)
+			nodes[k].upper.w = gi_float_from_bits(primitive + first);
+	}
+}
+
+/* The tree over boxes, of which `statics` come before the others, in its order too: what hides a segment is a static
+ * object wherever one does, whatever moved before it. */
+static void build_in_order(const gi_box *boxes, uint32_t count, uint32_t statics, gi_bvh_node *nodes, uint32_t *order)
+{
+	if (statics == 0 || statics == count) {
+		gi_bvh_build_boxes(boxes, count, nodes, order);
+		return;
+	}
+	const uint32_t others = count - statics, behind = 2 * statics;
+	gi_bvh_build_boxes(boxes, statics, nodes + 1, order);
+	gi_bvh_build_boxes(boxes + statics, others, nodes + behind, order + statics);
+	shift_tree(nodes + 1, 2 * statics - 1, 1, 0);
+	shift_tree(nodes + behind, 2 * others - 1, behind, statics);
+	for (uint32_t k = statics; k < count; k++)
+		order[k] += statics;
+	for (int k = 0; k < 3; k++) {
+		(&nodes->lower.x)[k] = fminf((&nodes[1].lower.x)[k], (&nodes[behind].lower.x)[k]);
+		(&nodes->upper.x)[k] = fmaxf((&nodes[1].upper.x)[k], (&nodes[behind].upper.x)[k]);
+	}
+	nodes->lower.w = gi_float_from_bits(2 * count - 1);
+	nodes->upper.w = gi_float_from_bits(GI_NONE);
+}
+
 /* What building takes: of each slot its number, its box and its place in a tree, and a tree's nodes. */
 typedef struct room {
 	uint32_t *slots, *order;
@@ -150,15 +184,17 @@ typedef struct room {
 	gi_bvh_node *nodes;
 } room;
 
-/* The tree over the first `count` of r->slots, behind the nodes that are there. */
+/* The tree over the first `count` of r->slots, in ascending order, behind the nodes that are there. */
 static void build(gi_scene *s, const room *r, uint32_t count, uint32_t base, gi_bvh_node *nodes)
 {
+	uint32_t statics = 0;
 	for (uint32_t k = 0; k < count; k++) {
 		const scene_object *o = &s->objects[s->slots[r->slots[k]]];
 		r->boxes[k] = (gi_box){{o->world_lower.x, o->world_lower.y, o->world_lower.z},
 				       {o->world_upper.x, o->world_upper.y, o->world_upper.z}};
+		statics += r->slots[k] < s->first_source;
 	}
-	gi_bvh_build_boxes(r->boxes, count, nodes, r->order);
+	build_in_order(r->boxes, count, statics, nodes, r->order);
 	if (base == 0 && count)
 		gi_pack_grid(&(gi_vec4){nodes[0].lower.x, nodes[0].lower.y, nodes[0].lower.z, 0},
 			     &(gi_vec4){nodes[0].upper.x, nodes[0].upper.y, nodes[0].upper.z, 0}, &s->tlas_grid,

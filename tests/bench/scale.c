@@ -131,6 +131,7 @@ typedef struct options {
 	uint32_t pair; /* boxes of the hall beside one of 20; 0: no such pair */
 	float row_tolerance;
 	const char *counts;
+	bool chosen[EVENTS]; /* that are measured */
 } options;
 
 static void open_world(engine_context *context, const options *o, const scale_settings *world, scale_world *out)
@@ -161,10 +162,10 @@ static void measure_world(engine_context *context, const options *o, const scale
 	print_event(&w, FIRST, &tallies[FIRST]);
 	for (uint32_t round = 0; round < o->rounds; round++)
 		for (event e = MOVE; e < EVENTS; e++)
-			if (happens(&w, e))
+			if (o->chosen[e] && happens(&w, e))
 				measure(&w, e, round, &tallies[e]);
 	for (event e = MOVE; e < EVENTS; e++)
-		if (happens(&w, e))
+		if (o->chosen[e] && happens(&w, e))
 			print_event(&w, e, &tallies[e]);
 	close_world(&w);
 }
@@ -234,6 +235,22 @@ static void measure_pair(engine_context *context, const options *o)
 		close_world(&worlds[k]);
 }
 
+/* Of names with commas between them; one that goes must come before. */
+static void choose_events(options *o, const char *names, struct argp_state *state)
+{
+	memset(o->chosen, 0, sizeof o->chosen);
+	for (const char *next = names; *next;) {
+		const size_t length = strcspn(next, ",");
+		event e = MOVE;
+		while (e < EVENTS && (strlen(event_names[e]) != length || strncmp(next, event_names[e], length)))
+			e++;
+		if (e == EVENTS)
+			argp_error(state, "--events wants names as they are printed, not %s", next);
+		o->chosen[e] = true;
+		next += length + (next[length] == ',');
+	}
+}
+
 static error_t parse_option(int key, char *argument, struct argp_state *state)
 {
 	options *o = state->input;
@@ -265,6 +282,9 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 				return 0;
 		argp_error(state, "--world wants hall or street, not %s", argument);
 		return EINVAL;
+	case 'e':
+		choose_events(o, argument, state);
+		return 0;
 	case 't':
 		o->row_tolerance = bench_parse_number(argument, 1e-5f, 1, "row-tolerance", state);
 		return 0;
@@ -279,6 +299,7 @@ int main(int argc, char **argv)
 	    {"world", 'w', "KIND", 0, "hall or street; default both", 0},
 	    {"objects", 'n', "N,N,...", 0, "objects of each world, at least 10, default 10,30,100,300", 0},
 	    {"rounds", 'r', "N", 0, "times each event happens, default 3", 0},
+	    {"events", 'e', "NAME,...", 0, "those alone, by the names that are printed, default all", 0},
 	    {"pair", 'p', "N", 0, "a hall of N boxes beside one of 20 and as many leaves, default 2000; 0: none", 0},
 	    {"leaf-size", 'l', "M", 0, "of rooms, metres, default 1", 0},
 	    {"cells", 'b', "N", 0, "cells a side of boxes and furniture, default 1", 0},
@@ -292,6 +313,7 @@ int main(int argc, char **argv)
 		     .world = {.cell = 1, .cells = 1},
 		     .row_tolerance = .3f,
 		     .counts = "10,30,100,300"};
+	memset(o.chosen, true, sizeof o.chosen);
 	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	engine_context *context = bench_open_window(kind, 64);
 	printf("# %s, commit %s\nworld,objects,leaves,event,measure,value\n", engine_context_describe(context),
