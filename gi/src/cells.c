@@ -42,7 +42,8 @@ static cells_key key_of(const float *lower, const float *upper, uint32_t tie, ui
 	bool stays = false;
 	double half = ldexp(1, LEVELS - 1 + FINEST);
 	for (int level = LEVELS - 1; level >= 0; level--, half *= .5) {
-		const uint64_t halves = (place[0] >> level & 1) << 2 | (place[1] >> level & 1) << 1 | (place[2] >> level & 1);
+		const uint64_t halves =
+		    (place[0] >> level & 1) << 2 | (place[1] >> level & 1) << 1 | (place[2] >> level & 1);
 		const bool stayed = stays;
 		stays = stays || extent > half;
 		write_bits(&w, (uint64_t)(stays && !stayed) << 3 | halves, stayed ? 3 : 4);
@@ -82,7 +83,8 @@ static uint32_t parting(const cells_key *keys, uint32_t first, uint32_t end, uns
 }
 
 /* Keys that agree above `bit`. No deeper than a key has bits. Returns the node after the subtree. */
-static uint32_t build(const cells_key *keys, uint32_t first, uint32_t end, unsigned bit, uint32_t node, cells_node *nodes)
+static uint32_t build(const cells_key *keys, uint32_t first, uint32_t end, unsigned bit, uint32_t node,
+		      cells_node *nodes)
 {
 	uint32_t skip = node + 1;
 	if (end - first > 1) {

@@ -186,20 +186,20 @@ static void turn_spread(const double m[3][3], const gi_node_spread *s, double ou
 }
 
 static static_sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
-		      const gi_node_topology *t)
+			     const gi_node_topology *t)
 {
 	const double m[3][3] = {
 	    {d->row0.x, d->row0.y, d->row0.z}, {d->row1.x, d->row1.y, d->row1.z}, {d->row2.x, d->row2.y, d->row2.z}};
 	static_sum s = {.centre = gi_point_to_world(d, gi_vec3d_from(g->sphere)),
-		 .moment = gi_direction_to_world(d, gi_vec3d_from(g->moment)),
-		 .axis = gi_direction_to_world(d, gi_vec3d_from(g->axis)),
-		 .radius = g->sphere.w,
-		 .area = g->moment.w,
-		 .shape = (double)spread->mixed.w * g->moment.w,
-		 .cone = g->axis.w < 0 ? ANY : acos(fmin(1, (double)g->axis.w)),
-		 .first_leaf = t->range.y,
-		 .leaf_count = t->range.z,
-		 .back = t->range.w & GI_NODE_BACK};
+			.moment = gi_direction_to_world(d, gi_vec3d_from(g->moment)),
+			.axis = gi_direction_to_world(d, gi_vec3d_from(g->axis)),
+			.radius = g->sphere.w,
+			.area = g->moment.w,
+			.shape = (double)spread->mixed.w * g->moment.w,
+			.cone = g->axis.w < 0 ? ANY : acos(fmin(1, (double)g->axis.w)),
+			.first_leaf = t->range.y,
+			.leaf_count = t->range.z,
+			.back = t->range.w & GI_NODE_BACK};
 	turn_spread(m, spread, s.spread);
 	return s;
 }
@@ -227,13 +227,13 @@ static double angle_to(gi_vec3d axis, const static_sum *s)
 static static_sum join(const static_sum *a, const static_sum *b)
 {
 	static_sum s = {.moment = gi_vec3d_add(a->moment, b->moment),
-		 .area = a->area + b->area,
-		 .shape = a->shape + b->shape,
-		 .axis = {0, 0, 1},
-		 .cone = ANY,
-		 .first_leaf = a->first_leaf,
-		 .leaf_count = a->leaf_count + b->leaf_count,
-		 .back = a->back | b->back};
+			.area = a->area + b->area,
+			.shape = a->shape + b->shape,
+			.axis = {0, 0, 1},
+			.cone = ANY,
+			.first_leaf = a->first_leaf,
+			.leaf_count = a->leaf_count + b->leaf_count,
+			.back = a->back | b->back};
 	for (int k = 0; k < 6; k++)
 		s.spread[k] = a->spread[k] + b->spread[k];
 	include_ball(&s, a, b);
@@ -267,8 +267,9 @@ static void store(const static_sum *s, uint32_t end, const scene_top *top, gi_no
 static static_sum sum_of(const static_node *n, const gi_scene *s, const gi_node_geometry *rest,
 			 const gi_node_spread *spread, const gi_node_topology *topology)
 {
-	return n->top ? s->sums[n->number]
-		      : sum_object(&s->object_data[n->first_slot], &rest[n->node], &spread[n->node], &topology[n->node]);
+	return n->top
+		   ? s->sums[n->number]
+		   : sum_object(&s->object_data[n->first_slot], &rest[n->node], &spread[n->node], &topology[n->node]);
 }
 
 static bool is_known(const static_node *n, const gi_scene *s)
