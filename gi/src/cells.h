@@ -24,9 +24,9 @@ typedef struct cells_key {
 	uint32_t box;
 } cells_key;
 
-/* Room for 2 count - 1 nodes, for count places in `order`, which box comes when, and for 2 count keys. `ties` are numbers
- * of the boxes, all different, that order those in one place. Boxes that come in the order of a tree before, new ones
- * behind them, take the least time. */
+/* Room for 2 count - 1 nodes, for count places in `order`, which box comes when, and for 2 count keys. `ties` are
+ * numbers of the boxes, all different, that order those in one place. Boxes that come in the order of a tree before,
+ * new ones behind them, take the least time. */
 void cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_key *keys,
 		 cells_node *nodes, uint32_t *order);
 
