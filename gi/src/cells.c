@@ -1,8 +1,7 @@
 #include "cells.h"
 
-#include "host_memory.h"
-
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 /* Cells are 2^32 to 2^-20 units wide: coordinates are below 2^30, and what is smaller is parted at that size. */
@@ -10,20 +9,22 @@ enum { COARSEST = 32, FINEST = -20, LEVELS = COARSEST - FINEST, WORDS = 4 };
 
 /* The way to a box from the coarsest cell, a bit a turn: 0 and three halves for each cell that it goes down, then 1 and
  * the halves that its centre is in from there on; its tie is the last word's half. */
-typedef struct cells_key {
-	uint64_t word[WORDS];
-	uint32_t box;
-} cells_key;
-
 typedef struct key_writer {
 	cells_key *key;
 	unsigned at;
 } key_writer;
 
-static void write_bit(key_writer *w, uint64_t bit)
+static void write_bits(key_writer *w, uint64_t bits, unsigned count)
 {
-	w->key->word[w->at / 64] |= bit << (63 - w->at % 64);
-	w->at++;
+	const unsigned room = 64 - w->at % 64;
+	uint64_t *word = &w->key->word[w->at / 64];
+	if (count <= room) {
+		word[0] |= bits << (room - count);
+	} else {
+		word[0] |= bits >> (count - room);
+		word[1] |= bits << (64 - (count - room));
+	}
+	w->at += count;
 }
 
 static cells_key key_of(const float *lower, const float *upper, uint32_t tie, uint32_t box)
@@ -39,13 +40,13 @@ static cells_key key_of(const float *lower, const float *upper, uint32_t tie, ui
 		extent = fmax(extent, (double)upper[c] - lower[c]);
 	}
 	bool stays = false;
-	for (int level = LEVELS - 1; level >= 0; level--) {
-		if (!stays) {
-			stays = extent > ldexp(1, level + FINEST);
-			write_bit(&w, stays);
-		}
-		for (int c = 0; c < 3; c++)
-			write_bit(&w, place[c] >> level & 1);
+	double half = ldexp(1, LEVELS - 1 + FINEST);
+	for (int level = LEVELS - 1; level >= 0; level--, half *= .5) {
+		const uint64_t halves =
+		    (place[0] >> level & 1) << 2 | (place[1] >> level & 1) << 1 | (place[2] >> level & 1);
+		const bool stayed = stays;
+		stays = stays || extent > half;
+		write_bits(&w, (uint64_t)(stays && !stayed) << 3 | halves, stayed ? 3 : 4);
 	}
 	key.word[WORDS - 1] |= tie;
 	return key;
@@ -65,16 +66,15 @@ static bool bit_of(const cells_key *key, unsigned bit)
 	return key->word[bit / 64] >> (63 - bit % 64) & 1;
 }
 
-/* The first key of [first, end) behind the highest bit in which they differ. */
-static uint32_t parting(const cells_key *keys, uint32_t first, uint32_t end)
+/* The first key of [first, end) behind the highest bit in which they differ, which is no higher than *bit. */
+static uint32_t parting(const cells_key *keys, uint32_t first, uint32_t end, unsigned *bit)
 {
-	unsigned bit = 0;
-	while (bit_of(&keys[first], bit) == bit_of(&keys[end - 1], bit))
-		bit++;
+	while (bit_of(&keys[first], *bit) == bit_of(&keys[end - 1], *bit))
+		++*bit;
 	uint32_t low = first, high = end - 1;
 	while (high - low > 1) {
 		const uint32_t middle = low + (high - low) / 2;
-		if (bit_of(&keys[middle], bit))
+		if (bit_of(&keys[middle], *bit))
 			high = middle;
 		else
 			low = middle;
@@ -82,32 +82,45 @@ static uint32_t parting(const cells_key *keys, uint32_t first, uint32_t end)
 	return high;
 }
 
-/* No deeper than a key has bits. Returns the node after the subtree. */
-static uint32_t build(const cells_key *keys, uint32_t first, uint32_t end, uint32_t node, cells_node *nodes)
+/* Keys that agree above `bit`. No deeper than a key has bits. Returns the node after the subtree. */
+static uint32_t build(const cells_key *keys, uint32_t first, uint32_t end, unsigned bit, uint32_t node,
+		      cells_node *nodes)
 {
 	uint32_t skip = node + 1;
 	if (end - first > 1) {
-		const uint32_t middle = parting(keys, first, end);
-		skip = build(keys, first, middle, node + 1, nodes);
-		skip = build(keys, middle, end, skip, nodes);
+		const uint32_t middle = parting(keys, first, end, &bit);
+		skip = build(keys, first, middle, bit + 1, node + 1, nodes);
+		skip = build(keys, middle, end, bit + 1, skip, nodes);
 	}
 	nodes[node] = (cells_node){skip, first, end};
 	return skip;
 }
 
-bool cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_node *nodes,
-		 uint32_t *order)
+/* What is in order already is not sorted: the rest is, and merged with it behind them. Returns where they are. */
+static const cells_key *sort(cells_key *keys, uint32_t count)
 {
-	cells_key *keys = gi_malloc(sizeof *keys * ((size_t)count + 1));
-	if (!keys)
-		return false;
+	uint32_t ready = 1, at = 0;
+	while (ready < count && compare_keys(&keys[ready - 1], &keys[ready]) < 0)
+		ready++;
+	if (ready >= count)
+		return keys;
+	qsort(keys + ready, count - ready, sizeof *keys, compare_keys);
+	cells_key *merged = keys + count;
+	for (uint32_t k = 0, next = ready; at < count; at++) {
+		const bool first = next == count || (k < ready && compare_keys(&keys[k], &keys[next]) < 0);
+		merged[at] = keys[first ? k++ : next++];
+	}
+	return merged;
+}
+
+void cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_key *keys,
+		 cells_node *nodes, uint32_t *order)
+{
 	for (uint32_t k = 0; k < count; k++)
 		keys[k] = key_of(&lower[k].x, &upper[k].x, ties[k], k);
-	qsort(keys, count, sizeof *keys, compare_keys);
+	const cells_key *sorted = sort(keys, count);
 	for (uint32_t k = 0; k < count; k++)
-		order[k] = keys[k].box;
+		order[k] = sorted[k].box;
 	if (count)
-		build(keys, 0, count, 0, nodes);
-	gi_free(keys);
-	return true;
+		build(sorted, 0, count, 0, 0, nodes);
 }

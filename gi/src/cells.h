@@ -10,7 +10,6 @@
 
 #include "gi_shared.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 /* Depth-first: the children of an inner node are the next node and the first one's skip. */
@@ -19,9 +18,16 @@ typedef struct cells_node {
 	uint32_t first, end; /* of its boxes, in `order` */
 } cells_node;
 
-/* Room for 2 count - 1 nodes, and for count places in `order`: which box comes when. `ties` are numbers of the boxes,
- * all different, that order those in one place. False: out of memory. */
-bool cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_node *nodes,
-		 uint32_t *order);
+/* What the tree is made of, for nobody else to look at. */
+typedef struct cells_key {
+	uint64_t word[4];
+	uint32_t box;
+} cells_key;
+
+/* Room for 2 count - 1 nodes, for count places in `order`, which box comes when, and for 2 count keys. `ties` are
+ * numbers of the boxes, all different, that order those in one place. Boxes that come in the order of a tree before,
+ * new ones behind them, take the least time. */
+void cells_build(const gi_vec4 *lower, const gi_vec4 *upper, const uint32_t *ties, uint32_t count, cells_key *keys,
+		 cells_node *nodes, uint32_t *order);
 
 #endif

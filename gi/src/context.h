@@ -26,6 +26,7 @@ struct gi_context {
 	gi_solver solver;
 	gi_arena spare_arrays; /* of the scene before, for the next one */
 	gi_arena passing;      /* what a step of a commit takes, one after the other */
+	gi_arena grouping;     /* the tree of static objects */
 	gi_arena undo;         /* what it needs to the end */
 	gi_arena tree_arena;   /* what building the trees over the objects takes, for every frame */
 	gi_lamps lamps;

@@ -133,6 +133,7 @@ void scene_free(gi_context *gi)
 	scene_release(gi, &gi->scene);
 	gi_arena_free(&gi->spare_arrays);
 	gi_arena_free(&gi->passing);
+	gi_arena_free(&gi->grouping);
 	gi_arena_free(&gi->undo);
 	gi_arena_free(&gi->tree_arena);
 }

@@ -27,6 +27,7 @@ typedef struct gi_scene {
 	uint32_t statics_slot; /* static objects as one source, GI_NONE: none; their own slots are the first ones */
 	uint32_t first_source; /* slot; from here on they are sources */
 	scene_top *tops;
+	struct static_sum *sums; /* of each top (statics.h) */
 	uint32_t top_count;
 	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
 	uint32_t statics_update; /* number of the row update that last saw an object come to the static ones or leave them */

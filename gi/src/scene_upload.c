@@ -72,14 +72,13 @@ typedef struct gathered {
 static void gathered_free(gathered *g)
 {
 	gi_hierarchy_free(&g->sky);
-	statics_free(&g->statics);
 	gi_free(g->order);
 }
 
-static bool order_objects(gi_scene *s, gathered *g)
+static bool order_objects(gi_scene *s, const gi_scene *was, gi_arena *memory, gathered *g)
 {
 	g->order = gi_calloc((size_t)s->object_count + 1, sizeof *g->order);
-	if (!g->order || !statics_build(s, &g->statics))
+	if (!g->order || !statics_build(s, was, memory, &g->statics))
 		return false;
 	for (uint32_t k = 0; k < s->object_count; k++)
 		s->objects[k].grouped = false;
@@ -136,6 +135,7 @@ static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 	n->tlas = gi_arena_take(stays, n->tlas_count, sizeof *n->tlas);
 	n->tlas_packed = gi_arena_take(stays, 2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
 	n->tops = gi_arena_take(stays, n->top_count, sizeof *n->tops);
+	n->sums = gi_arena_take(stays, n->top_count, sizeof *n->sums);
 	n->changed_slots = gi_arena_take(stays, n->first_source, sizeof *n->changed_slots);
 	g->rest = gi_arena_take(passes, n->node_count, sizeof *g->rest);
 	g->spread = gi_arena_take(passes, n->node_count, sizeof *g->spread);
@@ -484,7 +484,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 				object_leave_trail(&s->objects[k]);
 			object_place(&s->objects[k], &scratch);
 		}
-	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, g))
+	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, before->scene, &gi->grouping, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
 	if (check_sizes(gi, g))
@@ -498,8 +498,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 	s->wide_count = g->next.wide_count;
 	statics_follow(s, before->scene, before->objects, gi->rows.update + 1);
 	s->statics_update = statics_are_same(before->scene, s) ? before->scene->statics_update : gi->rows.update + 1;
-	if (g->statics.count && !statics_place(&g->statics, s, g->rest, g->spread, s->topology))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	statics_place(&g->statics, s, g->rest, g->spread, s->topology);
 	place_vertices(g);
 	if (!rank_primitives(s, g->primitives, g->leaves))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");

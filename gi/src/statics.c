@@ -2,7 +2,6 @@
 
 #include "cells.h"
 #include "frames.h"
-#include "host_memory.h"
 
 #include <math.h>
 
@@ -22,11 +21,20 @@ static bool are_many(const gi_scene *s)
 	return count >= GI_AUTOMATIC_OBJECTS;
 }
 
-static uint32_t list_statics(const gi_scene *s, uint32_t *list)
+static bool is_held(const gi_scene *s, uint32_t k)
+{
+	return object_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility);
+}
+
+/* In the order of before, the others behind them. */
+static uint32_t list_statics(const gi_scene *s, const gi_scene *was, uint32_t *list)
 {
 	uint32_t count = 0;
+	for (uint32_t slot = 0; slot < was->first_source; slot++)
+		if (is_held(s, was->slots[slot]))
+			list[count++] = was->slots[slot];
 	for (uint32_t k = 0; k < s->object_count; k++)
-		if (object_is_seen(&s->objects[k]) && statics_hold(s, s->objects[k].mobility))
+		if (!s->objects[k].grouped && is_held(s, k))
 			list[count++] = k;
 	return count;
 }
@@ -35,7 +43,7 @@ static uint32_t list_statics(const gi_scene *s, uint32_t *list)
  * top has there. */
 static void number_nodes(const gi_scene *s, const cells_node *cells, static_tree *t)
 {
-	uint32_t slot = 0;
+	uint32_t slot = 0, tops = 0;
 	for (uint32_t k = 0; k < t->count; k++) {
 		static_node *n = &t->nodes[k];
 		*n = (static_node){.skip = cells[k].skip,
@@ -45,51 +53,54 @@ static void number_nodes(const gi_scene *s, const cells_node *cells, static_tree
 				   .top = cells[k].end - cells[k].first > 1};
 		if (n->top)
 			n->id = FIRST_TOP_ID + s->objects[t->objects[cells[cells[k + 1].skip].first]].node_id;
+		n->number = n->top ? tops++ : 0;
 		t->node_count += n->top ? 1 : s->objects[t->objects[slot++]].hierarchy.node_count;
 	}
 }
 
-bool statics_build(gi_scene *s, static_tree *t)
+/* What is built of so many objects, and with. */
+typedef struct workings {
+	uint32_t *list;
+	gi_vec4 *lower, *upper;
+	cells_key *keys;
+	cells_node *cells;
+} workings;
+
+static void lay_out(gi_arena *memory, uint32_t count, static_tree *t, workings *w)
 {
-	*t = (static_tree){0};
-	s->automatic_static = are_many(s);
-	uint32_t *list = gi_calloc((size_t)s->object_count + 1, sizeof *list);
-	if (!list)
-		return false;
-	const uint32_t count = list_statics(s, list);
-	if (count < 2) {
-		gi_free(list);
-		return true;
-	}
-	gi_vec4 *lower = gi_calloc(count, sizeof *lower), *upper = gi_calloc(count, sizeof *upper);
-	cells_node *cells = gi_calloc(2 * (size_t)count, sizeof *cells);
-	t->nodes = gi_calloc(2 * (size_t)count, sizeof *t->nodes);
-	t->objects = gi_calloc(count, sizeof *t->objects);
-	bool ok = lower && upper && cells && t->nodes && t->objects;
-	for (uint32_t k = 0; ok && k < count; k++) {
-		lower[k] = s->objects[list[k]].world_lower;
-		upper[k] = s->objects[list[k]].world_upper;
-	}
-	ok = ok && cells_build(lower, upper, list, count, cells, t->objects);
-	if (ok) {
-		t->object_count = count;
-		t->count = 2 * count - 1;
-		for (uint32_t k = 0; k < count; k++)
-			t->objects[k] = list[t->objects[k]];
-		number_nodes(s, cells, t);
-	}
-	gi_free(list);
-	gi_free(lower);
-	gi_free(upper);
-	gi_free(cells);
-	return ok;
+	w->list = gi_arena_take(memory, count, sizeof *w->list);
+	w->lower = gi_arena_take(memory, count, sizeof *w->lower);
+	w->upper = gi_arena_take(memory, count, sizeof *w->upper);
+	w->keys = gi_arena_take(memory, 2 * (size_t)count, sizeof *w->keys);
+	w->cells = gi_arena_take(memory, 2 * (size_t)count, sizeof *w->cells);
+	t->nodes = gi_arena_take(memory, 2 * (size_t)count, sizeof *t->nodes);
+	t->objects = gi_arena_take(memory, count, sizeof *t->objects);
 }
 
-void statics_free(static_tree *t)
+bool statics_build(gi_scene *s, const gi_scene *was, gi_arena *memory, static_tree *t)
 {
-	gi_free(t->nodes);
-	gi_free(t->objects);
+	workings w;
 	*t = (static_tree){0};
+	s->automatic_static = are_many(s);
+	gi_arena_measure(memory);
+	lay_out(memory, s->object_count, t, &w);
+	if (!gi_arena_reserve(memory))
+		return false;
+	lay_out(memory, s->object_count, t, &w);
+	const uint32_t count = list_statics(s, was, w.list);
+	if (count < 2)
+		return true;
+	for (uint32_t k = 0; k < count; k++) {
+		w.lower[k] = s->objects[w.list[k]].world_lower;
+		w.upper[k] = s->objects[w.list[k]].world_upper;
+	}
+	cells_build(w.lower, w.upper, w.list, count, w.keys, w.cells, t->objects);
+	t->object_count = count;
+	t->count = 2 * count - 1;
+	for (uint32_t k = 0; k < count; k++)
+		t->objects[k] = w.list[t->objects[k]];
+	number_nodes(s, w.cells, t);
+	return true;
 }
 
 /* ---- from commit to commit ---- */
@@ -147,21 +158,15 @@ void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were
 		const uint32_t first = slot_before(now, were, top->first_slot);
 		const bool same = begins[top->end_slot - 1] <= top->first_slot;
 		const scene_top *before = same ? find_top(was, first, first + (top->end_slot - top->first_slot)) : NULL;
+		if (before)
+			now->sums[k] = was->sums[before - was->tops];
+		now->sums[k].known = before;
 		top->before = before ? before->node : GI_NONE;
 		top->changed = before ? before->changed : update;
 	}
 }
 
 /* ---- tops ---- */
-
-/* All of it in the world. */
-typedef struct sum {
-	gi_vec3d centre, moment, axis;
-	double radius, area, shape; /* shape times area */
-	double cone;                /* half angle of the normals about the axis; pi: any direction */
-	double spread[6];           /* xx yy zz xy yz zx */
-	uint32_t first_leaf, leaf_count, back;
-} sum;
 
 static const double ANY = 3.14159265358979323846;
 
@@ -180,32 +185,32 @@ static void turn_spread(const double m[3][3], const gi_node_spread *s, double ou
 	}
 }
 
-static sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
-		      const gi_node_topology *t)
+static static_sum sum_object(const gi_object_data *d, const gi_node_geometry *g, const gi_node_spread *spread,
+			     const gi_node_topology *t)
 {
 	const double m[3][3] = {
 	    {d->row0.x, d->row0.y, d->row0.z}, {d->row1.x, d->row1.y, d->row1.z}, {d->row2.x, d->row2.y, d->row2.z}};
-	sum s = {.centre = gi_point_to_world(d, gi_vec3d_from(g->sphere)),
-		 .moment = gi_direction_to_world(d, gi_vec3d_from(g->moment)),
-		 .axis = gi_direction_to_world(d, gi_vec3d_from(g->axis)),
-		 .radius = g->sphere.w,
-		 .area = g->moment.w,
-		 .shape = (double)spread->mixed.w * g->moment.w,
-		 .cone = g->axis.w < 0 ? ANY : acos(fmin(1, (double)g->axis.w)),
-		 .first_leaf = t->range.y,
-		 .leaf_count = t->range.z,
-		 .back = t->range.w & GI_NODE_BACK};
+	static_sum s = {.centre = gi_point_to_world(d, gi_vec3d_from(g->sphere)),
+			.moment = gi_direction_to_world(d, gi_vec3d_from(g->moment)),
+			.axis = gi_direction_to_world(d, gi_vec3d_from(g->axis)),
+			.radius = g->sphere.w,
+			.area = g->moment.w,
+			.shape = (double)spread->mixed.w * g->moment.w,
+			.cone = g->axis.w < 0 ? ANY : acos(fmin(1, (double)g->axis.w)),
+			.first_leaf = t->range.y,
+			.leaf_count = t->range.z,
+			.back = t->range.w & GI_NODE_BACK};
 	turn_spread(m, spread, s.spread);
 	return s;
 }
 
 /* The ball about two. */
-static void include_ball(sum *to, const sum *a, const sum *b)
+static void include_ball(static_sum *to, const static_sum *a, const static_sum *b)
 {
 	const gi_vec3d ab = gi_vec3d_sub(b->centre, a->centre);
 	const double d = gi_vec3d_length(ab);
 	if (d + b->radius <= a->radius || d + a->radius <= b->radius) {
-		const sum *larger = a->radius > b->radius ? a : b;
+		const static_sum *larger = a->radius > b->radius ? a : b;
 		to->centre = larger->centre;
 		to->radius = larger->radius;
 		return;
@@ -214,21 +219,21 @@ static void include_ball(sum *to, const sum *a, const sum *b)
 	to->centre = gi_vec3d_add(a->centre, gi_vec3d_scale(ab, (to->radius - a->radius) / d));
 }
 
-static double angle_to(gi_vec3d axis, const sum *s)
+static double angle_to(gi_vec3d axis, const static_sum *s)
 {
 	return s->cone >= ANY ? ANY : s->cone + acos(fmax(-1, fmin(1, gi_vec3d_dot(axis, s->axis))));
 }
 
-static sum join(const sum *a, const sum *b)
+static static_sum join(const static_sum *a, const static_sum *b)
 {
-	sum s = {.moment = gi_vec3d_add(a->moment, b->moment),
-		 .area = a->area + b->area,
-		 .shape = a->shape + b->shape,
-		 .axis = {0, 0, 1},
-		 .cone = ANY,
-		 .first_leaf = a->first_leaf,
-		 .leaf_count = a->leaf_count + b->leaf_count,
-		 .back = a->back | b->back};
+	static_sum s = {.moment = gi_vec3d_add(a->moment, b->moment),
+			.area = a->area + b->area,
+			.shape = a->shape + b->shape,
+			.axis = {0, 0, 1},
+			.cone = ANY,
+			.first_leaf = a->first_leaf,
+			.leaf_count = a->leaf_count + b->leaf_count,
+			.back = a->back | b->back};
 	for (int k = 0; k < 6; k++)
 		s.spread[k] = a->spread[k] + b->spread[k];
 	include_ball(&s, a, b);
@@ -241,7 +246,7 @@ static sum join(const sum *a, const sum *b)
 }
 
 /* Balls and cones a hair wider than rounding needs; from a right angle on any direction goes. */
-static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geometry *g, gi_node_spread *spread,
+static void store(const static_sum *s, uint32_t end, const scene_top *top, gi_node_geometry *g, gi_node_spread *spread,
 		  gi_node_topology *t)
 {
 	const double cosine = cos(s->cone) - 1e-6;
@@ -258,24 +263,38 @@ static void store(const sum *s, uint32_t end, const scene_top *top, gi_node_geom
 	t->corners = (gi_uvec4){top->id, top->changed, GI_NONE, GI_NONE};
 }
 
-bool statics_place(const static_tree *t, const gi_scene *scene, gi_node_geometry *rest, gi_node_spread *spread,
+/* Of what is below a node. */
+static static_sum sum_of(const static_node *n, const gi_scene *s, const gi_node_geometry *rest,
+			 const gi_node_spread *spread, const gi_node_topology *topology)
+{
+	return n->top
+		   ? s->sums[n->number]
+		   : sum_object(&s->object_data[n->first_slot], &rest[n->node], &spread[n->node], &topology[n->node]);
+}
+
+static bool is_known(const static_node *n, const gi_scene *s)
+{
+	const scene_object *o = &s->objects[s->slots[n->first_slot]];
+	return n->top ? s->sums[n->number].known : o->committed && !o->moved;
+}
+
+void statics_place(const static_tree *t, gi_scene *s, gi_node_geometry *rest, gi_node_spread *spread,
 		   gi_node_topology *topology)
 {
-	sum *sums = gi_calloc((size_t)t->count + 1, sizeof *sums);
-	if (!sums)
-		return false;
-	const scene_top *top = scene->tops + scene->top_count;
 	for (uint32_t k = t->count; k-- > 0;) {
 		const static_node *n = &t->nodes[k];
-		if (!n->top) {
-			sums[k] = sum_object(&scene->object_data[n->first_slot], &rest[n->node], &spread[n->node],
-					     &topology[n->node]);
+		if (!n->top)
 			continue;
+		const static_node *first = &t->nodes[k + 1], *second = &t->nodes[first->skip];
+		static_sum *sum = &s->sums[n->number];
+		if (sum->known && is_known(first, s) && is_known(second, s)) {
+			sum->first_leaf = s->objects[s->slots[n->first_slot]].leaf_base;
+		} else {
+			const static_sum a = sum_of(first, s, rest, spread, topology),
+					 b = sum_of(second, s, rest, spread, topology);
+			*sum = join(&a, &b);
 		}
-		sums[k] = join(&sums[k + 1], &sums[t->nodes[k + 1].skip]);
 		const uint32_t end = n->skip < t->count ? t->nodes[n->skip].node : t->node_count;
-		store(&sums[k], end, --top, &rest[n->node], &spread[n->node], &topology[n->node]);
+		store(sum, end, &s->tops[n->number], &rest[n->node], &spread[n->node], &topology[n->node]);
 	}
-	gi_free(sums);
-	return true;
 }

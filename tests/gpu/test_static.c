@@ -164,11 +164,9 @@ static gi_object add_box(gi_context *gi, const char *name, gi_mobility mobility,
 			  (gi_material){.rho = {.5f, .5f, .5f}});
 }
 
-/* Three boxes of which the middle one goes from next to the first to next to the last, and stays static: they are in the
- * same order below other nodes. And one that was to be movable from the next commit on is hidden before that. */
-static void other_nodes_in_the_same_order(void **state)
+/* Three boxes in a row in a hall, of which the middle one is at x. */
+static gi_context *open_three(float x, gi_object *middle)
 {
-	(void)state;
 	gi_context_def def = harness_def();
 	def.row_tolerance = .02f;
 	gi_context *gi = harness_context(&def);
@@ -178,10 +176,41 @@ static void other_nodes_in_the_same_order(void **state)
 	assert_true(shape_quad((float[]){1, 3.9f, 1}, (float[]){3, 0, 0}, (float[]){0, 0, 3}, 3, 3, &mesh));
 	add_static(gi, "lamp", &mesh, GI_MOBILITY_MOVABLE, gi_pose_identity(), (gi_material){.exitance = {20, 20, 20}});
 	add_box(gi, "first", GI_MOBILITY_STATIC, (float[]){4.3f, .1f, 4.3f});
-	const gi_object middle = add_box(gi, "middle", GI_MOBILITY_STATIC, (float[]){5.3f, .1f, 4.3f});
+	*middle = add_box(gi, "middle", GI_MOBILITY_STATIC, (float[]){x, .1f, 4.3f});
 	add_box(gi, "last", GI_MOBILITY_STATIC, (float[]){7.3f, .1f, 4.3f});
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
+	return gi;
+}
+
+/* One takes a step, stays static and is below the nodes that it was below: these are what they are where it was there from
+ * the first. */
+static void the_same_nodes_of_one_that_stepped(void **state)
+{
+	(void)state;
+	gi_object middle, other;
+	gi_context *gi = open_three(5.3f, &middle), *from_the_first = open_three(5.5f, &other);
+	gi_pose pose;
+	assert_gi(gi_get_pose(gi, middle, &pose));
+	pose.position[0] = 5.5f;
+	assert_gi(gi_set_pose(gi, middle, pose));
+	assert_gi(gi_set_mobility(gi, middle, GI_MOBILITY_STATIC));
+	harness_update(gi);
+	snapshot stepped = snapshot_take(gi), there = snapshot_take(from_the_first);
+	snapshot_expect_same_rows(&stepped, &there, "one took a step and stays static");
+	snapshot_free(&stepped);
+	snapshot_free(&there);
+	gi_context_destroy(gi);
+	gi_context_destroy(from_the_first);
+}
+
+/* Three boxes of which the middle one goes from next to the first to next to the last, and stays static: they are in the
+ * same order below other nodes. And one that was to be movable from the next commit on is hidden before that. */
+static void other_nodes_in_the_same_order(void **state)
+{
+	(void)state;
+	gi_object middle;
+	gi_context *gi = open_three(5.3f, &middle);
 	gi_pose pose;
 	assert_gi(gi_get_pose(gi, middle, &pose));
 	pose.position[0] = 6.3f;
@@ -383,6 +412,7 @@ static void a_file_of_many_things(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(the_same_nodes_of_one_that_stepped),
 	    cmocka_unit_test(other_nodes_in_the_same_order), cmocka_unit_test(the_hall_moves),
 	    cmocka_unit_test(the_light_of_static_things),    cmocka_unit_test(one_of_many_static_things),
 	    cmocka_unit_test(automatic_until_it_moves),      cmocka_unit_test(form_factors_of_static_things),

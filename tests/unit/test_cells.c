@@ -6,6 +6,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -52,7 +53,8 @@ static void add_box(boxes *b, uint32_t name, float scale, const float origin[3])
 
 static void build(const boxes *b, tree *t)
 {
-	assert_true(cells_build(b->lower, b->upper, b->ties, b->count, t->nodes, t->order));
+	static cells_key keys[2 * MOST];
+	cells_build(b->lower, b->upper, b->ties, b->count, keys, t->nodes, t->order);
 	t->count = b->count ? 2 * b->count - 1 : 0;
 	for (uint32_t k = 0; k < b->count; k++)
 		t->names[k] = b->ties[t->order[k]];
