@@ -2,6 +2,7 @@
 #ifndef GI_BUDGET_H
 #define GI_BUDGET_H
 
+#include "buffers.h"
 #include "costs.h"
 #include "gpu.h"
 
@@ -14,7 +15,7 @@ typedef struct gi_rations {
 	uint64_t learned;  /* frame of the report that costs were learned from last */
 	gi_budget last;    /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
-	gpu_buffer choices, pending, shine;
+	BUDGET_BUFFERS(BUFFER_MEMBER)
 	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
 		lend_program;
 } gi_rations;

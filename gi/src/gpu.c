@@ -1,5 +1,6 @@
 #include "gpu.h"
 
+#include "buffers.h"
 #include "clock.h"
 #include "host_memory.h"
 
@@ -271,33 +272,14 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uin
 	return result ? result : make_buffer(g, buffer, label, size, whole_texels(size), data);
 }
 
-/* Labels of what a commit makes anew. */
-static const char *const RENEWED[GPU_BINDINGS] = {
-    [GI_BIND_OBJECTS] = "objects",
-    [GI_BIND_TOPOLOGY] = "node topology",
-    [GI_BIND_REST] = "nodes at rest",
-    [GI_BIND_WORLD] = "nodes in the world",
-    [GI_BIND_VERTICES_REST] = "vertices at rest",
-    [GI_BIND_VERTICES_WORLD] = "vertices in the world",
-    [GI_BIND_LEAVES] = "leaves",
-    [GI_BIND_MATERIALS] = "materials",
-    [GI_BIND_BVH] = "trees of objects",
-    [GI_BIND_PRIMITIVES] = "primitives",
-    [GI_BIND_TLAS] = "trees over objects",
-    [GI_BIND_SEGMENTS] = "segments",
-    [GI_BIND_ROWS] = "rows",
-    [GI_BIND_RADIOSITY] = "radiosity of nodes",
-    [GI_BIND_LEAF_RADIOSITY] = "radiosity of leaves",
-    [GI_BIND_NODE_EXITANCE] = "exitance of nodes",
-    [GI_BIND_WIDE_NODES] = "wide nodes",
-    [GI_BIND_LEAF_INDIRECT] = "indirect light of leaves",
-    [GI_BIND_LIGHT_LINKS] = "light links",
-    [GI_BIND_LIGHT_FIRST] = "first light links",
-    [GI_BIND_LIGHT] = "light of vertices",
-    [GI_BIND_TOUCHED] = "touched",
-    [GI_BIND_SPREAD] = "spread of nodes",
-    [GI_BIND_LEAF_QUADS] = "corners of leaves",
-};
+const char *gpu_bound_label(uint32_t binding)
+{
+#define LABEL(binding, member, label) [GI_BIND_##binding] = label,
+	static const char *const labels[GPU_BINDINGS] = {SCENE_BUFFERS(LABEL) ROWS_TABLES(LABEL) ROWS_POOLS(
+	    LABEL) ROWS_LISTS(LABEL) BUDGET_BUFFERS(LABEL) SOLVER_BUFFERS(LABEL)};
+#undef LABEL
+	return labels[binding];
+}
 
 /* Whatever is larger is not worth to be there twice. */
 static const uint64_t LARGEST_SPARE = 32 << 20;
@@ -319,7 +301,7 @@ gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_
 	if (!is_fitting(spare, padded)) {
 		const uint64_t roomy = whole_texels(padded + padded / 8), limit = gpu_buffer_limit(g, roomy);
 		gpu_buffer_free(g, spare);
-		return make_buffer(g, buffer, RENEWED[binding], size, roomy < limit ? roomy : padded, data);
+		return make_buffer(g, buffer, gpu_bound_label(binding), size, roomy < limit ? roomy : padded, data);
 	}
 	gpu_buffer_free(g, buffer);
 	*buffer = *spare;

@@ -1,5 +1,5 @@
-/* The structures that both compilers read are laid out as shaders count them: in texels of four words (buffers.glsl), in
- * uniform blocks without gaps. A structure of gi_shared.h or shade_shared.h that is not here is a mistake. */
+/* The structures that both compilers read are laid out as shaders count them: in texels of four words (buffers.glsl),
+ * in uniform blocks without gaps. A structure of gi_shared.h or shade_shared.h that is not here is a mistake. */
 #include "gi_shared.h"
 #include "shade_shared.h"
 

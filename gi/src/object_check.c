@@ -107,8 +107,8 @@ gi_result object_check_named(const gi_log *log, const gi_object_def *def, const 
 		if (!material_is_valid(log, &def->materials[k], name, k))
 			return GI_ERROR_INVALID_MATERIAL;
 	for (uint32_t k = 0; def->specular && k < (def->material_count ? def->material_count : 1); k++)
-		if (!material_specular_is_valid(log, &def->specular[k], def->material_count ? &def->materials[k] : &OBJECT_GREY,
-						name, k))
+		if (!material_specular_is_valid(log, &def->specular[k],
+						def->material_count ? &def->materials[k] : &OBJECT_GREY, name, k))
 			return GI_ERROR_INVALID_MATERIAL;
 	return GI_OK;
 }

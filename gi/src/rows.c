@@ -80,17 +80,21 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, "entries", sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result = gpu_buffer_allocate(g, &r->entries, gpu_bound_label(GI_BIND_ENTRIES),
+					       sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, "targets", sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->targets, gpu_bound_label(GI_BIND_TARGETS),
+					     sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, "queue", sizeof(uint32_t) * r->entry_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->queue, gpu_bound_label(GI_BIND_QUEUE),
+					     sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, "links", 2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result = gpu_buffer_allocate(g, &r->links, gpu_bound_label(GI_BIND_LINKS),
+					     2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, "free entries", r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, gpu_bound_label(GI_BIND_ENTRY_POOL), r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, "free links", r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, gpu_bound_label(GI_BIND_LINK_POOL), r->link_limit);
 	return result;
 }
 
@@ -472,7 +476,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, "suspects", 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, gpu_bound_label(GI_BIND_SUSPECTS), 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
 	gi->rows.suspect_list = list; /* its memory, for the next time */
@@ -484,7 +488,8 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	gi_rows *r = &gi->rows;
 	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
 	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, "runs", bytes + bytes / 2, NULL);
+		gi_result result =
+		    gpu_buffer_allocate(&gi->gpu, &r->runs, gpu_bound_label(GI_BIND_RUNS), bytes + bytes / 2, NULL);
 		if (result)
 			return result;
 	}
@@ -822,37 +827,28 @@ gi_result rows_relight(gi_context *gi)
 	return GI_OK;
 }
 
-/* The buffers that a commit makes anew; the frame's small ones stay. */
-enum { COMMITTED_BUFFERS = 9 };
-
-static void committed_buffers(gi_rows *r, gpu_buffer *list[COMMITTED_BUFFERS])
-{
-	gpu_buffer *buffers[COMMITTED_BUFFERS] = {&r->segments, &r->entries, &r->targets,   &r->entry_pool, &r->queue,
-						  &r->headers,  &r->links,   &r->link_pool, &r->touched};
-	memcpy(list, buffers, sizeof buffers);
-}
-
+/* What a commit makes anew; lists and the frame stay. */
 void rows_forget(gi_rows *r)
 {
-	gpu_buffer *list[COMMITTED_BUFFERS];
-	committed_buffers(r, list);
-	for (int k = 0; k < COMMITTED_BUFFERS; k++)
-		*list[k] = (gpu_buffer){0};
+#define FORGET(name, buffer, label) r->buffer = (gpu_buffer){0};
+	ROWS_TABLES(FORGET)
+	ROWS_POOLS(FORGET)
+#undef FORGET
 }
+
+#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
 
 void rows_release(gi_context *gi, gi_rows *r)
 {
-	gpu_buffer *list[COMMITTED_BUFFERS];
-	committed_buffers(r, list);
-	for (int k = 0; k < COMMITTED_BUFFERS; k++)
-		gpu_buffer_free(&gi->gpu, list[k]);
+	ROWS_TABLES(FREE)
+	ROWS_POOLS(FREE)
 }
 
 void rows_retire(gi_context *gi, gi_rows *r)
 {
-	gpu_buffer_retire(&gi->gpu, &r->segments, GI_BIND_SEGMENTS);
-	gpu_buffer_retire(&gi->gpu, &r->headers, GI_BIND_ROWS);
-	gpu_buffer_retire(&gi->gpu, &r->touched, GI_BIND_TOUCHED);
+#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &r->buffer, GI_BIND_##name);
+	ROWS_TABLES(RETIRE)
+#undef RETIRE
 	rows_release(gi, r);
 }
 
@@ -860,9 +856,8 @@ void rows_free(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_release(gi, r);
-	gpu_buffer *buffers[] = {&r->runs, &r->suspects, &r->frame};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
+	ROWS_LISTS(FREE)
+	gpu_buffer_free(&gi->gpu, &r->frame);
 	gi_free(r->run_data);
 	gi_free(r->suspect_list.slots);
 }

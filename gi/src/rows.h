@@ -2,6 +2,7 @@
 #ifndef GI_ROWS_H
 #define GI_ROWS_H
 
+#include "buffers.h"
 #include "gpu.h"
 
 typedef struct gi_slot_list {
@@ -18,8 +19,10 @@ typedef struct gi_rows {
 	uint32_t lost_update; /* that saw the last one that went */
 	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
-	gpu_buffer segments, entries, targets, entry_pool, queue, headers, links, link_pool, touched, runs, suspects,
-		frame;
+	ROWS_TABLES(BUFFER_MEMBER)
+	ROWS_POOLS(BUFFER_MEMBER)
+	ROWS_LISTS(BUFFER_MEMBER)
+	gpu_buffer frame; /* a uniform block */
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	gi_slot_list suspect_list; /* of the last update */

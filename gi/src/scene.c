@@ -109,7 +109,7 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-#define FREE(name, buffer) gpu_buffer_free(&gi->gpu, &s->buffer);
+#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
 	SCENE_BUFFERS(FREE)
 #undef FREE
 	gi_arena_free(&s->arrays);
@@ -117,7 +117,7 @@ void scene_release(gi_context *gi, gi_scene *s)
 
 void scene_retire(gi_context *gi, gi_scene *s)
 {
-#define RETIRE(name, buffer) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
+#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
 	SCENE_BUFFERS(RETIRE)
 #undef RETIRE
 	gi_arena_free(&gi->spare_arrays);

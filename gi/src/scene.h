@@ -3,6 +3,8 @@
 #define GI_SCENE_H
 
 #include "arena.h"
+#include "buffers.h"
+#include "gpu.h"
 #include "object.h"
 
 /* A node of several static objects, those of slots [first_slot, end_slot). */
@@ -47,30 +49,8 @@ typedef struct gi_scene {
 	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
 	uint32_t tlas_inner_first, tlas_inner_end; /* of the latter, which may be the first tree */
 
-	gpu_buffer objects_gpu, topology_gpu, rest_gpu, world_gpu, vertices_rest_gpu, vertices_world_gpu, leaves_gpu,
-		materials_gpu, bvh_gpu, primitives_gpu, tlas_gpu, node_exitance_gpu, wide_nodes_gpu, light_links_gpu,
-		light_first_gpu, spread_gpu, leaf_quads_gpu;
+	SCENE_BUFFERS(BUFFER_MEMBER)
 } gi_scene;
-
-/* Buffers: binding, member. */
-#define SCENE_BUFFERS(X)                                                                                               \
-	X(OBJECTS, objects_gpu)                                                                                        \
-	X(TOPOLOGY, topology_gpu)                                                                                      \
-	X(REST, rest_gpu)                                                                                              \
-	X(SPREAD, spread_gpu)                                                                                          \
-	X(WORLD, world_gpu)                                                                                            \
-	X(VERTICES_REST, vertices_rest_gpu)                                                                            \
-	X(VERTICES_WORLD, vertices_world_gpu)                                                                          \
-	X(LEAVES, leaves_gpu)                                                                                          \
-	X(MATERIALS, materials_gpu)                                                                                    \
-	X(BVH, bvh_gpu)                                                                                                \
-	X(PRIMITIVES, primitives_gpu)                                                                                  \
-	X(TLAS, tlas_gpu)                                                                                              \
-	X(LEAF_QUADS, leaf_quads_gpu)                                                                                  \
-	X(NODE_EXITANCE, node_exitance_gpu)                                                                            \
-	X(WIDE_NODES, wide_nodes_gpu)                                                                                  \
-	X(LIGHT_LINKS, light_links_gpu)                                                                                \
-	X(LIGHT_FIRST, light_first_gpu)
 
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);

@@ -178,20 +178,21 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 
 void solver_forget(gi_solver *s)
 {
-	s->radiosity = s->leaf_radiosity = s->leaf_indirect = s->light = (gpu_buffer){0};
+#define FORGET(name, buffer, label) s->buffer = (gpu_buffer){0};
+	SOLVER_BUFFERS(FORGET)
+#undef FORGET
 }
 
 void solver_release(gi_context *gi, gi_solver *s)
 {
-	gpu_buffer *buffers[] = {&s->radiosity, &s->leaf_radiosity, &s->leaf_indirect, &s->light};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
+#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
+	SOLVER_BUFFERS(FREE)
+#undef FREE
 }
 
 void solver_retire(gi_context *gi, gi_solver *s)
 {
-	gpu_buffer_retire(&gi->gpu, &s->radiosity, GI_BIND_RADIOSITY);
-	gpu_buffer_retire(&gi->gpu, &s->leaf_radiosity, GI_BIND_LEAF_RADIOSITY);
-	gpu_buffer_retire(&gi->gpu, &s->leaf_indirect, GI_BIND_LEAF_INDIRECT);
-	gpu_buffer_retire(&gi->gpu, &s->light, GI_BIND_LIGHT);
+#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
+	SOLVER_BUFFERS(RETIRE)
+#undef RETIRE
 }

@@ -1,5 +1,5 @@
-/* The window of a lamp's depth maps: it holds what is before the lamp as every sample sees it, no more than that, and the
- * same wherever the lamp is. */
+/* The window of a lamp's depth maps: it holds what is before the lamp as every sample sees it, no more than that, and
+ * the same wherever the lamp is. */
 #include "lamp_view.h"
 
 #include <setjmp.h>
@@ -45,8 +45,8 @@ static lamp_box box_of(const gi_object_data *d, gi_vec3d lower, gi_vec3d upper)
 {
 	lamp_box box;
 	for (int k = 0; k < 8; k++)
-		box.corner[k] = world_of(d, (gi_vec3d){k & 1 ? upper.x : lower.x, k & 2 ? upper.y : lower.y,
-						       k & 4 ? upper.z : lower.z});
+		box.corner[k] = world_of(
+		    d, (gi_vec3d){k & 1 ? upper.x : lower.x, k & 2 ? upper.y : lower.y, k & 4 ? upper.z : lower.z});
 	return box;
 }
 
