@@ -29,9 +29,10 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// So many faces on the way to the middle of the box are tried; where none will do, that is asked again every so many updates.
-const uint TRIES = 12u;
-const uint AGAIN = 8u;
+// So many faces on the way to the middle of the box are tried; where none will do, that is asked again every so many updates: among
+// things of the mover's own size it mostly stays so.
+const uint TRIES = 8u;
+const uint AGAIN = 32u;
 
 struct receiver {
 	uint leaf, since;
