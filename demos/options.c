@@ -34,6 +34,7 @@ enum {
 	KEY_PIXEL_LAMPS,
 	KEY_EXPOSURE,
 	KEY_SKY,
+	KEY_SHADERS,
 	KEY_TWO_SIDED,
 	KEY_IMAGES,
 	KEY_REPORT,
@@ -51,6 +52,7 @@ static const struct argp_option table[] = {
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
     {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
+    {"shaders", KEY_SHADERS, "FOLDER", 0, "the library's shaders from there; F5 in a window reads them again", 0},
     {"two-sided", KEY_TWO_SIDED, "WHICH", OPTION_ARG_OPTIONAL,
      "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where "
      "light "
@@ -309,6 +311,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_SKY:
 		o->sky = not_negative(o, "--sky", text, 1e9);
+		return 0;
+	case KEY_SHADERS:
+		o->shaders = text;
 		return 0;
 	case KEY_TWO_SIDED:
 		parse_two_sided(o, text);

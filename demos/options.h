@@ -36,6 +36,7 @@ typedef struct options {
 	bool estimate_given;   /* else some where pictures are recorded */
 	uint32_t cage_faces;   /* of the cage that lights a detailed mesh; 0: the program's default */
 	float sky;             /* exitance of a white sky, W/m2; 0: black */
+	const char *shaders; /* folder; NULL: those built in */
 	options_sides two_sided;
 	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
 	gi_budget budget;      /* of every update, where budget_given; all zero: exact */

@@ -2,7 +2,7 @@
 #include "player_internal.h"
 
 #include "interrupt.h"
-#include "overlay.h"
+#include "figures.h"
 #include "wall_clock.h"
 
 #include <math.h>
@@ -67,6 +67,7 @@ static bool open_gi(player *p)
 		def.row_tolerance = p->o->row_tolerance;
 	if (p->o->solve_tolerance > 0)
 		def.solve_tolerance = p->o->solve_tolerance;
+	def.shader_directory = p->o->shaders;
 	def.pixel_lamps = p->o->pixel_lamps;
 	def.estimate_leaves = estimate_leaves(p);
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
@@ -149,21 +150,21 @@ static bool light(player *p)
 
 static void show(player *p, const gi_report *report)
 {
-	const overlay figures = {.title = p->scene->title,
-				 .renderer = engine_context_describe(p->context),
-				 .report = *report,
-				 .mode = p->mode,
-				 .layer = p->layer,
-				 .fps = p->interval_ms > 0 ? 1e3 / p->interval_ms : 0,
-				 .update_ms = p->update_ms,
-				 .frame_ms = p->frame_ms,
-				 .budget_ms = (double)p->budget.ms,
-				 .target_fps = p->rate.target_ms > 0 ? 1e3 / p->rate.target_ms : 0,
-				 .paused = p->paused,
-				 .rebuild = p->rebuild,
-				 .help = p->help,
-				 .can_move = p->scene->move != NULL};
-	overlay_text(p->hud, &figures, engine_target_height(p->target));
+	const figures shown = {.title = p->scene->title,
+			       .renderer = engine_context_describe(p->context),
+			       .report = *report,
+			       .mode = p->mode,
+			       .layer = p->layer,
+			       .fps = p->interval_ms > 0 ? 1e3 / p->interval_ms : 0,
+			       .update_ms = p->update_ms,
+			       .frame_ms = p->frame_ms,
+			       .budget_ms = (double)p->budget.ms,
+			       .target_fps = p->rate.target_ms > 0 ? 1e3 / p->rate.target_ms : 0,
+			       .paused = p->paused,
+			       .rebuild = p->rebuild,
+			       .help = p->help,
+			       .can_move = p->scene->move != NULL};
+	figures_text(p->hud, &shown, engine_target_height(p->target));
 	engine_hud_draw(p->hud, engine_target_width(p->target), engine_target_height(p->target));
 	engine_target_present(p->target, engine_context_width(p->context), engine_context_height(p->context));
 	engine_context_swap(p->context);

@@ -52,6 +52,14 @@ static void press_layer(player *p, int key)
 	}
 }
 
+/* Those that do not compile leave the others in use, and are no reason to end. */
+static void reload_shaders(player *p)
+{
+	const gi_result result = gi_reload_shaders(p->gi);
+	options_say(p->o->program, "%s", result ? p->message : "shaders were read again");
+	p->message[0] = 0;
+}
+
 static void press(player *p, int key)
 {
 	switch (key) {
@@ -69,6 +77,9 @@ static void press(player *p, int key)
 		break;
 	case '=':
 		p->exposure *= 1.125f;
+		break;
+	case ENGINE_KEY_F1 + 4:
+		reload_shaders(p);
 		break;
 	case ENGINE_KEY_ESCAPE:
 		engine_context_request_close(p->context);

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Cells are so many distances wide: a point's neighbours are mostly in its own. */
 static const double WIDTH = 8;
@@ -13,7 +14,7 @@ static const uint32_t NO_POINT = UINT32_MAX;
 
 typedef struct cells {
 	const double *points;
-	double distance;
+	double distance, width; /* of a cell */
 	uint32_t *heads, *next;
 	uint32_t mask;
 } cells;
@@ -22,7 +23,10 @@ static uint32_t hash_of(const cells *c, const double cell[3])
 {
 	uint64_t hash = 0;
 	for (int k = 0; k < 3; k++) {
-		hash = (hash ^ (uint64_t)(int64_t)cell[k]) * 0x9e3779b97f4a7c15u;
+		const double number = cell[k] + 0.0; /* no -0 */
+		uint64_t bits;
+		memcpy(&bits, &number, sizeof bits);
+		hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
 		hash ^= hash >> 29;
 	}
 	return (uint32_t)(hash >> 20) & c->mask;
@@ -45,8 +49,8 @@ static uint32_t find_near(const cells *c, const double *p)
 {
 	double low[3], high[3], cell[3];
 	for (int k = 0; k < 3; k++) {
-		low[k] = floor((p[k] - c->distance) / (WIDTH * c->distance));
-		high[k] = floor((p[k] + c->distance) / (WIDTH * c->distance));
+		low[k] = floor((p[k] - c->distance) / c->width);
+		high[k] = floor((p[k] + c->distance) / c->width);
 	}
 	for (int corner = 0; corner < 8; corner++) {
 		bool again = false;
@@ -66,7 +70,7 @@ static void add(cells *c, uint32_t number)
 	const double *p = c->points + 3 * (size_t)number;
 	double cell[3];
 	for (int k = 0; k < 3; k++)
-		cell[k] = floor(p[k] / (WIDTH * c->distance));
+		cell[k] = floor(p[k] / c->width);
 	const uint32_t hash = hash_of(c, cell);
 	c->next[number] = c->heads[hash];
 	c->heads[hash] = number;
@@ -74,7 +78,7 @@ static void add(cells *c, uint32_t number)
 
 bool scene_points_weld(const double *points, uint32_t count, double distance, uint32_t *first)
 {
-	cells c = {.points = points, .distance = distance, .mask = 1};
+	cells c = {.points = points, .distance = distance, .width = distance > 0 ? WIDTH * distance : 1, .mask = 1};
 	while (c.mask < count)
 		c.mask = 2 * c.mask + 1;
 	c.heads = malloc(((size_t)c.mask + 1) * sizeof *c.heads);

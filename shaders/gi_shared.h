@@ -1,7 +1,7 @@
 /* Structures and constants shared by the C side and the shaders; read by both compilers.
  *
  * Only vec4 and uvec4 members: their layout is the C layout, in storage blocks, in uniform blocks and as texels of
- * buffer textures, which buffers.glsl counts. gi/src/gpu.c asserts how many there are.
+ * buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there are.
  */
 #ifndef GI_SHARED_H
 #define GI_SHARED_H

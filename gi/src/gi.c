@@ -314,6 +314,28 @@ gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
 	return GI_OK;
 }
 
+static void begin_anew(gi_context *gi)
+{
+	gi->compiled = true;
+	gi->rows.rebuild = gi->light_changed = gi->solver.cold = true;
+	gi->rows.fitted = false;
+	shade_invalidate(gi);
+}
+
+gi_result gi_reload_shaders(gi_context *gi)
+{
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (gpu_check_current(&gi->gpu, "gi_reload_shaders"))
+		return GI_ERROR_WRONG_CONTEXT;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = gpu_programs_reload(&gi->gpu);
+	if (!result)
+		begin_anew(gi);
+	gi_memory_from(before);
+	return result;
+}
+
 /* ---- objects ---- */
 
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)

@@ -11,20 +11,6 @@
 
 enum { TEXEL_BYTES = 16, MARK_LABEL = 48 };
 
-/* As buffers.glsl counts them. */
-#define ASSERT_TEXELS(structure, count)                                                                                \
-	_Static_assert(sizeof(structure) == (count)*TEXEL_BYTES, "buffers.glsl reads other texels")
-ASSERT_TEXELS(gi_object_data, 14);
-ASSERT_TEXELS(gi_node_topology, 2);
-ASSERT_TEXELS(gi_node_geometry, 3);
-ASSERT_TEXELS(gi_node_spread, 2);
-ASSERT_TEXELS(gi_material_data, 2);
-ASSERT_TEXELS(gi_primitive, 4);
-ASSERT_TEXELS(gi_pending, 3);
-ASSERT_TEXELS(gi_move, 2);
-ASSERT_TEXELS(gi_estimate_leaf, 3);
-#undef ASSERT_TEXELS
-
 /* ---- start ---- */
 
 /* What the shaders of gi take of a device. OpenGL promises less of the first two, and as much of the others. */

@@ -30,6 +30,14 @@ typedef struct gpu_timer {
 	const char *name;             /* of what it measures, a debug group; NULL: none */
 } gpu_timer;
 
+/* A program and where its name is kept. */
+typedef struct gpu_program_use {
+	const char *vertex_file, *file; /* vertex_file NULL: a compute shader */
+	uint32_t *program;
+} gpu_program_use;
+
+enum { GPU_MOST_PROGRAMS = 64 };
+
 typedef struct gpu {
 	gi_log log;
 	struct GladGLContext *gl;     /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
@@ -50,6 +58,8 @@ typedef struct gpu {
 	uint64_t uploaded_bytes; /* likewise */
 	uint64_t buffer_bytes;   /* of all live buffers, and of spares */
 	gpu_buffer spares[GPU_BINDINGS]; /* what gpu_buffer_retire kept */
+	gpu_program_use programs[GPU_MOST_PROGRAMS]; /* that gpu_programs_reload makes anew: those made first */
+	uint32_t program_count;
 	char renderer[160];
 } gpu;
 
@@ -113,14 +123,16 @@ typedef struct gpu_program_file {
 
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
-void gpu_program_free(const gpu *g, uint32_t *program);
+void gpu_program_free(gpu *g, uint32_t *program);
+/* All that there are, from their files as these are now. On failure they stay. */
+gi_result gpu_programs_reload(gpu *g);
 
 /* The same in two steps: a driver that compiles on threads of its own goes on while the host does something else. begin
  * hands over all sources, and fails for those that are not there; end waits, and fails, every time, for those that do
  * not compile. */
 gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count);
-void gpu_programs_free(const gpu *g, const gpu_program_file *files, size_t count);
+void gpu_programs_free(gpu *g, const gpu_program_file *files, size_t count);
 void gpu_set_uint(const gpu *g, uint32_t program, int location, uint32_t value);
 void gpu_set_floats(const gpu *g, uint32_t program, int location, int components, int count, const float *values);
 void gpu_set_matrices(const gpu *g, uint32_t program, int location, int count, const float *values);

@@ -152,6 +152,19 @@ static gi_result begin_program(const gpu *g, const char *vertex_file, const char
 	return GI_OK;
 }
 
+static void note_program(gpu *g, const char *vertex_file, const char *file, uint32_t *program)
+{
+	if (g->program_count < GPU_MOST_PROGRAMS)
+		g->programs[g->program_count++] = (gpu_program_use){vertex_file, file, program};
+}
+
+static void forget_program(gpu *g, const uint32_t *program)
+{
+	for (uint32_t k = 0; k < g->program_count; k++)
+		if (g->programs[k].program == program)
+			g->programs[k--] = g->programs[--g->program_count];
+}
+
 /* Hosts are told one line: its length. */
 static int first_line(const char *log)
 {
@@ -201,6 +214,8 @@ gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count
 	for (size_t k = 0; !result && k < count; k++) {
 		gi_progress(&g->log, (uint32_t)k, (uint32_t)count, "compiling shaders");
 		result = begin_program(g, NULL, files[k].file, files[k].program);
+		if (!result)
+			note_program(g, NULL, files[k].file, files[k].program);
 	}
 	return result;
 }
@@ -215,7 +230,7 @@ gi_result gpu_programs_end(gpu *g, const gpu_program_file *files, size_t count)
 	return result;
 }
 
-void gpu_programs_free(const gpu *g, const gpu_program_file *files, size_t count)
+void gpu_programs_free(gpu *g, const gpu_program_file *files, size_t count)
 {
 	for (size_t k = 0; k < count; k++)
 		gpu_program_free(g, files[k].program);
@@ -238,14 +253,44 @@ gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment
 		result = end_program(g, vertex_file, fragment_file, *out);
 	if (result)
 		gpu_program_free(g, out);
+	else
+		note_program(g, vertex_file, fragment_file, out);
 	return result;
 }
 
-void gpu_program_free(const gpu *g, uint32_t *program)
+static void delete_program(const gpu *g, uint32_t *program)
 {
 	if (*program && !g->lost)
 		g->gl->DeleteProgram(*program);
 	*program = 0;
+}
+
+void gpu_program_free(gpu *g, uint32_t *program)
+{
+	forget_program(g, program);
+	delete_program(g, program);
+}
+
+gi_result gpu_programs_reload(gpu *g)
+{
+	uint32_t fresh[GPU_MOST_PROGRAMS] = {0};
+	const uint32_t count = g->program_count;
+	gi_result result = GI_OK;
+	for (uint32_t k = 0; !result && k < count; k++) {
+		gi_progress(&g->log, k, count, "compiling shaders");
+		result = begin_program(g, g->programs[k].vertex_file, g->programs[k].file, &fresh[k]);
+	}
+	for (uint32_t k = 0; !result && k < count; k++)
+		result = end_program(g, g->programs[k].vertex_file, g->programs[k].file, fresh[k]);
+	for (uint32_t k = 0; k < count; k++) {
+		if (!result) {
+			delete_program(g, g->programs[k].program);
+			*g->programs[k].program = fresh[k];
+		} else {
+			delete_program(g, &fresh[k]);
+		}
+	}
+	return result;
 }
 
 void gpu_set_uint(const gpu *g, uint32_t program, int location, uint32_t value)

@@ -1,18 +1,18 @@
-/* Builds and checks the patch hierarchy of one object (hierarchy.h draws it).
+/* Builds the patch hierarchy of one object (hierarchy.h draws it).
  *
  *   gi_refined --sum_*--> area, normal and centre of every face of every level, bottom-up
- *              --emit_*--> nodes and leaves, depth-first: clusters (the base faces, parted about the median), then
- * faces
+ *              --emit_*--> nodes and leaves, depth-first: clusters (the base faces, parted about the
+ *                           median), then faces
  *
  * Sums and measures are taken over the leaves of a node, in double, and stored as float: rounding does not pile up with
  * the levels.
  */
 #include "hierarchy.h"
 
+#include "hierarchy_node.h"
+#include "hierarchy_quad.h"
 #include "memory.h"
-#include "quad_cover.h"
 #include "split.h"
-#include "vec3d.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,17 +20,6 @@
 /* A face below this part of its own squared diagonal is a line or a point: it has no normal worth the name. Its own: a
  * small lamp on a large object is a face as others are. */
 #define ZERO_AREA 1e-12
-/* Flat: every corner this near the plane, in units of the node's radius, and the areas this near each other. Positions
- * are rounded to float (6e-8); what bends by less than 1e-5 changes no form factor that float arithmetic could show. */
-#define FLAT_TOLERANCE 1e-5
-/* A cluster's quad, in units of its radius: what rays forgive at edges and planes (rays.glsl). And its area, next to
- * its leaves': positions rounded to float cancel in a tiling, but for its outline. */
-#define COVER_TOLERANCE 1e-6
-#define TILED_TOLERANCE 3e-7
-/* Normals of what is flat. */
-#define FLAT_COSINE (1 - 1e-6f)
-/* Below this part of its area the moment is rounding noise: a closed surface has no mean normal. */
-#define NO_AXIS 1e-6
 /* Normals count this much of a bounds diagonal when base faces are clustered: opposite walls of a box part before the
  * halves of one wall do. */
 #define NORMAL_WEIGHT 0.5
@@ -73,41 +62,6 @@ typedef struct builder {
 } builder;
 
 /* ---- geometry of faces ---- */
-
-typedef struct quad {
-	gi_vec3d a, b, c, d;
-} quad;
-
-static quad load_quad(const float (*positions)[3], const uint32_t corners[4])
-{
-	return (quad){gi_vec3d_load(positions[corners[0]]), gi_vec3d_load(positions[corners[1]]),
-		      gi_vec3d_load(positions[corners[2]]), gi_vec3d_load(positions[corners[3]])};
-}
-
-static quad node_quad(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 c = h->topology[node].corners;
-	return (quad){gi_vec3d_from(h->vertices[c.x]), gi_vec3d_from(h->vertices[c.y]), gi_vec3d_from(h->vertices[c.z]),
-		      gi_vec3d_from(h->vertices[c.w])};
-}
-
-static gi_vec3d quad_moment(const quad *q)
-{
-	return gi_vec3d_add(gi_vec3d_triangle(q->a, q->b, q->c), gi_vec3d_triangle(q->a, q->c, q->d));
-}
-
-/* The longer diagonal, squared; of a triangle, whose d is c, the longest edge. */
-static double quad_diagonal2(const quad *q)
-{
-	const gi_vec3d ac = gi_vec3d_sub(q->c, q->a), bd = gi_vec3d_sub(q->d, q->b), ab = gi_vec3d_sub(q->b, q->a);
-	return fmax(fmax(gi_vec3d_dot(ac, ac), gi_vec3d_dot(bd, bd)), gi_vec3d_dot(ab, ab));
-}
-
-static double quad_area(const quad *q)
-{
-	return gi_vec3d_length(gi_vec3d_triangle(q->a, q->b, q->c)) +
-	       gi_vec3d_length(gi_vec3d_triangle(q->a, q->c, q->d));
-}
 
 double gi_quad_area(const float a[3], const float b[3], const float c[3], const float d[3])
 {
@@ -188,275 +142,6 @@ static void list_items(builder *b)
 	}
 }
 
-/* ---- nodes ---- */
-
-static gi_vec3d node_normal(const gi_hierarchy *h, uint32_t node)
-{
-	return gi_vec3d_from(h->geometry[node].axis);
-}
-
-static void set_moment(gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	gi_vec3d moment = {0};
-	double area = 0.0;
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		moment = gi_vec3d_add(moment, quad_moment(&q));
-		area += quad_area(&q);
-	}
-	h->geometry[node].moment = (gi_vec4){(float)moment.x, (float)moment.y, (float)moment.z, (float)area};
-	const double length = gi_vec3d_length(moment);
-	const gi_vec3d axis =
-	    length > NO_AXIS * area ? gi_vec3d_scale(moment, 1.0 / length) : (gi_vec3d){0.0, 0.0, 1.0};
-	h->geometry[node].axis =
-	    (gi_vec4){(float)axis.x, (float)axis.y, (float)axis.z, length > NO_AXIS * area ? 1 : -1};
-}
-
-/* Cosine between the axis and a triangle's normal; 1 for a triangle without one. */
-static double normal_cosine(gi_vec3d axis, gi_vec3d triangle_moment, double least_area)
-{
-	const double area = gi_vec3d_length(triangle_moment);
-	return area > least_area ? gi_vec3d_dot(axis, triangle_moment) / area : 1.0;
-}
-
-/* The least cosine between an axis and the normals of the triangles of a node's leaves. A triangle of 1e-9 of its quad
- * is a quad that is a triangle: its normal is noise. */
-static double least_cosine(const gi_hierarchy *h, uint32_t node, gi_vec3d axis)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	double least = INFINITY; /* the axis as stored may be longer than 1 by its rounding */
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		const double noise = 1e-9 * quad_area(&q);
-		least = fmin(least, normal_cosine(axis, gi_vec3d_triangle(q.a, q.b, q.c), noise));
-		least = fmin(least, normal_cosine(axis, gi_vec3d_triangle(q.a, q.c, q.d), noise));
-	}
-	return least;
-}
-
-/* The cone about the axis as stored. A cosine within 1e-9 of the float is as good as it: 1 stays 1 for flat nodes. */
-static void set_cone(gi_hierarchy *h, uint32_t node)
-{
-	gi_vec4 *axis = &h->geometry[node].axis;
-	if (axis->w < 0.0f)
-		return;
-	const gi_vec3d stored = gi_vec3d_rounded(node_normal(h, node));
-	const double cosine = fmax(-1.0, least_cosine(h, node, stored) / gi_vec3d_length(stored));
-	axis->w = (float)cosine;
-	if (axis->w > cosine + 1e-9)
-		axis->w = nextafterf(axis->w, -2.0f);
-}
-
-static gi_vec3d bounds_centre(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	gi_vec3d lower = {INFINITY, INFINITY, INFINITY}, upper = {-INFINITY, -INFINITY, -INFINITY};
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
-		for (int i = 0; i < 4; i++) {
-			lower = (gi_vec3d){fmin(lower.x, corners[i].x), fmin(lower.y, corners[i].y),
-					   fmin(lower.z, corners[i].z)};
-			upper = (gi_vec3d){fmax(upper.x, corners[i].x), fmax(upper.y, corners[i].y),
-					   fmax(upper.z, corners[i].z)};
-		}
-	}
-	return gi_vec3d_scale(gi_vec3d_add(lower, upper), 0.5);
-}
-
-/* The corner of a node's leaves farthest from a point; of those as far within rounding of the positions the first, so
- * that a symmetric cage has the same spheres at every scale. */
-static gi_vec3d farthest_corner(const gi_hierarchy *h, uint32_t node, gi_vec3d from, double *distance)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	gi_vec3d farthest = from;
-	double most = 0.0, chosen = 0.0;
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
-		for (int i = 0; i < 4; i++) {
-			const gi_vec3d to = gi_vec3d_sub(corners[i], from);
-			const double distance2 = gi_vec3d_dot(to, to);
-			most = fmax(most, distance2);
-			if (distance2 > chosen * (1 + GI_TIE)) {
-				chosen = distance2;
-				farthest = corners[i];
-			}
-		}
-	}
-	*distance = sqrt(most);
-	return farthest;
-}
-
-static void store_sphere(gi_hierarchy *h, uint32_t node, gi_vec3d centre)
-{
-	gi_vec4 *sphere = &h->geometry[node].sphere;
-	double radius;
-	farthest_corner(h, node, gi_vec3d_rounded(centre), &radius);
-	*sphere = (gi_vec4){(float)centre.x, (float)centre.y, (float)centre.z, (float)radius};
-	if (sphere->w < radius)
-		sphere->w = nextafterf(sphere->w, INFINITY);
-}
-
-/* Badoiu and Clarkson's iteration, "Smaller core-sets for balls" (2003): step ever shorter towards the farthest point;
- * the best centre seen is kept. From the centre of the bounds a few steps take most of what there is to gain. */
-static void set_sphere(gi_hierarchy *h, uint32_t node)
-{
-	enum { STEPS = 4 };
-	gi_vec3d centre = bounds_centre(h, node), best = centre;
-	double best_radius = INFINITY;
-	for (int step = 0; step <= STEPS; step++) {
-		double radius;
-		const gi_vec3d far = farthest_corner(h, node, centre, &radius);
-		if (radius < best_radius * (1 - GI_TIE)) {
-			best_radius = radius;
-			best = centre;
-		}
-		centre = gi_vec3d_add(centre, gi_vec3d_scale(gi_vec3d_sub(far, centre), 1.0 / (step + 8)));
-	}
-	store_sphere(h, node, best);
-}
-
-/* How far the corners of a node's leaves are from the plane through its sphere's centre, over its radius. */
-static double thickness_of(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	const gi_vec4 sphere = h->geometry[node].sphere;
-	const gi_vec3d centre = gi_vec3d_from(sphere), normal = node_normal(h, node);
-	double most = 0.0;
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
-		for (int i = 0; i < 4; i++)
-			most = fmax(most, fabs(gi_vec3d_dot(normal, gi_vec3d_sub(corners[i], centre))));
-	}
-	return fmin(most / sphere.w, 1.0);
-}
-
-/* What is flat but for rounding is flat: or patches of one plane would see each other. */
-static void set_thickness(gi_hierarchy *h, uint32_t node)
-{
-	const double thickness = thickness_of(h, node);
-	if (thickness > FLAT_TOLERANCE)
-		h->topology[node].range.w |= (uint32_t)ceil(thickness * GI_NODE_THICKNESS_STEPS)
-					     << GI_NODE_THICKNESS_SHIFT;
-}
-
-/* Are all corners of the node's leaves within the tolerance, metres, of the plane through a point? */
-static bool is_coplanar(const gi_hierarchy *h, uint32_t node, gi_vec3d point, gi_vec3d normal, double tolerance)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
-		for (int i = 0; i < 4; i++)
-			if (fabs(gi_vec3d_dot(normal, gi_vec3d_sub(corners[i], point))) > tolerance)
-				return false;
-	}
-	return true;
-}
-
-static bool nearly(double a, double b)
-{
-	return fabs(a - b) <= FLAT_TOLERANCE * fmax(fabs(a), fabs(b));
-}
-
-/* Do the node's two triangles cover exactly its leaves? In one plane, with the same area, and nothing folded over
- * (folds make the area larger than the length of the moment). */
-static bool is_flat(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_vec4 moment = h->geometry[node].moment;
-	const quad q = node_quad(h, node);
-	const double length = gi_vec3d_length(gi_vec3d_from(moment));
-	return nearly(length, moment.w) && nearly(quad_area(&q), moment.w) &&
-	       nearly(gi_vec3d_dot(quad_moment(&q), node_normal(h, node)), moment.w) &&
-	       is_coplanar(h, node, q.a, node_normal(h, node), FLAT_TOLERANCE * h->geometry[node].sphere.w);
-}
-
-static void add_outer(double t[6], gi_vec3d triangle_moment)
-{
-	const double area = gi_vec3d_length(triangle_moment);
-	if (area <= 0.0)
-		return;
-	const gi_vec3d n = triangle_moment;
-	const double outer[6] = {n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.y * n.z, n.z * n.x};
-	for (int k = 0; k < 6; k++)
-		t[k] += outer[k] / area;
-}
-
-/* T, and the shape factor between the two cases that are exact: |T| / area is 1 for flat nodes, 1 / sqrt 3 for normals
- * all round. */
-static void set_spread(gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	double t[6] = {0};
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		add_outer(t, gi_vec3d_triangle(q.a, q.b, q.c));
-		add_outer(t, gi_vec3d_triangle(q.a, q.c, q.d));
-	}
-	const double norm =
-	    sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
-	const double least = 1 / sqrt(3.0), flatness = (norm / h->geometry[node].moment.w - least) / (1 - least);
-	const double shape = 0.8660254 + (1 - 0.8660254) * fmin(fmax(flatness, 0.0), 1.0);
-	h->spread[node].diagonal = (gi_vec4){(float)t[0], (float)t[1], (float)t[2], 0};
-	h->spread[node].mixed = (gi_vec4){(float)t[3], (float)t[4], (float)t[5], (float)shape};
-}
-
-static bool is_of_one_material(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	for (uint32_t leaf = range.y + 1; leaf < range.y + range.z; leaf++)
-		if (h->leaf_material[leaf] != h->leaf_material[range.y])
-			return false;
-	return true;
-}
-
-/* Does the node's quad have the area of its leaves, to the last hole? */
-static bool is_tiled(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	const quad whole = node_quad(h, node);
-	double area = 0;
-	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
-		const quad q = node_quad(h, h->leaf_node[leaf]);
-		area += quad_area(&q);
-	}
-	return fabs(quad_area(&whole) - area) <= TILED_TOLERANCE * area;
-}
-
-/* A cluster whose leaves tile a quad is as good as a face. */
-static void set_cover(gi_hierarchy *h, uint32_t node)
-{
-	gi_node_topology *t = &h->topology[node];
-	uint32_t corners[4];
-	const double tolerance = COVER_TOLERANCE * h->geometry[node].sphere.w;
-	if (h->geometry[node].axis.w < FLAT_COSINE || !is_of_one_material(h, node) ||
-	    !gi_quad_cover(h, t->range.y, t->range.z, node_normal(h, node), tolerance, corners))
-		return;
-	t->corners = (gi_uvec4){corners[0], corners[1], corners[2], corners[3]};
-	const quad q = node_quad(h, node);
-	if (is_tiled(h, node) && is_coplanar(h, node, q.a, node_normal(h, node), tolerance))
-		t->range.w |= GI_NODE_POLYGON | GI_NODE_FLAT;
-	else
-		t->corners = (gi_uvec4){GI_NONE, GI_NONE, GI_NONE, GI_NONE};
-}
-
-static void measure_node(gi_hierarchy *h, uint32_t node)
-{
-	set_moment(h, node);
-	set_spread(h, node);
-	set_cone(h, node);
-	set_sphere(h, node);
-	set_thickness(h, node);
-	gi_uvec4 *range = &h->topology[node].range;
-	if (!(range->w & GI_NODE_POLYGON))
-		set_cover(h, node);
-	else if (is_flat(h, node))
-		range->w |= GI_NODE_FLAT;
-}
-
 /* ---- depth-first emission ---- */
 
 static uint32_t open_node(gi_hierarchy *h, const uint32_t *corners)
@@ -476,7 +161,7 @@ static void close_node(gi_hierarchy *h, uint32_t node)
 	gi_uvec4 *range = &h->topology[node].range;
 	range->x = h->node_count;
 	range->z = h->leaf_count - range->y;
-	measure_node(h, node);
+	gi_node_measure(h, node);
 }
 
 static void emit_leaf(builder *b, uint32_t face, uint32_t node)
@@ -758,129 +443,4 @@ void gi_hierarchy_free(gi_hierarchy *hierarchy)
 	gi_free(hierarchy->spread);
 	gi_free(hierarchy->topology);
 	*hierarchy = (gi_hierarchy){0};
-}
-
-/* ---- validation: one function a rule, in the order in which later ones rely on earlier ones ---- */
-
-static const char *check_range(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	if (range.x <= node || range.x > h->node_count)
-		return "the skip of a node points backwards or beyond the last node";
-	if (range.z == 0 || range.y >= h->leaf_count || range.z > h->leaf_count - range.y)
-		return "a node covers no leaves, or leaves that do not exist";
-	const bool leaf = range.w & GI_NODE_LEAF;
-	if (leaf != (range.x == node + 1))
-		return "a leaf has children, or an inner node has none";
-	if (leaf && (range.z != 1 || h->leaf_node[range.y] != node))
-		return "a leaf's node and the node's leaf disagree";
-	return NULL;
-}
-
-static const char *check_children(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 range = h->topology[node].range;
-	if (range.w & GI_NODE_LEAF)
-		return NULL;
-	uint32_t leaf = range.y;
-	for (uint32_t child = node + 1; child < range.x; child = h->topology[child].range.x) {
-		const gi_uvec4 inner = h->topology[child].range;
-		if (inner.x > range.x || inner.y != leaf)
-			return "the ranges of a node's children do not follow one another inside its own";
-		leaf += inner.z;
-	}
-	return leaf == range.y + range.z ? NULL : "the leaves of a node's children are not all of its own";
-}
-
-static const char *check_corners(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_uvec4 corners = h->topology[node].corners;
-	const uint32_t flags = h->topology[node].range.w, n = h->vertex_count;
-	if (!(flags & GI_NODE_POLYGON)) {
-		if (flags & (GI_NODE_LEAF | GI_NODE_FLAT))
-			return "a leaf or a flat node has no corners";
-		const bool none = (corners.x & corners.y & corners.z & corners.w) == GI_NONE;
-		return none ? NULL : "a node without the polygon flag has corners";
-	}
-	return corners.x < n && corners.y < n && corners.z < n && corners.w < n ? NULL : "a corner is not a vertex";
-}
-
-static bool is_near(double a, double b, double tolerance)
-{
-	return fabs(a - b) <= tolerance; /* false for NaN */
-}
-
-static const char *check_sums(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_vec4 moment = h->geometry[node].moment;
-	double area = 0.0;
-	gi_vec3d sum = {0};
-	if (h->topology[node].range.w & GI_NODE_LEAF) {
-		const quad q = node_quad(h, node);
-		area = quad_area(&q);
-		sum = quad_moment(&q);
-	}
-	for (uint32_t child = node + 1; child < h->topology[node].range.x; child = h->topology[child].range.x) {
-		area += h->geometry[child].moment.w;
-		sum = gi_vec3d_add(sum, gi_vec3d_from(h->geometry[child].moment));
-	}
-	if (!(area > 0.0) || !is_near(moment.w, area, 1e-5 * area))
-		return "the areas of a node's children do not add up to its own";
-	if (gi_vec3d_length(gi_vec3d_sub(gi_vec3d_from(moment), sum)) > 1e-5 * area)
-		return "the moments of a node's children do not add up to its own";
-	return NULL;
-}
-
-static const char *check_cone(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_vec4 axis = h->geometry[node].axis;
-	if (!is_near(gi_vec3d_length(node_normal(h, node)), 1.0, 1e-5) || !(axis.w >= -1.0f && axis.w <= 1.0f))
-		return "a node's axis is not of length one, or its cone not a cosine";
-	/* 1e-6: the axis is rounded to float. */
-	return axis.w <= least_cosine(h, node, node_normal(h, node)) + 1e-6 || axis.w == -1.0f
-		   ? NULL
-		   : "a normal lies outside its node's cone";
-}
-
-static const char *check_sphere(const gi_hierarchy *h, uint32_t node)
-{
-	const gi_vec4 sphere = h->geometry[node].sphere;
-	double radius;
-	farthest_corner(h, node, gi_vec3d_from(sphere), &radius);
-	return radius <= sphere.w * (1.0 + 1e-6) ? NULL : "a corner lies outside its node's sphere";
-}
-
-static const char *check_thickness(const gi_hierarchy *h, uint32_t node)
-{
-	const double stored = (double)(h->topology[node].range.w >> GI_NODE_THICKNESS_SHIFT) / GI_NODE_THICKNESS_STEPS;
-	return thickness_of(h, node) <= stored + FLAT_TOLERANCE ? NULL : "a corner lies outside its node's thickness";
-}
-
-static const char *check_flat(const gi_hierarchy *h, uint32_t node)
-{
-	const bool flat = h->topology[node].range.w & GI_NODE_FLAT;
-	return !flat || is_flat(h, node) ? NULL : "a flat node is not the surface of its leaves";
-}
-
-const char *gi_validate_hierarchy(const gi_hierarchy *h)
-{
-	static const char *(*const rules[])(const gi_hierarchy *, uint32_t) = {
-	    check_range, check_corners, check_children,  check_sums,
-	    check_cone,  check_sphere,  check_thickness, check_flat,
-	};
-	if (h->node_count == 0 || h->leaf_count == 0)
-		return "there are no nodes";
-	if (h->topology[0].range.x != h->node_count || h->topology[0].range.y != 0 ||
-	    h->topology[0].range.z != h->leaf_count)
-		return "the root does not cover everything";
-	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
-		if (h->leaf_node[leaf] >= h->node_count)
-			return "the node of a leaf does not exist";
-	for (size_t rule = 0; rule < sizeof rules / sizeof rules[0]; rule++)
-		for (uint32_t node = 0; node < h->node_count; node++) {
-			const char *broken = rules[rule](h, node);
-			if (broken)
-				return broken;
-		}
-	return NULL;
 }

@@ -1,7 +1,7 @@
 /* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU
  * and without a word about any context but what its renderer holds: several threads may build objects at once.
  */
-#include "object.h"
+#include "object_build.h"
 
 #include "duplicates.h"
 #include "faces.h"
@@ -14,245 +14,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Of an object without materials. */
-static const gi_material GREY = {.rho = {0.5f, 0.5f, 0.5f}};
-
-enum { MAX_LEVELS = 8, MAX_DRAW_LEVELS = 4, NAME_BYTES = 128 };
+enum { NAME_BYTES = 128 };
 
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
-
-/* False for NaN too. */
-static bool all_within(const float *values, size_t count, float most)
-{
-	for (size_t k = 0; k < count; k++)
-		if (!(fabsf(values[k]) <= most))
-			return false;
-	return true;
-}
-
-static bool all_finite(const float *values, size_t count)
-{
-	return all_within(values, count, FLT_MAX);
-}
-
-bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
-{
-	double length = 0;
-	for (int k = 0; k < 4; k++)
-		length += (double)pose->rotation[k] * pose->rotation[k];
-	length = sqrt(length);
-	if (!all_within(pose->position, 3, OBJECT_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
-		gi_fail(log, GI_ERROR_INVALID_POSE,
-			"object '%s': the pose needs a position within 1e9 m of the origin and a rotation quaternion "
-			"that is not zero",
-			object);
-		return false;
-	}
-	/* What was normalised is off by 2^-24 at most, and must stay what it is: a pose that was got may be set. */
-	for (int k = 0; k < 4 && fabs(length - 1) > 0x1p-23; k++)
-		pose->rotation[k] = (float)(pose->rotation[k] / length);
-	return true;
-}
-
-/* ---- the cage ---- */
-
-/* Arrays of a cage that is not the caller's own: the two-sided copy. */
-typedef struct own_cage {
-	float *positions;
-	uint32_t *face_counts, *indices, *face_materials, *crease_vertices;
-	float *crease_sharpness;
-} own_cage;
-
-static void own_cage_free(own_cage *own)
-{
-	gi_free(own->positions);
-	gi_free(own->face_counts);
-	gi_free(own->indices);
-	gi_free(own->face_materials);
-	gi_free(own->crease_vertices);
-	gi_free(own->crease_sharpness);
-}
-
-/* A second copy of the cage with its faces turned round, on vertices of its own: two sides that do not touch. */
-static bool make_two_sided(const gi_object_def *def, gi_refine_cage *cage, own_cage *own)
-{
-	const uint32_t n = def->vertex_count, f = def->face_count, i = def->index_count, c = def->crease_count;
-	own->positions = gi_malloc(sizeof(float) * 6 * n);
-	own->face_counts = gi_malloc(sizeof(uint32_t) * 2 * f);
-	own->indices = gi_malloc(sizeof(uint32_t) * 2 * i);
-	own->face_materials = gi_calloc(2 * (size_t)f, sizeof(uint32_t));
-	own->crease_vertices = gi_malloc(sizeof(uint32_t) * 4 * (c + 1));
-	own->crease_sharpness = gi_malloc(sizeof(float) * 2 * (c + 1));
-	if (!own->positions || !own->face_counts || !own->indices || !own->face_materials || !own->crease_vertices ||
-	    !own->crease_sharpness)
-		return false;
-	memcpy(own->positions, def->positions, sizeof(float) * 3 * n);
-	memcpy(own->positions + 3 * n, def->positions, sizeof(float) * 3 * n);
-	memcpy(own->indices, def->indices, sizeof(uint32_t) * i);
-	for (uint32_t face = 0, first = 0; face < f; face++) {
-		const uint32_t corners = gi_corner_count(def->face_counts, face);
-		own->face_counts[face] = own->face_counts[f + face] = corners;
-		if (def->face_materials)
-			own->face_materials[face] = own->face_materials[f + face] = def->face_materials[face];
-		for (uint32_t k = 0; k < corners; k++)
-			own->indices[i + first + k] = n + def->indices[first + corners - 1 - k];
-		first += corners;
-	}
-	for (uint32_t k = 0; k < 2 * c; k++) {
-		own->crease_vertices[k] = def->crease_vertices[k];
-		own->crease_vertices[2 * c + k] = n + def->crease_vertices[k];
-	}
-	for (uint32_t k = 0; k < c; k++)
-		own->crease_sharpness[k] = own->crease_sharpness[c + k] = def->crease_sharpness[k];
-	cage->positions = own->positions;
-	cage->face_counts = own->face_counts;
-	cage->indices = own->indices;
-	cage->face_materials = own->face_materials;
-	cage->crease_vertices = own->crease_vertices;
-	cage->crease_sharpness = own->crease_sharpness;
-	cage->vertex_count = 2 * n;
-	cage->face_count = 2 * f;
-	cage->index_count = 2 * i;
-	cage->crease_count = 2 * c;
-	return true;
-}
-
-static gi_refine_cage cage_of(const gi_object_def *def)
-{
-	static const gi_refine_scheme schemes[] = {GI_REFINE_BILINEAR, GI_REFINE_CATMULL_CLARK, GI_REFINE_LOOP};
-	gi_refine_cage cage = {
-	    .positions = def->positions,
-	    .face_counts = def->face_counts,
-	    .indices = def->indices,
-	    .face_materials = def->face_materials,
-	    .crease_vertices = def->crease_vertices,
-	    .crease_sharpness = def->crease_sharpness,
-	    .vertex_count = def->vertex_count,
-	    .face_count = def->face_count,
-	    .index_count = def->index_count,
-	    .crease_count = def->crease_count,
-	    .scheme = schemes[def->scheme],
-	    .boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
-							       : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
-	};
-	memcpy(cage.scale, def->scale, sizeof cage.scale);
-	return cage;
-}
-
-/* Mean edge of the base faces: the side of a square of their mean area, fan triangles from the first corner. */
-static double mean_edge(const gi_object_def *def)
-{
-	double area = 0;
-	for (uint32_t face = 0, first = 0; face < def->face_count; face++) {
-		const uint32_t corners = gi_corner_count(def->face_counts, face);
-		for (uint32_t k = 1; k + 1 < corners; k++) {
-			float p[3][3];
-			const uint32_t v[3] = {def->indices[first], def->indices[first + k],
-					       def->indices[first + k + 1]};
-			for (int a = 0; a < 3; a++)
-				for (int c = 0; c < 3; c++)
-					p[a][c] = def->positions[3 * v[a] + c] * def->scale[c];
-			area += gi_quad_area(p[0], p[1], p[2], p[2]);
-		}
-		first += corners;
-	}
-	return sqrt(area / def->face_count);
-}
-
-/* Smooth schemes are refined as a whole; faces of bilinear cages are split each for itself. */
-static bool is_split(const gi_object_def *def)
-{
-	return def->leaf_size > 0.0f && def->scheme == GI_SCHEME_BILINEAR;
-}
-
-static uint32_t levels_of(const gi_object_def *def)
-{
-	if (!(def->leaf_size > 0.0f))
-		return def->levels;
-	uint32_t levels = 0;
-	/* A hundredth more than asked is not worth four times the leaves. */
-	for (double edge = mean_edge(def); edge > 1.01 * def->leaf_size && levels < MAX_LEVELS; edge *= 0.5)
-		levels++;
-	return levels;
-}
-
-/* ---- checks ---- */
-
-static bool indices_are_valid(const gi_object_def *def)
-{
-	uint64_t corners = 0;
-	for (uint32_t face = 0; face < def->face_count; face++) {
-		if (gi_corner_count(def->face_counts, face) < 3)
-			return false;
-		corners += gi_corner_count(def->face_counts, face);
-	}
-	if (corners != def->index_count)
-		return false;
-	for (uint32_t k = 0; k < def->index_count; k++)
-		if (def->indices[k] >= def->vertex_count)
-			return false;
-	return true;
-}
-
-static const char *broken_geometry(const gi_object_def *def)
-{
-	if (!def->positions || !def->indices || !def->vertex_count || !def->face_count)
-		return "positions, indices, vertex_count and face_count are required";
-	if (!indices_are_valid(def))
-		return "a face has fewer than 3 corners, the face counts do not add up to index_count, or an index is "
-		       "out of range";
-	if (!all_finite(def->positions, 3 * (size_t)def->vertex_count))
-		return "a position is not finite";
-	if (def->crease_count && (!def->crease_vertices || !def->crease_sharpness))
-		return "crease_count without crease arrays";
-	for (int k = 0; k < 3; k++)
-		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
-			return "scale must be finite and above zero";
-	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
-		if (def->face_materials[k] >= (def->material_count ? def->material_count : 1))
-			return "a face's material number is not below material_count";
-	if (def->draw_index_count % 3 != 0 || (def->draw_index_count && (!def->draw_positions || !def->draw_indices)))
-		return "a draw mesh needs positions and three indices a triangle";
-	for (uint32_t k = 0; k < def->draw_index_count; k++)
-		if (def->draw_indices[k] >= def->draw_vertex_count)
-			return "an index of the draw mesh is out of range";
-	for (uint32_t k = 0; k < def->leaf_cut_count; k++)
-		if (!def->leaf_cuts || def->leaf_cuts[k].face >= def->face_count ||
-		    !all_finite(def->leaf_cuts[k].from, 3) || !all_finite(def->leaf_cuts[k].to, 3))
-			return "a leaf cut is on a face that is not there, or not finite";
-	for (uint32_t k = 0; def->leaf_sizes && k < def->face_count; k++)
-		if (!(def->leaf_sizes[k] >= 0.0f && isfinite(def->leaf_sizes[k])))
-			return "a face's leaf size is negative or not finite";
-	if (def->draw_index_count && !all_finite(def->draw_positions, 3 * (size_t)def->draw_vertex_count))
-		return "a position of the draw mesh is not finite";
-	return NULL;
-}
-
-static gi_result check_def(const gi_log *log, const gi_object_def *def, const char *name)
-{
-	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
-	    def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > MAX_LEVELS || def->draw_levels > MAX_DRAW_LEVELS ||
-	    !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
-			       "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or "
-			       "leaf_size is out of range",
-			       name, MAX_LEVELS, MAX_DRAW_LEVELS);
-	if (def->material_count && !def->materials)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
-			       "object '%s': material_count is %u and materials is NULL", name, def->material_count);
-	const char *broken = broken_geometry(def);
-	if (broken)
-		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
-	for (uint32_t k = 0; k < def->material_count; k++)
-		if (!material_is_valid(log, &def->materials[k], name, k))
-			return GI_ERROR_INVALID_MATERIAL;
-	for (uint32_t k = 0; def->specular && k < (def->material_count ? def->material_count : 1); k++)
-		if (!material_specular_is_valid(log, &def->specular[k], def->material_count ? &def->materials[k] : &GREY,
-						name, k))
-			return GI_ERROR_INVALID_MATERIAL;
-	return GI_OK;
-}
 
 /* ---- building ---- */
 
@@ -295,7 +60,7 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 	if (def->material_count)
 		memcpy(o->materials, def->materials, sizeof(gi_material) * def->material_count);
 	else
-		o->materials[0] = GREY;
+		o->materials[0] = OBJECT_GREY;
 	o->pose = def->pose;
 	return object_measure_materials(o);
 }
@@ -305,7 +70,7 @@ static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uin
 {
 	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
 	while (extra &&
-	       (levels + extra > MAX_LEVELS || ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
+	       (levels + extra > OBJECT_MAX_LEVELS || ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
 		extra--;
 	return extra;
 }
@@ -353,7 +118,7 @@ static bool is_too_small(const gi_hierarchy *h)
 
 static bool is_too_large(const gi_hierarchy *h)
 {
-	return !all_within(&h->lower.x, 3, OBJECT_MAX_LENGTH) || !all_within(&h->upper.x, 3, OBJECT_MAX_LENGTH);
+	return !object_all_within(&h->lower.x, 3, OBJECT_MAX_LENGTH) || !object_all_within(&h->upper.x, 3, OBJECT_MAX_LENGTH);
 }
 
 /* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
@@ -380,16 +145,6 @@ static void hide_backs(gi_hierarchy *h)
 		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
-gi_result object_check_def(const gi_log *log, const gi_object_def *def)
-{
-	const char *name = def->name ? def->name : "unnamed";
-	gi_pose pose = def->pose;
-	gi_result result = check_def(log, def, name);
-	if (!result && !object_normalise_pose(log, &pose, name))
-		result = GI_ERROR_INVALID_POSE;
-	return result;
-}
-
 /* A face of n corners becomes n quads, then four each. */
 static double leaves_at_level(const gi_refine_cage *cage, uint32_t levels)
 {
@@ -403,20 +158,20 @@ static gi_split_def split_def_of(const gi_object_def *def)
 
 double object_estimate_leaves(const gi_object_def *def)
 {
-	const gi_refine_cage cage = cage_of(def);
+	const gi_refine_cage cage = object_cage_of(def);
 	const gi_split_def split = split_def_of(def);
 	return (def->double_sided ? 2 : 1) *
-	       (is_split(def) ? gi_split_estimate(&cage, &split) : leaves_at_level(&cage, levels_of(def)));
+	       (object_is_split(def) ? gi_split_estimate(&cage, &split) : leaves_at_level(&cage, object_levels(def)));
 }
 
 bool object_count_leaves(const gi_object_def *def, uint64_t *count)
 {
-	const gi_refine_cage cage = cage_of(def);
+	const gi_refine_cage cage = object_cage_of(def);
 	const gi_split_def split = split_def_of(def);
 	gi_refined refined;
 	char message[256];
 	*count = (uint64_t)object_estimate_leaves(def);
-	if (!is_split(def))
+	if (!object_is_split(def))
 		return true;
 	if (!gi_split(&cage, &split, &refined, message, sizeof message))
 		return false;
@@ -438,7 +193,7 @@ static gi_result refine_levels(const object_builder *b, const gi_object_def *def
 {
 	const gi_log *log = b->log;
 	char message[256];
-	const uint32_t levels = levels_of(def);
+	const uint32_t levels = object_levels(def);
 	uint32_t fitting = levels;
 	while (fitting && !can_hold(b, leaves_at_level(cage, fitting)))
 		fitting--;
@@ -522,7 +277,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 	char message[256] = "out of memory";
 	gi_refined refined;
 	gi_result result =
-	    is_split(def) ? split_faces(b, def, cage, name, &refined) : refine_levels(b, def, cage, name, &refined);
+	    object_is_split(def) ? split_faces(b, def, cage, name, &refined) : refine_levels(b, def, cage, name, &refined);
 	if (result)
 		return result;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {
@@ -560,14 +315,14 @@ static gi_result make(const object_builder *b, const gi_object_def *def, const c
 	if (unique.dropped)
 		gi_warn(log, "object '%s': %u of its %u faces have the corners of another one and are left out", name,
 			unique.dropped, def->face_count);
-	own_cage own = {0};
-	gi_refine_cage cage = cage_of(&unique.def);
+	object_cage own = {0};
+	gi_refine_cage cage = object_cage_of(&unique.def);
 	gi_result result;
-	if (def->double_sided && !make_two_sided(&unique.def, &cage, &own))
+	if (def->double_sided && !object_make_two_sided(&unique.def, &cage, &own))
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
 		result = build(b, &unique.def, &cage, name, o);
-	own_cage_free(&own);
+	object_cage_free(&own);
 	gi_unique_faces_free(&unique);
 	return result;
 }
@@ -589,7 +344,7 @@ gi_result object_build(const object_builder *b, const gi_object_def *def, scene_
 	char name[NAME_BYTES];
 	*out = (scene_object){0};
 	clip_name(def->name ? def->name : "unnamed", name);
-	gi_result result = check_def(b->log, def, name);
+	gi_result result = object_check_named(b->log, def, name);
 	if (result)
 		return result;
 	gi_pose pose = def->pose;

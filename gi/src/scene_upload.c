@@ -275,6 +275,24 @@ static void gather_statics(gathered *g, uint32_t slot, uint32_t leaf_count)
 	scene_place_sky(data);
 }
 
+/* The last slot, behind all others' nodes and vertices. */
+static void gather_sky(const gi_context *gi, gathered *g, uint32_t slot, uint32_t node, uint32_t vertex, uint32_t leaf)
+{
+	gi_scene *n = &g->next;
+	gi_object_data *data = &n->object_data[slot];
+	n->slots[slot] = GI_NONE;
+	gather_hierarchy(g, &g->sky, node, vertex, 0);
+	data->nodes = (gi_uvec4){node, node + g->sky.node_count, leaf, leaf};
+	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_SKY, 0};
+	data->extra = (gi_uvec4){0, vertex, vertex + g->sky.vertex_count, 0};
+	data->ids = (gi_uvec4){0, FIRST_SKY_ID - node, 0, 0};
+	scene_place_sky(data);
+	for (uint32_t k = 0; k < g->sky.node_count; k++) {
+		const float *e = gi->def.sky_exitance;
+		n->node_exitance[node + k] = (gi_vec4){e[0], e[1], e[2], 0};
+	}
+}
+
 static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *n = &g->next;
@@ -329,20 +347,8 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		}
 	}
 	g->light_first[light] = link;
-	if (n->sky_slot == GI_NONE)
-		return;
-	gi_object_data *data = &n->object_data[slot];
-	n->slots[slot] = GI_NONE;
-	gather_hierarchy(g, &g->sky, node, vertex, 0);
-	data->nodes = (gi_uvec4){node, node + g->sky.node_count, leaf, leaf};
-	data->bvh = (gi_uvec4){0, 0, GI_OBJECT_SKY, 0};
-	data->extra = (gi_uvec4){0, vertex, vertex + g->sky.vertex_count, 0};
-	data->ids = (gi_uvec4){0, FIRST_SKY_ID - node, 0, 0};
-	scene_place_sky(data);
-	for (uint32_t k = 0; k < g->sky.node_count; k++) {
-		const float *e = gi->def.sky_exitance;
-		n->node_exitance[node + k] = (gi_vec4){e[0], e[1], e[2], 0};
-	}
+	if (n->sky_slot != GI_NONE)
+		gather_sky(gi, g, slot, node, vertex, leaf);
 }
 
 /* As pose.comp does in the first update: what is read before it is where it belongs. */

@@ -15,8 +15,6 @@ static const float SECTOR_OVERLAP = 5e-4f;
 /* Texels of a map that a point's look may be off by, for filters and depths rounded at texels' middles. */
 static const double MASK_TEXELS = 3;
 
-_Static_assert(sizeof(gi_lamp) % 256 == 0, "where OpenGL promises that uniform blocks may begin");
-
 gi_result shadow_create(gi_context *gi, gi_shadow *shadow)
 {
 	const uint32_t slots = gi->scene.slot_count;

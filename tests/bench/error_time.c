@@ -13,7 +13,7 @@
 #include "samples.h"
 #include "scenes/scenes.h"
 
-#include "tests/reference/error.h"
+#include "tests/reference/reference_error.h"
 #include "tests/reference/leaves.h"
 
 #include <errno.h>

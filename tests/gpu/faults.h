@@ -6,11 +6,7 @@
 
 #include "gi/gi.h"
 
-typedef enum fault_kind {
-	FAULT_CPU,
-	FAULT_GPU,
-	FAULT_KINDS
-} fault_kind;
+typedef enum fault_kind { FAULT_CPU, FAULT_GPU, FAULT_KINDS } fault_kind;
 
 /* Both of the definition: an allocator, and its OpenGL with storage that may fail. */
 void faults_in(gi_context_def *def);

@@ -6,7 +6,7 @@
 #include "scenes/body.h"
 #include "snapshot.h"
 
-#include "tests/reference/error.h"
+#include "tests/reference/reference_error.h"
 #include "tests/reference/leaves.h"
 #include "scenes/shapes.h"
 

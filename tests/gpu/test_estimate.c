@@ -6,7 +6,7 @@
 #include "harness.h"
 #include "snapshot.h"
 
-#include "tests/reference/error.h"
+#include "tests/reference/reference_error.h"
 #include "tests/reference/reference.h"
 #include "scenes/buddha.h"
 #include "scenes/cornell.h"

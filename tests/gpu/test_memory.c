@@ -522,9 +522,14 @@ static void an_allocator_is_whole(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(objects),  cmocka_unit_test(commits), cmocka_unit_test(updates),
-	    cmocka_unit_test(pictures), cmocka_unit_test(reading), cmocka_unit_test(contexts),
-	    cmocka_unit_test(a_steady_frame_allocates_nothing), cmocka_unit_test(an_allocator_is_whole),
+	    cmocka_unit_test(objects),
+	    cmocka_unit_test(commits),
+	    cmocka_unit_test(updates),
+	    cmocka_unit_test(pictures),
+	    cmocka_unit_test(reading),
+	    cmocka_unit_test(contexts),
+	    cmocka_unit_test(a_steady_frame_allocates_nothing),
+	    cmocka_unit_test(an_allocator_is_whole),
 	};
 	return cmocka_run_group_tests_name("memory", tests, harness_open, harness_close);
 }

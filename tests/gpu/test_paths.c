@@ -5,7 +5,7 @@
  */
 #include "harness.h"
 
-#include "tests/reference/error.h"
+#include "tests/reference/reference_error.h"
 #include "tests/reference/leaves.h"
 #include "scenes/cornell.h"
 #include "scenes/shapes.h"

@@ -11,7 +11,7 @@
 #include "plain_files.h"
 
 #include "demos/file_scene.h"
-#include "tests/reference/error.h"
+#include "tests/reference/reference_error.h"
 #include "tests/reference/leaves.h"
 
 #include <math.h>

@@ -48,8 +48,8 @@ static gi_context *open_room(const gi_context_def *def, gi_object *mover)
 	assert_true(shape_quad((float[]){-.5f, 2.4f, -.5f}, (float[]){1, 0, 0}, (float[]){0, 0, 1}, 1, 1, &mesh));
 	harness_add(gi, &(harness_object){.name = "lamp", .exitance = {20, 20, 20}}, &mesh);
 	assert_true(shape_sphere(.2f, 1, &mesh));
-	*mover = harness_add(gi, &(harness_object){.name = "ball", .rho = {.7f, .7f, .7f}, .position = {0, 1.5f, 0}},
-			     &mesh);
+	*mover =
+	    harness_add(gi, &(harness_object){.name = "ball", .rho = {.7f, .7f, .7f}, .position = {0, 1.5f, 0}}, &mesh);
 	assert_gi(gi_commit(gi));
 	return gi;
 }

@@ -26,8 +26,8 @@ static loaded load(const gi_context_def *def)
 	assert_true(shape_quad((float[]){-.2f, 1.5f, -.2f}, (float[]){.4f, 0, 0}, (float[]){0, 0, .4f}, 2, 2, &mesh));
 	harness_add(l.gi, &(harness_object){.name = "lamp", .rho = {.5f, .5f, .5f}, .exitance = {20, 15, 10}}, &mesh);
 	assert_true(shape_sphere(.3f, 2, &mesh));
-	l.ball = harness_add(
-	    l.gi, &(harness_object){.name = "ball", .rho = {.8f, .4f, .2f}, .position = {.2f, .4f, 0}}, &mesh);
+	l.ball = harness_add(l.gi, &(harness_object){.name = "ball", .rho = {.8f, .4f, .2f}, .position = {.2f, .4f, 0}},
+			     &mesh);
 	assert_gi(gi_commit(l.gi));
 	return l;
 }
@@ -60,7 +60,8 @@ static look look_at(gi_context *gi)
 	seen.indirect = calloc(leaves, 4 * sizeof *seen.indirect);
 	seen.paths = calloc(leaves, 3 * sizeof *seen.paths);
 	assert_true(seen.indirect && seen.paths);
-	glGetNamedBufferSubData(buffers.leaf_indirect, 0, (GLsizeiptr)(leaves * 4 * sizeof *seen.indirect), seen.indirect);
+	glGetNamedBufferSubData(buffers.leaf_indirect, 0, (GLsizeiptr)(leaves * 4 * sizeof *seen.indirect),
+				seen.indirect);
 	assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = 4, .seed = 1}, seen.paths, leaves, &count));
 	return seen;
 }
@@ -86,11 +87,7 @@ static void expect_same(const look *a, const look *b, const char *what)
 
 /* ---- setters ---- */
 
-typedef enum price {
-	A_SOLVE,
-	EVERY_ROW,
-	A_COMMIT
-} price;
+typedef enum price { A_SOLVE, EVERY_ROW, A_COMMIT } price;
 
 typedef struct setting {
 	const char *what;
@@ -188,9 +185,12 @@ static void as_created(void **state)
 {
 	(void)state;
 	static const setting settings[] = {
-	    {"another colour of the sky", another_colour, A_SOLVE}, {"a black sky", a_black_sky, EVERY_ROW},
-	    {"no sky", no_sky, A_COMMIT},                           {"finer rows", finer_rows, EVERY_ROW},
-	    {"coarser rows", coarser_rows, EVERY_ROW},              {"no pixel lamps", no_pixel_lamps, A_SOLVE},
+	    {"another colour of the sky", another_colour, A_SOLVE},
+	    {"a black sky", a_black_sky, EVERY_ROW},
+	    {"no sky", no_sky, A_COMMIT},
+	    {"finer rows", finer_rows, EVERY_ROW},
+	    {"coarser rows", coarser_rows, EVERY_ROW},
+	    {"no pixel lamps", no_pixel_lamps, A_SOLVE},
 	};
 	const gi_context_def def = def_of_test();
 	for (size_t k = 0; k < sizeof settings / sizeof *settings; k++) {

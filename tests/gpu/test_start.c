@@ -160,6 +160,49 @@ static void broken_later_shaders_fail_when_wanted(void **state)
 	close_folder(&f);
 }
 
+/* What was computed by shaders that do something else is gone with them; those that do not compile change nothing. */
+static void reloaded_shaders_take_over(void **state)
+{
+	(void)state;
+	const folder f = open_folder();
+	gi_context_def def = harness_def();
+	def.shader_directory = f.path;
+	gi_context *gi = harness_context(&def);
+	assert_gi(gi_reload_shaders(gi)); /* before they were waited for */
+	add_floor(gi);
+	add_light(gi);
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	snapshot before = snapshot_take(gi);
+
+	replace(&f, "close.comp", "#version 450 core\nvoid main() { nonsense; }\n");
+	assert_int_equal(gi_reload_shaders(gi), GI_ERROR_SHADER);
+	expect_line_about("close.comp");
+	assert_int_equal(harness_update(gi).outcome, GI_OUTCOME_AT_REST);
+
+	/* Rows of nothing: what is left is E. */
+	replace(&f, "factor.comp", "#version 450 core\nlayout(local_size_x = 64) in;\nvoid main() {}\n");
+	take_away(&f, "close.comp");
+	link_to(&f, "close.comp");
+	assert_gi(gi_reload_shaders(gi));
+	harness_update(gi);
+	snapshot dark = snapshot_take(gi);
+	assert_true(snapshot_hash_radiosity(&dark) != snapshot_hash_radiosity(&before));
+
+	take_away(&f, "factor.comp");
+	link_to(&f, "factor.comp");
+	assert_gi(gi_reload_shaders(gi));
+	assert_true(harness_update(gi).rays > 0);
+	snapshot after = snapshot_take(gi);
+	snapshot_expect_same_rows(&before, &after, "the same shaders once more");
+	assert_true(snapshot_hash_radiosity(&after) == snapshot_hash_radiosity(&before));
+	snapshot_free(&before);
+	snapshot_free(&dark);
+	snapshot_free(&after);
+	gi_context_destroy(gi);
+	close_folder(&f);
+}
+
 /* ---- progress ---- */
 
 typedef struct listener {
@@ -263,8 +306,11 @@ static void drawing_progress_changes_nothing(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(missing_shaders_fail_at_once),          cmocka_unit_test(broken_shaders_fail_in_commit),
-	    cmocka_unit_test(broken_later_shaders_fail_when_wanted), cmocka_unit_test(the_way_to_first_light_is_told),
+	    cmocka_unit_test(missing_shaders_fail_at_once),
+	    cmocka_unit_test(broken_shaders_fail_in_commit),
+	    cmocka_unit_test(broken_later_shaders_fail_when_wanted),
+	    cmocka_unit_test(the_way_to_first_light_is_told),
+	    cmocka_unit_test(reloaded_shaders_take_over),
 	    cmocka_unit_test(drawing_progress_changes_nothing),
 	};
 	return cmocka_run_group_tests_name("start", tests, harness_open, harness_close);

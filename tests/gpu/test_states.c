@@ -25,11 +25,11 @@ static void hear(gi_result result, const char *message, void *user)
 
 typedef struct subject {
 	gi_context *gi;
-	gi_object object;       /* what functions are tried on; zero: none was made */
-	bool alive, committed;  /* it is */
-	bool any_commit;        /* there was one */
-	bool updated;           /* and an update after it */
-	bool any_update;        /* or before: what stays keeps its rows */
+	gi_object object;      /* what functions are tried on; zero: none was made */
+	bool alive, committed; /* it is */
+	bool any_commit;       /* there was one */
+	bool updated;          /* and an update after it */
+	bool any_update;       /* or before: what stays keeps its rows */
 } subject;
 
 static gi_object add(subject *s, float height)

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../reference/error.h"
+#include "../reference/reference_error.h"
 #include "../reference/exact.h"
 #include "../reference/reference.h"
 #include "../reference/solver.h"

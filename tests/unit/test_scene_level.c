@@ -3,6 +3,7 @@
  */
 #define _XOPEN_SOURCE 700 /* mkdtemp */
 #include "scene_files.h"
+#include "scene_points.h"
 
 typedef struct site {
 	double axis[3], angle, offset[3];
@@ -353,6 +354,19 @@ static void curved_meshes_stay_curved(void **state)
 	engine_scene_free(&scene);
 }
 
+/* Where nothing was rounded only what is in the very same place is one point; far away and far apart too. */
+static void points_without_rounding(void **state)
+{
+	(void)state;
+	const double points[] = {0, 0, 0, -0.0, 0, 0, 1e300, 0, -1e300, 1e300, 0, -1e300, 1e-300, 0, 0};
+	const uint32_t wanted[] = {0, 0, 2, 2, 4};
+	uint32_t first[5];
+	for (int k = 0; k < 2; k++) {
+		assert_true(scene_points_weld(points, 5, k ? 1e-320 : 0, first));
+		assert_memory_equal(first, wanted, sizeof wanted);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -360,6 +374,7 @@ int main(void)
 	    cmocka_unit_test(what_is_apart_stays_apart),
 	    cmocka_unit_test(what_people_write_is_meant),
 	    cmocka_unit_test(curved_meshes_stay_curved),
+	    cmocka_unit_test(points_without_rounding),
 	};
 	return cmocka_run_group_tests_name("level planes", tests, make_folder, remove_folder);
 }

@@ -233,6 +233,10 @@ GI_API gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps);
 /* Nothing more than gi_context_def says of it; where nothing else changes, an update at rest estimates nothing. */
 GI_API gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves);
 
+/* Compiles all shaders again, those of shader_directory as they are now: for work on shaders while a program runs. The next
+ * gi_update builds everything anew. GI_ERROR_SHADER where one does not compile: then none is exchanged. */
+GI_API gi_result gi_reload_shaders(gi_context *gi);
+
 /* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
  * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
 GI_API void gi_context_destroy(gi_context *gi);

@@ -1,4 +1,4 @@
-#include "overlay.h"
+#include "figures.h"
 
 #include "options.h"
 #include "report.h"
@@ -62,7 +62,7 @@ static void add_passes(lines *l, const gi_report *r)
 static const double BOUND_OVER_DISTANCE[2] = {30, 100};
 
 /* How long an update may take, what waits and what that is worth: what to expect, and the limit. */
-static void add_waiting(lines *l, const overlay *o)
+static void add_waiting(lines *l, const figures *o)
 {
 	const gi_report *r = &o->report;
 	const double bound = (double)r->stale_bound;
@@ -78,7 +78,7 @@ static void add_waiting(lines *l, const overlay *o)
 		add(l, "nothing waits");
 }
 
-static void add_figures(lines *l, const overlay *o)
+static void add_figures(lines *l, const figures *o)
 {
 	const gi_report *r = &o->report;
 	add(l, "%s  %s%s%s%s", o->title, options_mode_name(o->mode), layer_name(o->layer),
@@ -116,6 +116,7 @@ static void add_help(lines *keys, lines *actions, bool can_move)
 	    {"O", "no overlay"},
 	    {"B", "build every frame from scratch"},
 	    {"-  =", "darker, brighter"},
+	    {"F5", "read the shaders again"},
 	    {"H", "this list"},
 	    {"Esc", "end"},
 	};
@@ -152,7 +153,7 @@ static void show_help(engine_hud *hud, bool can_move, float top, float scale)
 	engine_hud_text(hud, scale * (MARGIN + KEY_COLUMN), top + scale * MARGIN, scale, INK, "%s", actions.text);
 }
 
-void overlay_text(engine_hud *hud, const overlay *o, int height)
+void figures_text(engine_hud *hud, const figures *o, int height)
 {
 	const float scale = height >= 1000 ? 2 : height >= 800 ? 1.5f : 1;
 	lines figures = {0};

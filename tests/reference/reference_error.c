@@ -1,4 +1,4 @@
-#include "error.h"
+#include "reference_error.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,13 +1,13 @@
 /* The figures of a frame over its picture, and the list of keys. */
-#ifndef DEMOS_OVERLAY_H
-#define DEMOS_OVERLAY_H
+#ifndef DEMOS_FIGURES_H
+#define DEMOS_FIGURES_H
 
 #include "gi/gi.h"
 #include "hud.h"
 
 #include <stdbool.h>
 
-typedef struct overlay {
+typedef struct figures {
 	const char *title;
 	const char *renderer;
 	gi_report report;
@@ -17,9 +17,9 @@ typedef struct overlay {
 	double budget_ms;  /* of the newest update; 0: exact, or another kind of budget */
 	double target_fps; /* what budgets keep; 0: nothing */
 	bool paused, rebuild, help, can_move;
-} overlay;
+} figures;
 
 /* Collects text for engine_hud_draw; height of the picture in pixels. */
-void overlay_text(engine_hud *hud, const overlay *o, int height);
+void figures_text(engine_hud *hud, const figures *o, int height);
 
 #endif

@@ -1,0 +1,33 @@
+/* Steps of building an object. */
+#ifndef GI_OBJECT_BUILD_H
+#define GI_OBJECT_BUILD_H
+
+#include "object.h"
+#include "refine.h"
+
+/* Of an object without materials. */
+static const gi_material OBJECT_GREY = {.rho = {0.5f, 0.5f, 0.5f}};
+
+enum { OBJECT_MAX_LEVELS = 8, OBJECT_MAX_DRAW_LEVELS = 4 };
+
+/* Arrays of a cage that is not the caller's own: the two-sided copy. */
+typedef struct object_cage {
+	float *positions;
+	uint32_t *face_counts, *indices, *face_materials, *crease_vertices;
+	float *crease_sharpness;
+} object_cage;
+
+void object_cage_free(object_cage *own);
+/* A second copy of the cage with its faces turned round, on vertices of its own: two sides that do not touch. */
+bool object_make_two_sided(const gi_object_def *def, gi_refine_cage *cage, object_cage *own);
+gi_refine_cage object_cage_of(const gi_object_def *def);
+/* Smooth schemes are refined as a whole; faces of bilinear cages are split each for itself. */
+bool object_is_split(const gi_object_def *def);
+/* How often the cage is refined, where it is not split. */
+uint32_t object_levels(const gi_object_def *def);
+/* Are all |values| at most that? False for NaN too. */
+bool object_all_within(const float *values, size_t count, float most);
+/* All of a definition but its pose; messages call it `name`. */
+gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name);
+
+#endif

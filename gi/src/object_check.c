@@ -1,0 +1,124 @@
+/* Which definitions and poses are taken. */
+#include "object_build.h"
+
+#include "faces.h"
+
+#include <float.h>
+#include <math.h>
+
+bool object_all_within(const float *values, size_t count, float most)
+{
+	for (size_t k = 0; k < count; k++)
+		if (!(fabsf(values[k]) <= most))
+			return false;
+	return true;
+}
+
+static bool all_finite(const float *values, size_t count)
+{
+	return object_all_within(values, count, FLT_MAX);
+}
+
+bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
+{
+	double length = 0;
+	for (int k = 0; k < 4; k++)
+		length += (double)pose->rotation[k] * pose->rotation[k];
+	length = sqrt(length);
+	if (!object_all_within(pose->position, 3, OBJECT_MAX_LENGTH) || !isfinite(length) || length < 1e-6) {
+		gi_fail(log, GI_ERROR_INVALID_POSE,
+			"object '%s': the pose needs a position within 1e9 m of the origin and a rotation quaternion "
+			"that is not zero",
+			object);
+		return false;
+	}
+	/* What was normalised is off by 2^-24 at most, and must stay what it is: a pose that was got may be set. */
+	for (int k = 0; k < 4 && fabs(length - 1) > 0x1p-23; k++)
+		pose->rotation[k] = (float)(pose->rotation[k] / length);
+	return true;
+}
+
+static bool indices_are_valid(const gi_object_def *def)
+{
+	uint64_t corners = 0;
+	for (uint32_t face = 0; face < def->face_count; face++) {
+		if (gi_corner_count(def->face_counts, face) < 3)
+			return false;
+		corners += gi_corner_count(def->face_counts, face);
+	}
+	if (corners != def->index_count)
+		return false;
+	for (uint32_t k = 0; k < def->index_count; k++)
+		if (def->indices[k] >= def->vertex_count)
+			return false;
+	return true;
+}
+
+static const char *broken_geometry(const gi_object_def *def)
+{
+	if (!def->positions || !def->indices || !def->vertex_count || !def->face_count)
+		return "positions, indices, vertex_count and face_count are required";
+	if (!indices_are_valid(def))
+		return "a face has fewer than 3 corners, the face counts do not add up to index_count, or an index is "
+		       "out of range";
+	if (!all_finite(def->positions, 3 * (size_t)def->vertex_count))
+		return "a position is not finite";
+	if (def->crease_count && (!def->crease_vertices || !def->crease_sharpness))
+		return "crease_count without crease arrays";
+	for (int k = 0; k < 3; k++)
+		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
+			return "scale must be finite and above zero";
+	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
+		if (def->face_materials[k] >= (def->material_count ? def->material_count : 1))
+			return "a face's material number is not below material_count";
+	if (def->draw_index_count % 3 != 0 || (def->draw_index_count && (!def->draw_positions || !def->draw_indices)))
+		return "a draw mesh needs positions and three indices a triangle";
+	for (uint32_t k = 0; k < def->draw_index_count; k++)
+		if (def->draw_indices[k] >= def->draw_vertex_count)
+			return "an index of the draw mesh is out of range";
+	for (uint32_t k = 0; k < def->leaf_cut_count; k++)
+		if (!def->leaf_cuts || def->leaf_cuts[k].face >= def->face_count ||
+		    !all_finite(def->leaf_cuts[k].from, 3) || !all_finite(def->leaf_cuts[k].to, 3))
+			return "a leaf cut is on a face that is not there, or not finite";
+	for (uint32_t k = 0; def->leaf_sizes && k < def->face_count; k++)
+		if (!(def->leaf_sizes[k] >= 0.0f && isfinite(def->leaf_sizes[k])))
+			return "a face's leaf size is negative or not finite";
+	if (def->draw_index_count && !all_finite(def->draw_positions, 3 * (size_t)def->draw_vertex_count))
+		return "a position of the draw mesh is not finite";
+	return NULL;
+}
+
+gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name)
+{
+	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
+	    def->boundary > GI_BOUNDARY_EDGE_ONLY || def->levels > OBJECT_MAX_LEVELS ||
+	    def->draw_levels > OBJECT_MAX_DRAW_LEVELS || !(def->leaf_size >= 0.0f && isfinite(def->leaf_size)))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': scheme, mobility, boundary, levels (0..%d), draw_levels (0..%d) or "
+			       "leaf_size is out of range",
+			       name, OBJECT_MAX_LEVELS, OBJECT_MAX_DRAW_LEVELS);
+	if (def->material_count && !def->materials)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s': material_count is %u and materials is NULL", name, def->material_count);
+	const char *broken = broken_geometry(def);
+	if (broken)
+		return gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken);
+	for (uint32_t k = 0; k < def->material_count; k++)
+		if (!material_is_valid(log, &def->materials[k], name, k))
+			return GI_ERROR_INVALID_MATERIAL;
+	for (uint32_t k = 0; def->specular && k < (def->material_count ? def->material_count : 1); k++)
+		if (!material_specular_is_valid(log, &def->specular[k], def->material_count ? &def->materials[k] : &OBJECT_GREY,
+						name, k))
+			return GI_ERROR_INVALID_MATERIAL;
+	return GI_OK;
+}
+
+gi_result object_check_def(const gi_log *log, const gi_object_def *def)
+{
+	const char *name = def->name ? def->name : "unnamed";
+	gi_pose pose = def->pose;
+	gi_result result = object_check_named(log, def, name);
+	if (!result && !object_normalise_pose(log, &pose, name))
+		result = GI_ERROR_INVALID_POSE;
+	return result;
+}
