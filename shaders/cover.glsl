@@ -1,8 +1,9 @@
-// Does one flat static face hide all of a box from all of a leaf? It does where the segment from each corner of the leaf to each corner of
-// the box crosses it: from a fixed point a convex surface is seen as convex, so that what holds for corners holds for all between them.
+// Does one flat static face hide all of a box from all of a leaf? It does where the segment from each corner of the
+// leaf to each corner of the box crosses it: from a fixed point a convex surface is seen as convex, so that what holds for
+// corners holds for all between them.
 //
-// Rays must say the same, so the face is taken for smaller by more than their rounding, and what would make rounding large is left out:
-// segments along the face, slivers, and edges seen end-on.
+// Rays must say the same, so the face is taken for smaller by more than their rounding, and what would make rounding
+// large is left out: segments along the face, slivers, and edges seen end-on.
 
 // Shares of the largest coordinate: what the face is made smaller by, and how far off a plane its corners may be.
 const float COVER_SLACK = 1e-4;
@@ -21,10 +22,12 @@ struct cover_box {
 bool covers(vec3 leaf[4], cover_box box, vec3 face[4])
 {
 	vec3 ab = face[1] - face[0], ac = face[2] - face[0], ad = face[3] - face[0];
-	vec3 first = cross(ab, ac), second = cross(ac, ad), n = first + second, middle = 0.25 * (face[0] + face[1] + face[2] + face[3]);
-	float area = length(n), scale = 0.0, most_off = 0.0, near = 3e38, least = 3e38, most = -3e38, reach = 0.0;
+	vec3 first = cross(ab, ac), second = cross(ac, ad), n = first + second;
+	vec3 middle = 0.25 * (face[0] + face[1] + face[2] + face[3]);
+	float area = length(n), scale = 0.0, most_off = 0.0, near = 3e38, reach = 0.0;
 	bool triangle = face[2] == face[3];
-	bool broad = length(first) > COVER_SLIVER * length(ab) * length(ac) && (triangle || length(second) > COVER_SLIVER * length(ac) * length(ad));
+	bool broad = length(first) > COVER_SLIVER * length(ab) * length(ac) &&
+		     (triangle || length(second) > COVER_SLIVER * length(ac) * length(ad));
 	if (!broad || area <= 0.0)
 		return false;
 	n /= area;
@@ -40,7 +43,8 @@ bool covers(vec3 leaf[4], cover_box box, vec3 face[4])
 		reach = max(reach, length(leaf[k] - box.middle));
 	}
 	float slack = COVER_SLACK * scale, box_near = abs(beyond) - half_reach, box_far = abs(beyond) + half_reach;
-	if (most_off > COVER_FLAT * scale || near < slack || box_near < slack || near + box_near < COVER_GRAZING * (reach + length(box.half_size)))
+	if (most_off > COVER_FLAT * scale || near < slack || box_near < slack ||
+	    near + box_near < COVER_GRAZING * (reach + length(box.half_size)))
 		return false;
 	float turn = beyond < 0.0 ? 1.0 : -1.0;
 	bool inside = true;
@@ -56,7 +60,8 @@ bool covers(vec3 leaf[4], cover_box box, vec3 face[4])
 			m = dot(m, middle - leaf[k]) < 0.0 ? -m : m;
 			float height = dot(n, leaf[k] - face[0]), size = length(m);
 			float within = dot(m, box.middle - leaf[k]) - dot(abs(m), box.half_size);
-			inside = size > COVER_EDGE * length(u) * length(v) && within * height > slack * size * (height + box_far);
+			inside = size > COVER_EDGE * length(u) * length(v) &&
+				 within * height > slack * size * (height + box_far);
 		}
 	}
 	return inside;

@@ -1,9 +1,10 @@
 #version 450 core
-// Of rows whose leaf did not move: behind which of what was swept lies wholly, and always did, one static face (cover.glsl). What moved there
-// is of no concern to the row: what crosses the swept box is hidden with it and without it, and entries of the mover need no
-// rays (trace.glsl). One thread a row; a bit for each of what was swept.
+// Of rows whose leaf did not move: which of what was swept lies wholly, and always did, behind one static face
+// (cover.glsl). What moved there is of no concern to the row: what crosses the swept box is hidden with it and without
+// it, and entries of the mover need no rays (trace.glsl). One thread a row; a bit for each of what was swept.
 //
-// Which face that is hardly changes from one update to the next: where the row sees nothing of the mover, its segment keeps it.
+// Which face that is hardly changes from one update to the next: where the row sees nothing of the mover, its segment
+// keeps it.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_WORLD
@@ -29,9 +30,10 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// So many faces on the way to the middle of the box are tried; where none will do, that is asked again every so many updates.
-const uint TRIES = 12u;
-const uint AGAIN = 8u;
+// So many faces on the way to the middle of the box are tried; where none will do, that is asked again every so many
+// updates: among things of the mover's own size it mostly stays so.
+const uint TRIES = 8u;
+const uint AGAIN = 32u;
 
 struct receiver {
 	uint leaf, since;
@@ -57,12 +59,13 @@ bool face_covers(receiver r, cover_box box, uint primitive)
 	uint object = load_leaf(floatBitsToUint(q.a.w)).y;
 	if ((object_bvh(object).z & GI_OBJECT_UNSEEN) != 0u || moved_since(object, r.since))
 		return false;
-	vec3 face[4] = vec3[](world_from_rest(object, q.a.xyz), world_from_rest(object, q.b.xyz), world_from_rest(object, q.c.xyz),
-			      world_from_rest(object, q.d.xyz));
+	vec3 face[4] = vec3[](world_from_rest(object, q.a.xyz), world_from_rest(object, q.b.xyz),
+			      world_from_rest(object, q.c.xyz), world_from_rest(object, q.d.xyz));
 	return covers(r.corners, box, face);
 }
 
-// A face on the way from the leaf's middle to the box's; GI_NONE: none was found. Static objects come first in the tree (tlas.c).
+// A face on the way from the leaf's middle to the box's; GI_NONE: none was found. Static objects come first in the tree
+// (tlas.c).
 uint find_face(receiver r, cover_box box)
 {
 	vec3 way = box.middle - r.middle;
@@ -78,7 +81,8 @@ uint find_face(receiver r, cover_box box)
 		uint object = next_leaf(tlas_texels, world, 1.0, frame.inner.y, n);
 		if (object >= frame.swept.z)
 			break;
-		rest = ray_on_grid(rest_from_world(object, r.middle), rest_direction_from_world(object, way), object_grid(object).xyz, object_cells(object).xyz);
+		rest = ray_on_grid(rest_from_world(object, r.middle), rest_direction_from_world(object, way),
+				   object_grid(object).xyz, object_cells(object).xyz);
 		at = object_bvh(object).x;
 		end = object_bvh(object).y;
 	}

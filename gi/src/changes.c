@@ -71,7 +71,8 @@ gi_result changes_upload(gi_context *gi)
 		shown = shown || object_is_seen(o) != scene_slot_is_seen(s, slot);
 		data->bvh.z = object_flags(o);
 		if (o->moved) {
-			object_leave_trail(o);
+			if (!o->came)
+				object_leave_trail(o);
 			object_place(o, data);
 		}
 	}

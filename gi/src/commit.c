@@ -217,6 +217,7 @@ static void note_changes(gi_context *gi)
 		o->was_grouped = o->grouped;
 		o->committed = alive;
 		o->arrives = kept && (o->arrives || came);
+		o->came = kept && (o->came || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
 		o->material_changed = kept && (o->material_changed || came);

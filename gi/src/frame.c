@@ -166,7 +166,7 @@ static void changes_done(gi_context *gi)
 	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		scene_object *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = o->arrives = false;
+		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
 	}
 }
 

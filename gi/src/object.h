@@ -24,6 +24,7 @@ typedef struct scene_object {
 	bool material_changed;
 	bool hidden;         /* by the host */
 	bool arrives;        /* it came or is shown again, since the last update: it has no rows yet */
+	bool came;           /* since the last update: no row has seen it anywhere */
 	gi_mobility mobility;
 	bool grouped;        /* one of the static objects that are one source (statics.h) */
 	bool was_grouped;    /* before the last commit */

@@ -83,22 +83,6 @@ static void renumber(gi_context *gi, uint32_t first, uint32_t end, uint32_t bloc
 	}
 }
 
-/* What is static no longer went from among the static ones: entries say that those hide them, not which. */
-static bool include_freed(gi_context *gi, const rows_moves *m)
-{
-	gi_rows *r = &gi->rows;
-	const gi_scene *s = &gi->scene;
-	bool any = false;
-	for (uint32_t slot = 0; slot < m->first_source && slot < m->count; slot++) {
-		const uint32_t now = m->list[slot].now.x;
-		if (now == GI_NONE || now < s->first_source)
-			continue;
-		object_include_box(&s->objects[s->slots[now]], &r->lost_lower, &r->lost_upper);
-		any = true;
-	}
-	return any;
-}
-
 static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const gpu_buffer *nodes,
 			 const rows_moves *m)
 {
@@ -131,7 +115,7 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 			;
 		renumber(gi, m->list[slot].before.x, m->list[end - 1].before.y, went(m, slot) ? m->count + 1 : gone);
 	}
-	r->lost = r->lost || lost || gone || include_freed(gi, m);
+	r->lost = r->lost || lost || gone;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].committed && !object_is_alive(&gi->scene.objects[k]))
 			object_include_box(&gi->scene.objects[k], &r->lost_lower, &r->lost_upper);

@@ -1,5 +1,5 @@
-/* A street of rooms: what a mover in one of them costs follows what can see it, not how long the street is; and what walls
- * hide it from is left alone without a bit being another.
+/* A street of rooms: what a mover in one of them costs follows what can see it, not how long the street is; and what
+ * walls hide it from is left alone without a bit being another.
  */
 #include "snapshot.h"
 
@@ -48,14 +48,14 @@ static gi_report cost_of_a_move(uint32_t objects)
 		scale_world_move(&w, 0, round);
 		r = harness_update(w.gi);
 	}
-	printf("  %3u rooms, %5u leaves: a move takes %u rays, flags %u entries, cuts %u\n", w.places,
-	       r.leaves, (unsigned)r.rays, (unsigned)r.flagged_entries, (unsigned)r.new_entries);
+	printf("  %3u rooms, %5u leaves: a move takes %u rays, flags %u entries, cuts %u\n", w.places, r.leaves,
+	       (unsigned)r.rays, (unsigned)r.flagged_entries, (unsigned)r.new_entries);
 	close_street(&w);
 	return r;
 }
 
-/* Rows that may see it are those of its room and of the street before it; its own, and a few in whose way no single wall
- * stands, have more entries in a longer street. Four times as long: less than 4^0.6 times the rays. */
+/* Rows that may see it are those of its room and of the street before it; its own, and a few in whose way no single
+ * wall stands, have more entries in a longer street. Four times as long: less than 4^0.6 times the rays. */
 static void a_longer_street(void **state)
 {
 	(void)state;
@@ -129,7 +129,8 @@ static parted_room open_room(void)
 	assert_true(shape_box((float[]){2.9f, 0, .6f}, (float[]){3.1f, 2.6f, 4}, 1, false, &mesh));
 	r.wall = add(r.gi, GI_MOBILITY_STATIC, &mesh, plaster, gi_pose_identity());
 	for (int k = 0; k < 2; k++) {
-		assert_true(shape_quad((float[]){1 + 3.5f * (float)k, 2.9f, 2}, (float[]){.5f, 0, 0}, (float[]){0, 0, .5f}, 2, 2, &mesh));
+		const float corner[3] = {1 + 3.5f * (float)k, 2.9f, 2};
+		assert_true(shape_quad(corner, (float[]){.5f, 0, 0}, (float[]){0, 0, .5f}, 2, 2, &mesh));
 		add(r.gi, GI_MOBILITY_STATIC, &mesh, lamp, gi_pose_identity());
 	}
 	assert_true(shape_box((float[]){-.2f, 0, -.2f}, (float[]){.2f, 1, .2f}, 2, false, &mesh));
