@@ -534,6 +534,15 @@ gi_caustic_pair load_caustic_pair(uint n)
 }
 #endif
 
+#ifdef READ_CAUSTIC_PATHS
+TEXELS(GI_BIND_CAUSTIC_PATHS) caustic_path_texels;
+// Of a pair, how many there are.
+uint load_packets(uint pair)
+{
+	return word(caustic_path_texels, GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_NOW);
+}
+#endif
+
 #ifdef READ_CAUSTIC_LIGHT
 TEXELS(GI_BIND_CAUSTIC_LIGHT) caustic_light_texels;
 vec4 load_caustic_light(uint n)

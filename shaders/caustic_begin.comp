@@ -1,5 +1,6 @@
 #version 450 core
-// Which pairs of emitter and smooth object are traced anew: those that something moved on the paths of. One thread a pair.
+// Which pairs of emitter and smooth object are traced anew, and how far: those that something moved on the paths of from their first
+// packet on, the others from where they are. One thread a pair.
 #define READ_FRAME
 #define READ_SUSPECTS
 #define READ_CAUSTIC_PAIRS
@@ -10,6 +11,8 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint pair_count;
+layout(location = 2) uniform uint photons_a_pair;
+layout(location = 3) uniform uint allowed; // packets of a pair in this update
 layout(location = 1) uniform float margin; // metres: more than a path's points are off by
 
 vec3 corner_of(uint first)
@@ -35,5 +38,7 @@ void main()
 	uint words = GI_CAUSTIC_PATH_WORDS * pair;
 	for (uint k = 0u; k < 6u && dirty; k++)
 		caustic_paths[words + k] = k < 3u ? 0xFFFFFFFFu : 0u;
-	caustic_paths[words + GI_CAUSTIC_DIRTY] = dirty ? 1u : 0u;
+	uint before = dirty ? 0u : caustic_paths[words + GI_CAUSTIC_NOW];
+	caustic_paths[words + GI_CAUSTIC_BEFORE] = before;
+	caustic_paths[words + GI_CAUSTIC_NOW] = min(before + allowed, photons_a_pair);
 }

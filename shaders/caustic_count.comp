@@ -2,6 +2,7 @@
 // Packets per cell. One thread a packet.
 #define READ_PHOTONS
 #define READ_CAUSTIC_PAIRS
+#define READ_CAUSTIC_PATHS
 #define WRITE_CAUSTIC_CELLS
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -14,7 +15,7 @@ layout(location = 1) uniform uint pair_count;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count)
+	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair))
 		return;
 	vec4 place = load_photon(t).place;
 	float finest = FINEST * load_caustic_pair(pair).sphere.w;

@@ -2,6 +2,7 @@
 // What arrives at each leaf, summed up in whole steps: in any order the same sum. One thread a packet.
 #define READ_PHOTONS
 #define READ_CAUSTIC_PAIRS
+#define READ_CAUSTIC_PATHS
 #define WRITE_CAUSTIC_SUMS
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -13,13 +14,13 @@ layout(location = 1) uniform uint pair_count;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count)
+	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair))
 		return;
 	gi_photon photon = load_photon(t);
 	uint leaf = floatBitsToUint(photon.place.w);
 	if (leaf == GI_NONE)
 		return;
-	uvec3 steps = uvec3(photon.flux.xyz / load_caustic_pair(pair).power.w + 0.5);
+	uvec3 steps = uvec3(photon.flux.xyz / (float(load_packets(pair)) * load_caustic_pair(pair).power.w) + 0.5);
 	for (uint c = 0u; c < 3u; c++)
 		atomicAdd(caustic_sums[3u * leaf + c], steps[c]);
 }

@@ -1,6 +1,7 @@
 #version 450 core
 // How wide each packet is drawn: so that about so many overlap. One thread a packet.
 #define READ_CAUSTIC_PAIRS
+#define READ_CAUSTIC_PATHS
 #define READ_CAUSTIC_CELLS
 #define WRITE_PHOTONS
 #include "buffers.glsl"
@@ -22,7 +23,7 @@ const uint ENOUGH = 16u;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count || floatBitsToUint(photons[t].place.w) == GI_NONE)
+	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair) || floatBitsToUint(photons[t].place.w) == GI_NONE)
 		return;
 	float finest = FINEST * load_caustic_pair(pair).sphere.w, size = finest;
 	uint count = 0u;

@@ -31,6 +31,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint photons_a_pair;
 layout(location = 1) uniform uint pair_count;
 layout(location = 2) uniform float lift;
+layout(location = 3) uniform uint allowed; // packets of a pair in this update
 
 const float PI = 3.14159265358979;
 const uint STEPS = 16u;
@@ -96,7 +97,7 @@ light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 	vec3 exitance = load_material(load_light_triangle(k + 1u).w).exitance.xyz;
 	float largest = max(exitance.x, max(exitance.y, exitance.z));
 	// Radiance is exitance / pi, and the cap 2 pi (1 - cosine) wide.
-	float carried = pair.power.x * pair.power.y * 2.0 * cap * max(dot(n, direction), 0.0);
+	float carried = pair.power.x * 2.0 * cap * max(dot(n, direction), 0.0);
 	reach = away + pair.sphere.w;
 	return light_ray(p + n * lift, direction, carried > 0.0 ? exitance * (carried / largest) : vec3(0.0));
 }
@@ -144,8 +145,10 @@ gi_photon follow(uint number_of_pair, uint photon)
 
 void main()
 {
-	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count || caustic_paths[GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_DIRTY] == 0u)
+	uint t = thread_number(), pair = t / allowed;
+	if (pair >= pair_count)
 		return;
-	photons[t] = follow(pair, t % photons_a_pair);
+	uint photon = caustic_paths[GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_BEFORE] + t % allowed;
+	if (photon < caustic_paths[GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_NOW])
+		photons[pair * photons_a_pair + photon] = follow(pair, photon);
 }

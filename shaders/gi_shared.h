@@ -558,7 +558,7 @@ GI_STRUCT(gi_smooth_material) {
  *
  *   //--------------- 16B ---------------
  *   sphere       bounding sphere of the smooth object, world
- *   power.x      of the emitter, the largest channel, W    power.y 1 over the number of photons
+ *   power.x      of the emitter, the largest channel, W    power.y 0
  *   power.z      1 where all of it is to be traced anew    power.w W that one step of the sums is worth
  *   lights.x     first of the emitter's triangles          lights.y their end
  *   lights.z     slot of the emitter                       lights.w slot of the smooth object
@@ -569,15 +569,17 @@ GI_STRUCT(gi_caustic_pair) {
 	GI_UVEC4 lights;
 } GI_END(gi_caustic_pair)
 
-/* Of a pair: the box of all its paths, lower and upper corner as ordered words; 1 where it is traced anew. */
-#define GI_CAUSTIC_DIRTY 6u
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many packets were there before this update, and
+ * how many are now: the first ones. */
+#define GI_CAUSTIC_BEFORE 6u
+#define GI_CAUSTIC_NOW 7u
 #define GI_CAUSTIC_PATH_WORDS 8u
 
 /* Where a packet of light arrived.
  *
  *   //--------------- 16B ---------------
  *   place.xyz world position    place.w leaf, as uint bits; GI_NONE: it was absorbed, or lost
- *   flux.rgb  W                 flux.w  radius that it is drawn with, metres
+ *   flux.rgb  W, were it the only one of its pair    flux.w  radius that it is drawn with, metres
  */
 GI_STRUCT(gi_photon) {
 	GI_VEC4 place;

@@ -2,6 +2,7 @@
 
 #include "binding.h"
 #include "context.h"
+#include "costs.h"
 #include "host_memory.h"
 #include "lights.h"
 #include "specular.h"
@@ -15,7 +16,18 @@ enum { MOST_PHOTONS = 1 << 22, MOST_PAIRS = 1 << 14 };
 /* Positions along a path are off by less than this many lifts (scene_ray_lift). */
 static const float MARGIN_LIFTS = 16;
 
-enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2 }; /* uniforms */
+/* Uniforms: of programs for packets, of caustic_trace.comp besides, of caustic_begin.comp. */
+enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2, ALLOWED = 3 };
+enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3 };
+
+/* Under a budget of time packets get this share of it. */
+static const float SHARE = 0.25f;
+
+/* However little time there is: more than a quarter of these are not worth what a dispatch takes. */
+enum { FEWEST = 256 };
+
+/* What a packet is thought to take before one was measured, ms. */
+static const float FIRST_PRICE_SOFTWARE = 0.01f, FIRST_PRICE_GPU = 0.00001f;
 
 enum { PROGRAMS = 7 };
 
@@ -24,6 +36,11 @@ struct gi_caustics {
 	bool spread; /* their radii are of where they are */
 	uint32_t pair_count, photons_a_pair;
 	gi_uvec4 *traced; /* pair_count: lights of the pair whose packets these are */
+	uint32_t anew;    /* pairs that are traced anew for certain */
+	uint32_t missing; /* packets that some pair may still lack */
+	gi_price price;   /* of a packet */
+	uint64_t asked_frame;  /* an update in which so many were traced at least */
+	uint32_t asked_packets;
 	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program, radius_program;
 	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
 };
@@ -127,7 +144,7 @@ static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_p
 						  changed(smooth) || changed(emitter);
 				pairs[count] = (gi_caustic_pair){
 				    .sphere = s->object_data[to].sphere,
-				    .power = {(float)power, 1.0f / (float)gi->caustics->photons_a_pair, anew ? 1 : 0, 0},
+				    .power = {(float)power, 0, anew ? 1 : 0, 0},
 				    .lights = {lights->first[from], lights->first[from + 1], from, to}};
 				most += power * largest_share(&s->object_data[from], &s->object_data[to]);
 			}
@@ -183,6 +200,9 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	if (!pairs)
 		return out_of_memory(gi);
 	list_pairs(gi, lights, pairs);
+	c->anew = 0;
+	for (uint32_t k = 0; k < c->pair_count; k++)
+		c->anew += pairs[k].power.z > 0;
 	gi_result result = gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights", sizeof(gi_uvec4) * 3 * lights->count,
@@ -217,22 +237,60 @@ static void run_photons(gi_context *gi, uint32_t program)
 	gpu_dispatch(&gi->gpu, program, (uint64_t)c->photons_a_pair * c->pair_count);
 }
 
-static void trace(gi_context *gi)
+/* A frame late where there is a GPU. */
+static void learn_price(gi_context *gi)
+{
+	gi_caustics *c = gi->caustics;
+	if (c->asked_packets && gi->report.frame == c->asked_frame)
+		gi_price_add(&c->price, gi->report.pass_ms[GI_PASS_CAUSTICS] / (float)c->asked_packets);
+	c->asked_packets = 0;
+}
+
+/* Packets of a pair that this update may trace. */
+static uint32_t allowed_packets(gi_context *gi, const gi_budget *budget)
+{
+	const gi_caustics *c = gi->caustics;
+	if (!budget || !(budget->ms > 0))
+		return c->photons_a_pair;
+	const float first = gi->gpu.software ? FIRST_PRICE_SOFTWARE : FIRST_PRICE_GPU, known = gi_price_of(&c->price);
+	const float count = SHARE * budget->ms / ((known > 0 ? known : first) * (float)c->pair_count);
+	const uint32_t wanted = count < FEWEST ? FEWEST : count > MOST_PHOTONS ? MOST_PHOTONS : (uint32_t)count;
+	return wanted < c->photons_a_pair ? wanted : c->photons_a_pair;
+}
+
+static void trace(gi_context *gi, uint32_t allowed)
 {
 	gi_caustics *c = gi->caustics;
 	const float lift = scene_ray_lift(&gi->scene), margin = MARGIN_LIFTS * lift;
-	gpu_set_uint(&gi->gpu, c->begin_program, 0, c->pair_count);
-	gpu_set_floats(&gi->gpu, c->begin_program, 1, 1, 1, &margin);
+	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PAIR_COUNT, c->pair_count);
+	gpu_set_floats(&gi->gpu, c->begin_program, BEGIN_MARGIN, 1, 1, &margin);
+	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PHOTONS_A_PAIR, c->photons_a_pair);
+	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_ALLOWED, allowed);
 	gpu_dispatch(&gi->gpu, c->begin_program, c->pair_count);
 	gpu_set_floats(&gi->gpu, c->trace_program, LIFT, 1, 1, &lift);
-	run_photons(gi, c->trace_program);
+	gpu_set_uint(&gi->gpu, c->trace_program, ALLOWED, allowed);
+	gpu_set_uint(&gi->gpu, c->trace_program, PHOTONS_A_PAIR, c->photons_a_pair);
+	gpu_set_uint(&gi->gpu, c->trace_program, PAIR_COUNT, c->pair_count);
+	gpu_dispatch(&gi->gpu, c->trace_program, (uint64_t)allowed * c->pair_count);
 	gpu_buffer_clear(&gi->gpu, &c->sums, 0, c->sums.size, 0);
 	run_photons(gi, c->deposit_program);
 	gpu_dispatch(&gi->gpu, c->light_program, gi->scene.leaf_count);
 	c->spread = false;
 }
 
-gi_result caustics_update(gi_context *gi)
+/* Which pairs have more packets to come the GPU alone knows: where something moved any of them may. */
+static void note_missing(gi_caustics *c, bool moved, uint32_t allowed)
+{
+	const uint32_t missing = moved || !c->built ? c->photons_a_pair : c->missing;
+	c->missing = missing > allowed ? missing - allowed : 0;
+}
+
+bool caustics_are_late(const gi_context *gi)
+{
+	return gi->caustics && gi->caustics->missing > 0;
+}
+
+gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
 {
 	gi_lights lights = {0};
 	if (!gi->smooth || !gi->def.caustic_photons) {
@@ -259,8 +317,13 @@ gi_result caustics_update(gi_context *gi)
 	bind_scene(gi);
 	bind_rows(gi);
 	bind(gi);
-	trace(gi);
+	learn_price(gi);
+	const uint32_t allowed = allowed_packets(gi, budget);
+	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
+	note_missing(gi->caustics, moved, allowed);
+	gi->caustics->asked_frame = gi->frame_number;
+	gi->caustics->asked_packets = allowed * gi->caustics->anew;
 	gi->caustics->built = true;
 	return GI_OK;
 }
@@ -280,7 +343,7 @@ void caustics_bind_light(const gi_context *gi)
 	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_LIGHT, &gi->caustics->light);
 }
 
-uint32_t caustics_draw(gi_context *gi)
+uint32_t caustics_draw(gi_context *gi, uint32_t *photons_a_pair)
 {
 	gi_caustics *c = gi->caustics;
 	if (!c || !c->built)
@@ -292,5 +355,6 @@ uint32_t caustics_draw(gi_context *gi)
 		run_photons(gi, c->radius_program);
 		c->spread = true;
 	}
+	*photons_a_pair = c->photons_a_pair;
 	return c->pair_count * c->photons_a_pair;
 }

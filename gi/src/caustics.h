@@ -9,7 +9,10 @@
 typedef struct gi_caustics gi_caustics;
 
 /* After the rows of an update, before its solve; specular_update() went before. */
-gi_result caustics_update(gi_context *gi);
+/* moved: something did. Under a budget of time a pair of emitter and smooth object has fewer packets for a while. */
+gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget);
+/* Pairs may lack packets: the next update goes on. */
+bool caustics_are_late(const gi_context *gi);
 /* What the leaves receive, for emitted_caustics.comp; 0: there is none, and emitted.comp does. */
 uint32_t caustics_emitted_program(const gi_context *gi);
 /* Irradiance of the leaves, behind rows_bind(). */
@@ -19,6 +22,6 @@ void caustics_invalidate(gi_context *gi); /* after a commit */
 void caustics_free(gi_context *gi);
 
 /* For the picture: how many packets there are, with their radii up to date, bound for splat.vert. */
-uint32_t caustics_draw(gi_context *gi);
+uint32_t caustics_draw(gi_context *gi, uint32_t *photons_a_pair);
 
 #endif

@@ -149,7 +149,7 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed || gi->light_changed;
+	c->light = c->light || gi->solve_changed || gi->light_changed || caustics_are_late(gi);
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
@@ -196,7 +196,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	if (!result && (c.rows || c.light))
 		result = specular_update(gi);
 	if (!result && (c.rows || c.light))
-		result = caustics_update(gi);
+		result = caustics_update(gi, c.rows, budget);
 	if (result)
 		return result;
 	if (c.rows)

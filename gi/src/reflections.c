@@ -102,10 +102,12 @@ void reflections_add(gi_context *gi, gi_reflections *r, bool lit, const gi_view 
 
 bool reflections_splat(gi_context *gi, gi_reflections *r, const float clip_from_world[16])
 {
-	const uint32_t photons = caustics_draw(gi);
+	uint32_t photons_a_pair = 0;
+	const uint32_t photons = caustics_draw(gi, &photons_a_pair);
 	if (!photons)
 		return false;
 	gpu_set_matrices(&gi->gpu, r->splat_program, 0, 1, clip_from_world);
+	gpu_set_uint(&gi->gpu, r->splat_program, 1, photons_a_pair);
 	gpu_draw_cull(&gi->gpu, GPU_CULL_NONE);
 	gpu_mesh_draw_instances(&gi->gpu, &r->square, r->splat_program, photons);
 	gpu_draw_cull(&gi->gpu, GPU_CULL_BACKS);

@@ -430,6 +430,75 @@ static void test_overlays(void **state)
 
 /* ---- two rooms ---- */
 
+/* ---- mirrors and glass ---- */
+
+/* Every pixel is the lamp's radiance times `share` within [lower, upper] of the plane, dark beyond; edges are no matter. */
+static void check_seen(const target *t, double exitance, double share, const float lower[2], const float upper[2])
+{
+	for (int y = 0; y < SIZE; y++)
+		for (int x = 0; x < SIZE; x++) {
+			const double px = pixel_x(x), pz = pixel_z(y), edge = 0.08;
+			const bool inside = px > lower[0] + edge && px < upper[0] - edge && pz > lower[1] + edge &&
+					    pz < upper[1] - edge;
+			const bool outside = px < lower[0] - edge || px > upper[0] + edge || pz < lower[1] - edge ||
+					     pz > upper[1] + edge;
+			const double wanted = inside ? exitance / PI * share : 0;
+			if (inside || outside)
+				assert_float_equal(pixel(t, x, y)[0], wanted, 1e-5 * exitance);
+			if (inside)
+				assert_float_equal(pixel(t, x, y)[1], wanted / 2, 1e-5 * exitance);
+		}
+}
+
+/* A floor that is a mirror, seen from straight above: the lamp over it faces away from the camera. */
+static void test_mirror(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	engine_mesh mesh;
+	assert_true(shape_quad((float[]){-2, 0, -2}, (float[]){0, 0, 4}, (float[]){4, 0, 0}, 4, 4, &mesh));
+	const gi_object floor = harness_add(gi, &(harness_object){.name = "floor"}, &mesh);
+	assert_gi(gi_set_specular(gi, floor, 0, (gi_specular){.reflectance = {.8f, .8f, .8f}}));
+	add_lamp(gi, 100, 2);
+	commit(gi);
+	target t = make_target();
+	const gi_view view = look_down(2, 3);
+	draw(gi, &t, &view);
+	check_seen(&t, 100, .8, LAMP_LOWER, LAMP_UPPER);
+	/* No longer one: black. */
+	assert_gi(gi_set_specular(gi, floor, 0, (gi_specular){.index = 1}));
+	harness_update(gi);
+	draw(gi, &t, &view);
+	check_seen(&t, 0, 0, LAMP_LOWER, LAMP_UPPER);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
+/* A slab of glass before a floor that shines: (1 - 0.04) squared of it, at both surfaces. */
+static void test_glass(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const float LOWER[2] = {-1, -1}, UPPER[2] = {1, 1};
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	engine_mesh mesh;
+	assert_true(shape_quad((float[]){-1, 0, -1}, (float[]){0, 0, 2}, (float[]){2, 0, 0}, 2, 2, &mesh));
+	harness_add(gi, &(harness_object){.name = "floor", .exitance = {100, 50, 0}}, &mesh);
+	assert_true(shape_box((float[]){-1.9f, .5f, -1.9f}, (float[]){1.9f, .7f, 1.9f}, 2, false, &mesh));
+	const gi_object slab = harness_add(gi, &(harness_object){.name = "slab"}, &mesh);
+	assert_gi(gi_set_specular(gi, slab, 0, (gi_specular){.transmittance = {1, 1, 1}, .index = 1.5f}));
+	commit(gi);
+	target t = make_target();
+	const gi_view view = look_down(2, 3);
+	draw(gi, &t, &view);
+	check_seen(&t, 100, .96 * .96, LOWER, UPPER);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
 static const float CEILING = 2.6f, WALL_END = 0.15f;
 
 static void add_wall(gi_context *gi, const float corner[3], const float u[3], const float v[3])
@@ -529,6 +598,8 @@ int main(void)
 	    cmocka_unit_test(test_empty_scene),
 	    cmocka_unit_test(test_rest_draws_no_shadows),
 	    cmocka_unit_test(test_lamps_beyond_the_cap),
+	    cmocka_unit_test(test_mirror),
+	    cmocka_unit_test(test_glass),
 	    cmocka_unit_test(test_overlays),
 	    cmocka_unit_test(test_closed_door_keeps_light_out),
 	};

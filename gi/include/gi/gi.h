@@ -252,7 +252,8 @@ typedef struct gi_material {
  *
  * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees. What
  * emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are many,
- * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. Channel by channel rho + reflectance and
+ * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect does not go through them to
+ * leaves, for which they are black but for rho; it is seen in them all the same. Channel by channel rho + reflectance and
  * rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both. */
 typedef struct gi_specular {
 	float reflectance[3];   /* of a mirror, at any angle, each in [0,1]; its back is black */
