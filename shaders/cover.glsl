@@ -1,6 +1,6 @@
 // Does one flat static face hide all of a box from all of a leaf? It does where the segment from each corner of the
-// leaf to each corner of the box crosses it: from a fixed point a convex surface is seen as convex, so that what holds for
-// corners holds for all between them.
+// leaf to each corner of the box crosses it: from a fixed point a convex surface is seen as convex, so that what holds
+// for corners holds for all between them.
 //
 // Rays must say the same, so the face is taken for smaller by more than their rounding, and what would make rounding
 // large is left out: segments along the face, slivers, and edges seen end-on.
