@@ -110,7 +110,8 @@ static bool begin(player *p)
 	choose_frames(p);
 	if (!open_gi(p))
 		return false;
-	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) || !player_succeeded(p, gi_commit(p->gi)))
+	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) ||
+	    !player_succeeded(p, gi_commit(p->gi)))
 		return false;
 	p->last_clock_ms = wall_clock_ms();
 	return player_budget_open(p) && player_open_files(p);

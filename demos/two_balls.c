@@ -24,7 +24,8 @@ typedef struct two_balls {
 
 static const char *const NAMES[OBJECTS] = {"floor", "ceiling", "back", "left", "right", "light", "mirror", "glass"};
 
-static const gi_specular SPECULAR[2] = {{.reflectance = {.92f, .92f, .92f}}, {.transmittance = {1, 1, 1}, .index = 1.5f}};
+static const gi_specular SPECULAR[2] = {{.reflectance = {.92f, .92f, .92f}},
+					{.transmittance = {1, 1, 1}, .index = 1.5f}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -59,8 +60,8 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	if (result && !message[0])
 		snprintf(message, message_size, "the box cannot be built: %s", gi_result_text(result));
 	const cornell *c = &b->box;
-	const gi_object handles[OBJECTS] = {c->floor, c->ceiling, c->back, c->left, c->right, c->light, c->balls[0],
-					    c->balls[1]};
+	const gi_object handles[OBJECTS] = {c->floor, c->ceiling, c->back,     c->left,
+					    c->right, c->light,   c->balls[0], c->balls[1]};
 	memcpy(b->handles, handles, sizeof handles);
 	return result == GI_OK;
 }

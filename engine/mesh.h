@@ -15,15 +15,15 @@ extern "C" {
 #endif
 
 typedef struct engine_mesh {
-	float *positions;           /* 3 * vertex_count, metres, object space */
+	float *positions; /* 3 * vertex_count, metres, object space */
 	uint32_t vertex_count;
-	uint32_t *face_counts;      /* face_count corner numbers, each >= 3 */
-	uint32_t *indices;          /* index_count vertex numbers */
-	uint32_t *face_materials;   /* face_count material numbers; NULL: all 0 */
+	uint32_t *face_counts;    /* face_count corner numbers, each >= 3 */
+	uint32_t *indices;        /* index_count vertex numbers */
+	uint32_t *face_materials; /* face_count material numbers; NULL: all 0 */
 	uint32_t face_count;
 	uint32_t index_count;
-	uint32_t *crease_vertices;  /* 2 * crease_count vertex numbers, one pair per creased edge; NULL when none */
-	float *crease_sharpness;    /* crease_count values >= 0; 10 and above is infinitely sharp */
+	uint32_t *crease_vertices; /* 2 * crease_count vertex numbers, one pair per creased edge; NULL when none */
+	float *crease_sharpness;   /* crease_count values >= 0; 10 and above is infinitely sharp */
 	uint32_t crease_count;
 } engine_mesh;
 

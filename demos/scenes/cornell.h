@@ -10,16 +10,16 @@
 #include "mesh.h"
 
 typedef struct cornell_def {
-	uint32_t wall_faces;   /* base faces of a wall a side; default 3 */
-	uint32_t wall_levels;  /* refinement of the walls; default 3: 24 x 24 leaves each */
-	uint32_t light_levels; /* refinement of the light, one face at first; default 2 */
-	bool buddha;           /* a leaf for each face of its cage; default true */
-	float buddha_height;   /* metres, default 2.8 */
-	const engine_mesh *figure; /* drawn in the Buddha's place, fitted to its height; NULL: the project's own */
+	uint32_t wall_faces;            /* base faces of a wall a side; default 3 */
+	uint32_t wall_levels;           /* refinement of the walls; default 3: 24 x 24 leaves each */
+	uint32_t light_levels;          /* refinement of the light, one face at first; default 2 */
+	bool buddha;                    /* a leaf for each face of its cage; default true */
+	float buddha_height;            /* metres, default 2.8 */
+	const engine_mesh *figure;      /* drawn in the Buddha's place, fitted to its height; NULL: the project's own */
 	const engine_mesh *figure_cage; /* what lights it (triangles); required with figure */
-	float leaf_size;       /* > 0: mean leaf edge of everything, metres, instead of all levels; default 0 */
-	bool balls;            /* two balls beside it, as in Song et al. (README); default true */
-	uint32_t ball_faces;   /* base faces of a ball: 6 n^2; default 5 */
+	float leaf_size;     /* > 0: mean leaf edge of everything, metres, instead of all levels; default 0 */
+	bool balls;          /* two balls beside it, as in Song et al. (README); default true */
+	uint32_t ball_faces; /* base faces of a ball: 6 n^2; default 5 */
 	const gi_specular *ball_specular; /* of both, which are black else; default NULL: they are white */
 } cornell_def;
 

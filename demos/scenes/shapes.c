@@ -40,7 +40,7 @@ bool shape_quad(const float corner[3], const float u[3], const float v[3], uint3
 		for (uint32_t i = 0; i <= n; i++)
 			for (int c = 0; c < 3; c++)
 				out->positions[3 * (j * (n + 1) + i) + (uint32_t)c] =
-					corner[c] + u[c] * ((float)i / (float)n) + v[c] * ((float)j / (float)m);
+				    corner[c] + u[c] * ((float)i / (float)n) + v[c] * ((float)j / (float)m);
 	grid_indices(out->indices, 0, n, m);
 	return true;
 }

@@ -65,11 +65,10 @@ gi_result budget_allocate(gi_context *gi)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t bytes;
-	} sizes[] = {{&r->choices, gpu_bound_label(GI_BIND_CHOICES),
-		      sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-		     {&r->pending, gpu_bound_label(GI_BIND_PENDING), sizeof(gi_pending) * leaves},
-		     {&r->shine, gpu_bound_label(GI_BIND_SHINE),
-		      sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	} sizes[] = {
+	    {&r->choices, gpu_bound_label(GI_BIND_CHOICES), sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+	    {&r->pending, gpu_bound_label(GI_BIND_PENDING), sizeof(gi_pending) * leaves},
+	    {&r->shine, gpu_bound_label(GI_BIND_SHINE), sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
@@ -161,8 +160,9 @@ void budget_learn(gi_context *gi)
 	/* On a software renderer the CPU waits for each pass: all else that gi_update does is time too. A commit is not
 	 * what updates take: it is taken off the budget of the one that it is in. */
 	if (gi->gpu.software)
-		spent.fixed = fmaxf(spent.fixed, report->update_ms -
-						     gi->issued[report->frame % GPU_READBACK_RING].commit_ms - spent.by_ray);
+		spent.fixed =
+		    fmaxf(spent.fixed,
+			  report->update_ms - gi->issued[report->frame % GPU_READBACK_RING].commit_ms - spent.by_ray);
 	gi_costs_learn(&r->costs, &spent);
 }
 
@@ -240,9 +240,8 @@ void budget_free(gi_context *gi)
 #define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
 	BUDGET_BUFFERS(FREE)
 #undef FREE
-	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program,
-				&r->choose_program, &r->enlist_program, &r->stale_program,
-				&r->lend_program};
+	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program, &r->choose_program,
+				&r->enlist_program, &r->stale_program,  &r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 	gpu_timer_free(&gi->gpu, &r->assess_timer);

@@ -8,16 +8,16 @@
 
 /* Made by the first update that has a budget. */
 typedef struct gi_rations {
-	bool made;         /* programs */
-	bool in_force;     /* some rows may wait: bounds on them are kept up with B */
-	bool late;         /* some wait for lack of budget alone, as of the newest report: the next update goes on */
+	bool made;     /* programs */
+	bool in_force; /* some rows may wait: bounds on them are kept up with B */
+	bool late;     /* some wait for lack of budget alone, as of the newest report: the next update goes on */
 	gi_costs costs;
-	uint64_t learned;  /* frame of the report that costs were learned from last */
-	gi_budget last;    /* budget of the last update of rows that had one */
+	uint64_t learned;       /* frame of the report that costs were learned from last */
+	gi_budget last;         /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	BUDGET_BUFFERS(BUFFER_MEMBER)
 	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
-		lend_program;
+	    lend_program;
 } gi_rations;
 
 bool budget_is_exact(const gi_budget *budget);
@@ -31,10 +31,10 @@ void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
 /* Is time what a solve is given, and not as many sweeps as it needs? */
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget);
 uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget); /* that such a solve may take */
-void budget_choose(gi_context *gi);  /* the rows to refresh; the movers' poses must be in the world */
-void budget_bound(gi_context *gi);   /* after the solve: what waiting rows may be off by */
+void budget_choose(gi_context *gi); /* the rows to refresh; the movers' poses must be in the world */
+void budget_bound(gi_context *gi);  /* after the solve: what waiting rows may be off by */
 void budget_report(const uint32_t *state, gi_report *out);
-void budget_learn(gi_context *gi);   /* what updates cost, from the newest report */
+void budget_learn(gi_context *gi);            /* what updates cost, from the newest report */
 float budget_choose_ms(const gi_context *gi); /* of the choose pass, of the newest report */
 void budget_free(gi_context *gi);
 

@@ -11,6 +11,7 @@ void gi_pack_grid(const gi_vec4 *lower, const gi_vec4 *upper, gi_vec4 *grid, gi_
 
 /* Bounds are rounded outward by more than the ray's turn onto the grid loses. The bases are added to the skip and the
  * primitive. */
-gi_uvec4 gi_pack_node(const gi_bvh_node *node, gi_vec4 grid, gi_vec4 cells, uint32_t node_base, uint32_t primitive_base);
+gi_uvec4 gi_pack_node(const gi_bvh_node *node, gi_vec4 grid, gi_vec4 cells, uint32_t node_base,
+		      uint32_t primitive_base);
 
 #endif

@@ -35,13 +35,14 @@ struct gi_caustics {
 	bool built;  /* packets are of the committed scene */
 	bool spread; /* their radii are of where they are */
 	uint32_t pair_count, photons_a_pair;
-	gi_uvec4 *traced; /* pair_count: lights of the pair whose packets these are */
-	uint32_t anew;    /* pairs that are traced anew for certain */
-	uint32_t missing; /* packets that some pair may still lack */
-	gi_price price;   /* of a packet */
-	uint64_t asked_frame;  /* an update in which so many were traced at least */
+	gi_uvec4 *traced;     /* pair_count: lights of the pair whose packets these are */
+	uint32_t anew;        /* pairs that are traced anew for certain */
+	uint32_t missing;     /* packets that some pair may still lack */
+	gi_price price;       /* of a packet */
+	uint64_t asked_frame; /* an update in which so many were traced at least */
 	uint32_t asked_packets;
-	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program, radius_program;
+	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program,
+	    radius_program;
 	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
 };
 
@@ -53,8 +54,8 @@ static gi_result out_of_memory(const gi_context *gi)
 static void list_programs(gi_caustics *c, gpu_program_file list[PROGRAMS])
 {
 	const gpu_program_file programs[PROGRAMS] = {
-	    {"caustic_begin.comp", &c->begin_program},     {"caustic_trace.comp", &c->trace_program},
-	    {"caustic_deposit.comp", &c->deposit_program}, {"caustic_light.comp", &c->light_program},
+	    {"caustic_begin.comp", &c->begin_program},      {"caustic_trace.comp", &c->trace_program},
+	    {"caustic_deposit.comp", &c->deposit_program},  {"caustic_light.comp", &c->light_program},
 	    {"emitted_caustics.comp", &c->emitted_program}, {"caustic_count.comp", &c->count_program},
 	    {"caustic_radius.comp", &c->radius_program}};
 	memcpy(list, programs, sizeof programs);
@@ -132,7 +133,8 @@ static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_p
 	for (uint32_t from = 0; from < s->slot_count; from++) {
 		if (lights->first[from] == lights->first[from + 1])
 			continue;
-		const double power = pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
+		const double power =
+		    pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
 		for (uint32_t to = 0; to < s->slot_count; to++) {
 			const scene_object *smooth = to == from ? NULL : seen_in(s, to);
 			if (!smooth || !object_is_smooth(smooth) || count == MOST_PAIRS)
@@ -203,10 +205,11 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	c->anew = 0;
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->anew += pairs[k].power.z > 0;
-	gi_result result = gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
+	gi_result result =
+	    gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights", sizeof(gi_uvec4) * 3 * lights->count,
-					     lights->triangles);
+		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights",
+					     sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;

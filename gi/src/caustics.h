@@ -18,7 +18,7 @@ uint32_t caustics_emitted_program(const gi_context *gi);
 /* Irradiance of the leaves, behind rows_bind(). */
 void caustics_bind_light(const gi_context *gi);
 const gpu_buffer *caustics_light(const gi_context *gi); /* vec4 a leaf; NULL: there is none */
-void caustics_invalidate(gi_context *gi); /* after a commit */
+void caustics_invalidate(gi_context *gi);               /* after a commit */
 void caustics_free(gi_context *gi);
 
 /* For the picture: how many packets there are, with their radii up to date, bound for splat.vert. */

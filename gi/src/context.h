@@ -31,34 +31,35 @@ struct gi_context {
 	gi_arena tree_arena;   /* what building the trees over the objects takes, for every frame */
 	gi_lamps lamps;
 	gi_estimate estimate;
-	gi_shade *shade; /* made by the first gi_draw */
-	gi_paths *paths; /* made by the first gi_trace_paths */
+	gi_shade *shade;       /* made by the first gi_draw */
+	gi_paths *paths;       /* made by the first gi_trace_paths */
 	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
 	gi_caustics *caustics; /* likewise, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;
-	bool compiled;     /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
+	bool compiled;      /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
 	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
-	bool truncated;    /* a report said that a pool was full */
-	uint64_t wanted;   /* how many elements it lacked */
-	bool wanted_all;   /* and all rows were built: with those they fit */
+	bool truncated;     /* a report said that a pool was full */
+	uint64_t wanted;    /* how many elements it lacked */
+	bool wanted_all;    /* and all rows were built: with those they fit */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
-	uint64_t rows_frame;                 /* last one before a commit that made all rows anew: reports up to it are of others */
-	uint64_t picture_number;             /* of gi_draw calls */
+	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
+	uint64_t picture_number; /* of gi_draw calls */
 	gi_report report;
 	struct {
 		uint64_t frame;
 		uint32_t dispatches;
 		uint64_t uploaded_bytes;
 		float update_ms;
-		float commit_ms;      /* of that: a commit in the update, for a static object that moved or was hidden */
+		float commit_ms; /* of that: a commit in the update, for a static object that moved or was hidden */
 		uint32_t rows_update; /* number of the rows' update that it ended with */
 		bool rebuilt;         /* which built all of them */
-	} issued[GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
+	} issued
+	    [GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
 };
 
 #endif

@@ -39,8 +39,7 @@ static gi_result make_programs(gi_context *gi)
 		       {&e->shares, "estimate: shares", sizeof(float) * items},
 		       {&e->results, "estimate: leaves", sizeof(gi_estimate_leaf) * leaves}};
 	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
-		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].label, buffers[k].size,
-					     NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].label, buffers[k].size, NULL);
 	return result;
 }
 

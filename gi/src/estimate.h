@@ -5,7 +5,7 @@
 #include "gpu.h"
 
 typedef struct gi_estimate {
-	bool fresh; /* chances are those of the committed scene */
+	bool fresh;  /* chances are those of the committed scene */
 	double area; /* of all its leaves, m2 */
 	/* Made by the first update that wants them, as the buffers. */
 	uint32_t samples_program, trace_program, sum_program, mean_program;

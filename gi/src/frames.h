@@ -18,8 +18,9 @@ static inline gi_vec3d gi_point_to_world(const gi_object_data *d, gi_vec3d p)
 
 static inline gi_vec3d gi_direction_to_rest(const gi_object_data *d, gi_vec3d v)
 {
-	return gi_vec3d_add(gi_vec3d_add(gi_vec3d_scale(gi_vec3d_from(d->row0), v.x), gi_vec3d_scale(gi_vec3d_from(d->row1), v.y)),
-			    gi_vec3d_scale(gi_vec3d_from(d->row2), v.z));
+	return gi_vec3d_add(
+	    gi_vec3d_add(gi_vec3d_scale(gi_vec3d_from(d->row0), v.x), gi_vec3d_scale(gi_vec3d_from(d->row1), v.y)),
+	    gi_vec3d_scale(gi_vec3d_from(d->row2), v.z));
 }
 
 static inline gi_vec3d gi_point_to_rest(const gi_object_data *d, gi_vec3d p)

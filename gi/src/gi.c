@@ -134,8 +134,7 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = programs_begin(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS,
-					     NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS, NULL);
 	if (!result)
 		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
 	if (!result)
@@ -352,8 +351,8 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 	return result;
 }
 
-gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
-			    const gi_allocator *allocator, gi_prepared_object **out)
+gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user, const gi_allocator *allocator,
+			    gi_prepared_object **out)
 {
 	const gi_log log = {.message = message, .user = user};
 	if (out)
@@ -421,8 +420,8 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
-		gi->scene.regroup = gi->scene.regroup || o->grouped ||
-				    (o->committed && statics_hold(&gi->scene, o->mobility));
+		gi->scene.regroup =
+		    gi->scene.regroup || o->grouped || (o->committed && statics_hold(&gi->scene, o->mobility));
 	}
 	o->arrives = o->committed && !hidden && (o->arrives || o->hidden);
 	o->hidden = hidden;

@@ -11,8 +11,8 @@
 
 typedef struct gpu_buffer {
 	uint32_t name;
-	uint32_t texture; /* the same bytes, as texels of four words */
-	uint64_t size;    /* bytes; at least 16 once created */
+	uint32_t texture;  /* the same bytes, as texels of four words */
+	uint64_t size;     /* bytes; at least 16 once created */
 	uint64_t capacity; /* that it has room for */
 } gpu_buffer;
 
@@ -23,11 +23,11 @@ enum { GPU_TIMER_RING = 4 };
 
 typedef struct gpu_timer {
 	uint32_t query[GPU_TIMER_RING][2]; /* time stamps, so that a host may measure around them */
-	uint64_t tag[GPU_TIMER_RING]; /* gpu.tag of each measurement; 0: none */
-	float ms[GPU_TIMER_RING];     /* below 0: not finished */
-	uint32_t next, pending;       /* ring position, queries not yet read */
-	double began_ms;              /* software renderers: by the clock */
-	const char *name;             /* of what it measures, a debug group; NULL: none */
+	uint64_t tag[GPU_TIMER_RING];      /* gpu.tag of each measurement; 0: none */
+	float ms[GPU_TIMER_RING];          /* below 0: not finished */
+	uint32_t next, pending;            /* ring position, queries not yet read */
+	double began_ms;                   /* software renderers: by the clock */
+	const char *name;                  /* of what it measures, a debug group; NULL: none */
 } gpu_timer;
 
 /* A program and where its name is kept. */
@@ -40,23 +40,23 @@ enum { GPU_MOST_PROGRAMS = 64 };
 
 typedef struct gpu {
 	gi_log log;
-	struct GladGLContext *gl;     /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
-	char *shader_directory;       /* NULL: built in */
-	uint32_t mark;                /* an object that only the OpenGL context has that all the others are in */
-	bool lost;                    /* that context is not current when all is freed: its objects are left to it */
-	uint32_t group_size;          /* threads of a compute group, a power of two */
-	uint64_t host_limit;          /* of a buffer, bytes; 0: none */
-	uint64_t block_bytes;         /* of a storage block, as promised or found by trial */
-	uint64_t texture_bytes;       /* of a buffer texture */
-	bool tried;                   /* whether a storage block holds more than promised */
-	uint32_t most_pixels;         /* of a side of a picture */
+	struct GladGLContext *gl; /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
+	char *shader_directory;   /* NULL: built in */
+	uint32_t mark;            /* an object that only the OpenGL context has that all the others are in */
+	bool lost;                /* that context is not current when all is freed: its objects are left to it */
+	uint32_t group_size;      /* threads of a compute group, a power of two */
+	uint64_t host_limit;      /* of a buffer, bytes; 0: none */
+	uint64_t block_bytes;     /* of a storage block, as promised or found by trial */
+	uint64_t texture_bytes;   /* of a buffer texture */
+	bool tried;               /* whether a storage block holds more than promised */
+	uint32_t most_pixels;     /* of a side of a picture */
 	bool profile;
 	bool software; /* no GPU: its timer queries measure the wrong work, the clock the right one */
 
-	uint64_t tag;            /* what timers measure now: number of the update or picture, from 1 */
-	uint32_t dispatches;     /* since the counters were last zeroed */
-	uint64_t uploaded_bytes; /* likewise */
-	uint64_t buffer_bytes;   /* of all live buffers, and of spares */
+	uint64_t tag;                    /* what timers measure now: number of the update or picture, from 1 */
+	uint32_t dispatches;             /* since the counters were last zeroed */
+	uint64_t uploaded_bytes;         /* likewise */
+	uint64_t buffer_bytes;           /* of all live buffers, and of spares */
 	gpu_buffer spares[GPU_BINDINGS]; /* what gpu_buffer_retire kept */
 	gpu_program_use programs[GPU_MOST_PROGRAMS]; /* that gpu_programs_reload makes anew: those made first */
 	uint32_t program_count;

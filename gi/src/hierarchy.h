@@ -19,20 +19,20 @@
 
 typedef struct gi_hierarchy {
 	uint32_t vertex_count;
-	gi_vec4 *vertices;            /* xyz; w 0 */
+	gi_vec4 *vertices; /* xyz; w 0 */
 	uint32_t leaf_count;
-	uint32_t *leaf_node;          /* node of a leaf; its corners are the node's */
+	uint32_t *leaf_node; /* node of a leaf; its corners are the node's */
 	uint32_t *leaf_material;
-	uint32_t *leaf_face;          /* face number in the finest level of the gi_refined it came from */
-	uint32_t node_count;          /* node 0 is the root */
+	uint32_t *leaf_face; /* face number in the finest level of the gi_refined it came from */
+	uint32_t node_count; /* node 0 is the root */
 	gi_node_geometry *geometry;
 	gi_node_spread *spread;
-	gi_node_topology *topology;   /* GI_NODE_EMITTER and GI_NODE_SKY are not set here */
-	gi_vec4 lower, upper;         /* bounds of the vertices */
-	double area;                  /* sum of the leaves' */
-	double volume;                /* signed; meaningful when closed */
-	bool closed;                  /* no boundary edges */
-	bool out_of_memory;           /* why gi_hierarchy_build failed; all else is zero then */
+	gi_node_topology *topology; /* GI_NODE_EMITTER and GI_NODE_SKY are not set here */
+	gi_vec4 lower, upper;       /* bounds of the vertices */
+	double area;                /* sum of the leaves' */
+	double volume;              /* signed; meaningful when closed */
+	bool closed;                /* no boundary edges */
+	bool out_of_memory;         /* why gi_hierarchy_build failed; all else is zero then */
 } gi_hierarchy;
 
 /* Area of the triangles a b c and a c d. */

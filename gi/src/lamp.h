@@ -18,7 +18,7 @@ typedef struct lamp_polygon {
 	float normal[3];    /* unit */
 	float bulge;        /* how far the surface it stands for rises above its plane */
 	float exitance[3];
-	float power;        /* area times the mean of E */
+	float power; /* area times the mean of E */
 } lamp_polygon;
 
 typedef struct gi_lamps {

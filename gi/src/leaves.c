@@ -102,7 +102,8 @@ static gi_vec3d position(const gi_object_def *def, uint32_t vertex)
 /* diagonals[v]: of the bounds of the part that vertex v names, metres. */
 static bool measure_parts(const gi_object_def *def, uint32_t *group, double *diagonals)
 {
-	gi_vec3d *lower = gi_malloc(sizeof *lower * def->vertex_count), *upper = gi_malloc(sizeof *upper * def->vertex_count);
+	gi_vec3d *lower = gi_malloc(sizeof *lower * def->vertex_count),
+		 *upper = gi_malloc(sizeof *upper * def->vertex_count);
 	for (uint32_t k = 0; lower && upper && k < def->vertex_count; k++) {
 		lower[k] = (gi_vec3d){INFINITY, INFINITY, INFINITY};
 		upper[k] = (gi_vec3d){-INFINITY, -INFINITY, -INFINITY};
@@ -123,7 +124,8 @@ static bool measure_parts(const gi_object_def *def, uint32_t *group, double *dia
 
 static bool is_lamp(const gi_object_def *def, uint32_t face)
 {
-	return def->material_count && material_emits(&def->materials[def->face_materials ? def->face_materials[face] : 0]);
+	return def->material_count &&
+	       material_emits(&def->materials[def->face_materials ? def->face_materials[face] : 0]);
 }
 
 static double face_area(const gi_object_def *def, uint32_t first, uint32_t count)
@@ -468,8 +470,8 @@ static bool hand_over(chooser *c, gi_object_def *objects)
 	return true;
 }
 
-static gi_result choose_and_hand_over(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
-				      gi_leaf_choice *out)
+static gi_result choose_and_hand_over(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects,
+				      uint32_t count, gi_leaf_choice *out)
 {
 	gi_result result = check(gi, def, objects, count);
 	if (result)

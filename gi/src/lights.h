@@ -9,7 +9,7 @@ typedef struct gi_lights {
 	double *powers;      /* count: area times what was measured of the exitance */
 	uint32_t *first;     /* slot_count + 1: those of a slot's object are [first[slot], first[slot + 1]) */
 	uint32_t count;
-	double power;        /* of all */
+	double power; /* of all */
 } gi_lights;
 
 /* What counts of an exitance. */

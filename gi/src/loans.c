@@ -114,8 +114,8 @@ static uint32_t list_object(const gi_scene *s, uint32_t slot, uint32_t searches,
 		}
 		n = range.x;
 		const gi_node_geometry *g = &h->geometry[h->leaf_node[range.y + range.z / 2]];
-		const uint32_t from =
-		    lender(s, gi_point_to_world(d, gi_vec3d_from(g->sphere)), gi_direction_to_world(d, gi_vec3d_from(g->axis)));
+		const uint32_t from = lender(s, gi_point_to_world(d, gi_vec3d_from(g->sphere)),
+					     gi_direction_to_world(d, gi_vec3d_from(g->axis)));
 		for (uint32_t k = 0; from != GI_NONE && k < range.z; k++, count++) {
 			list[2 * count] = o->leaf_base + range.y + k;
 			list[2 * count + 1] = from;

@@ -69,8 +69,8 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uint32_t levels)
 {
 	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
-	while (extra &&
-	       (levels + extra > OBJECT_MAX_LEVELS || ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
+	while (extra && (levels + extra > OBJECT_MAX_LEVELS ||
+			 ((uint64_t)o->hierarchy.leaf_count << (2 * extra)) > MAX_DRAW_FACES))
 		extra--;
 	return extra;
 }
@@ -118,7 +118,8 @@ static bool is_too_small(const gi_hierarchy *h)
 
 static bool is_too_large(const gi_hierarchy *h)
 {
-	return !object_all_within(&h->lower.x, 3, OBJECT_MAX_LENGTH) || !object_all_within(&h->upper.x, 3, OBJECT_MAX_LENGTH);
+	return !object_all_within(&h->lower.x, 3, OBJECT_MAX_LENGTH) ||
+	       !object_all_within(&h->upper.x, 3, OBJECT_MAX_LENGTH);
 }
 
 /* Does the whole object lie in one plane? To 1e-6 of its size, as rays' ends are. */
@@ -276,8 +277,8 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	gi_refined refined;
-	gi_result result =
-	    object_is_split(def) ? split_faces(b, def, cage, name, &refined) : refine_levels(b, def, cage, name, &refined);
+	gi_result result = object_is_split(def) ? split_faces(b, def, cage, name, &refined)
+						: refine_levels(b, def, cage, name, &refined);
 	if (result)
 		return result;
 	if (!gi_hierarchy_build(&refined, &o->hierarchy, message, sizeof message)) {

@@ -20,19 +20,19 @@ typedef struct scene_object {
 	uint32_t generation; /* of the handle that owns this place; odd while alive */
 	bool committed;      /* part of the uploaded scene */
 	bool moved;          /* since the last update */
-	bool relit;          /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
+	bool relit; /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
-	bool hidden;         /* by the host */
-	bool arrives;        /* it came or is shown again, since the last update: it has no rows yet */
-	bool came;           /* since the last update: no row has seen it anywhere */
+	bool hidden;  /* by the host */
+	bool arrives; /* it came or is shown again, since the last update: it has no rows yet */
+	bool came;    /* since the last update: no row has seen it anywhere */
 	gi_mobility mobility;
-	bool grouped;        /* one of the static objects that are one source (statics.h) */
-	bool was_grouped;    /* before the last commit */
+	bool grouped;                        /* one of the static objects that are one source (statics.h) */
+	bool was_grouped;                    /* before the last commit */
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
-	gi_specular *specular; /* of each; NULL: none is a mirror or glass */
+	gi_specular *specular;    /* of each; NULL: none is a mirror or glass */
 	scene_emission *emission; /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
@@ -46,9 +46,9 @@ typedef struct scene_object {
 	gi_vec4 world_lower, world_upper;
 	bool trails; /* where it was since every row has seen it: */
 	gi_vec4 trail_lower, trail_upper;
-	gi_vec4 ceiling; /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
-	bool plane; /* all of it in one plane */
-	bool overlaps; /* and parts of it cover each other */
+	gi_vec4 ceiling;  /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
+	bool plane;       /* all of it in one plane */
+	bool overlaps;    /* and parts of it cover each other */
 	uint64_t created; /* how many were created before it */
 	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are
 	 * enough. */
@@ -88,7 +88,7 @@ bool object_is_alive(const scene_object *object);
 bool object_is_seen(const scene_object *object);
 uint32_t object_flags(const scene_object *object); /* GI_OBJECT_ */
 void object_place(scene_object *object, gi_object_data *data);
-void object_leave_trail(scene_object *object); /* before it is placed elsewhere */
+void object_leave_trail(scene_object *object);                                       /* before it is placed elsewhere */
 void object_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const scene_object *object); /* something of it is a mirror or glass */
 bool object_has_glass(const scene_object *object);

@@ -90,7 +90,8 @@ static gi_result make_paths(gi_context *gi)
 	sobol_directions(directions);
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
+		result =
+		    gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
 	if (result)

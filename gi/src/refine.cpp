@@ -247,8 +247,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 	Block<Corner> points(allocate_block<Corner>(count));
 	for (uint32_t i = 0; i < count; i++)
 		for (int axis = 0; axis < 3; axis++)
-			points[i][axis] =
-				double(cage.positions[3 * size_t(corners[i]) + axis]) * cage.scale[axis];
+			points[i][axis] = double(cage.positions[3 * size_t(corners[i]) + axis]) * cage.scale[axis];
 	if (count == 3 || cage.scheme != GI_REFINE_BILINEAR || gi_polygon_is_convex(points.get(), count)) {
 		out.counts.push_back(int(count));
 		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
@@ -259,8 +258,9 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 	Block<Triangle> triangles(allocate_block<Triangle>(count));
 	const uint32_t made = gi_polygon_cut(points.get(), count, triangles.get());
 	if (made == 0)
-		reject("face %u crosses itself, or has more than %d corners and is not convex; cut it into convex faces",
-		       face, GI_POLYGON_MAX_CORNERS);
+		reject(
+		    "face %u crosses itself, or has more than %d corners and is not convex; cut it into convex faces",
+		    face, GI_POLYGON_MAX_CORNERS);
 	for (uint32_t t = 0; t < made; t++) {
 		out.counts.push_back(3);
 		for (uint32_t corner : triangles[t])

@@ -34,7 +34,7 @@ typedef struct gi_refine_cage {
 	uint32_t vertex_count, face_count, index_count, crease_count;
 	gi_refine_scheme scheme;
 	gi_refine_boundary boundary;
-	float scale[3];                  /* applied to the positions before anything else */
+	float scale[3]; /* applied to the positions before anything else */
 } gi_refine_cage;
 
 /* The faces of one level. Corner numbers are vertices of the FINEST level: the descendant of a coarse vertex has the

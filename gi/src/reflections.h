@@ -22,7 +22,8 @@ typedef enum gi_layer { GI_LAYER_REFLECTED, GI_LAYER_REFRACTED, GI_LAYER_COUNT }
 gi_result reflections_prepare(struct gi_context *gi, gi_reflections *r, const gi_view *view);
 
 /* Traces the layer's rays from the surfaces that are bound (shade.c). */
-void reflections_trace(struct gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen);
+void reflections_trace(struct gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view,
+		       const gpu_mesh *screen);
 
 /* Adds the layer that is bound to the host's picture. lit: GI_UNIT_SO_FAR has light of lamps on it. */
 void reflections_add(struct gi_context *gi, gi_reflections *r, bool lit, const gi_view *view, const int corner[2],

@@ -10,25 +10,25 @@ typedef struct gi_slot_list {
 } gi_slot_list;
 
 typedef struct gi_rows {
-	uint32_t update;   /* number of the last update of the rows, from 1 */
-	uint32_t current;  /* every row has seen all that changed up to this one */
-	bool rebuild;      /* everything is to be cut anew */
-	bool fitted;       /* the pools held the rows at least once since the commit */
-	bool kept;         /* the last commit kept them: no update ran since */
-	bool lost;         /* and an object went */
-	uint32_t lost_update; /* that saw the last one that went */
+	uint32_t update;                /* number of the last update of the rows, from 1 */
+	uint32_t current;               /* every row has seen all that changed up to this one */
+	bool rebuild;                   /* everything is to be cut anew */
+	bool fitted;                    /* the pools held the rows at least once since the commit */
+	bool kept;                      /* the last commit kept them: no update ran since */
+	bool lost;                      /* and an object went */
+	uint32_t lost_update;           /* that saw the last one that went */
 	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
 	uint64_t entry_limit, link_limit;
 	ROWS_TABLES(BUFFER_MEMBER)
 	ROWS_POOLS(BUFFER_MEMBER)
 	ROWS_LISTS(BUFFER_MEMBER)
-	gpu_buffer frame; /* a uniform block */
+	gpu_buffer frame;   /* a uniform block */
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	gi_slot_list suspect_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
-		prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
-		kept_program, covered_program;
+	    prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
+	    kept_program, covered_program;
 } gi_rows;
 
 enum { ROWS_PROGRAMS = 15 };
@@ -60,8 +60,8 @@ gi_result rows_relight(gi_context *gi);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
 /* Has no buffers of those that a commit makes, and deletes none: a copy of the rows has them. */
 void rows_forget(gi_rows *rows);
-void rows_release(gi_context *gi, gi_rows *rows);     /* frees it */
-void rows_retire(gi_context *gi, gi_rows *rows);      /* likewise, but memory of tables is kept for the next commit */
+void rows_release(gi_context *gi, gi_rows *rows); /* frees it */
+void rows_retire(gi_context *gi, gi_rows *rows);  /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);
 /* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update come
  * before this one. */

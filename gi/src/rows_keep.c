@@ -130,8 +130,8 @@ gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &moves, "moves", sizeof *m->list * m->count, m->list);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &nodes, "moves of nodes", sizeof *m->nodes * m->node_count,
-					     m->nodes);
+		result =
+		    gpu_buffer_allocate(&gi->gpu, &nodes, "moves of nodes", sizeof *m->nodes * m->node_count, m->nodes);
 	if (!result)
 		result = make_room(gi, before, m, &larger);
 	if (result) {

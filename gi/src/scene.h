@@ -16,29 +16,30 @@ typedef struct scene_top {
 } scene_top;
 
 typedef struct gi_scene {
-	scene_object *objects; /* by handle index */
-	uint32_t object_count; /* places, dead ones too; there is room for the next power of two */
-	uint32_t first_free;   /* no place below it is */
+	scene_object *objects;  /* by handle index */
+	uint32_t object_count;  /* places, dead ones too; there is room for the next power of two */
+	uint32_t first_free;    /* no place below it is */
 	uint64_t created_count; /* objects ever created */
 	uint32_t next_leaf_id, next_node_id;
 	bool ever_committed;
 
-	uint32_t *slots;     /* handle index of each slot; the sky's is GI_NONE */
-	uint32_t slot_count; /* the sky's too */
-	uint32_t sky_slot;   /* GI_NONE: none */
+	uint32_t *slots;       /* handle index of each slot; the sky's is GI_NONE */
+	uint32_t slot_count;   /* the sky's too */
+	uint32_t sky_slot;     /* GI_NONE: none */
 	uint32_t statics_slot; /* static objects as one source, GI_NONE: none; their own slots are the first ones */
 	uint32_t first_source; /* slot; from here on they are sources */
 	scene_top *tops;
 	struct static_sum *sums; /* of each top (statics.h) */
 	uint32_t top_count;
 	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
-	uint32_t statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
+	uint32_t
+	    statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool shown_changed;      /* since the last update others are seen than before it, or fewer */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
 
-	gi_arena arrays; /* all of these, slots and tops: */
+	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */
 	gi_node_topology *topology;  /* node_count, as uploaded */
 	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
@@ -46,7 +47,8 @@ typedef struct gi_scene {
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
-	uint32_t tlas_all, tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
+	uint32_t tlas_all,
+	    tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
 	uint32_t tlas_inner_first, tlas_inner_end; /* of the latter, which may be the first tree */
 
 	SCENE_BUFFERS(BUFFER_MEMBER)
@@ -61,8 +63,8 @@ void scene_update_exitance(gi_context *gi, scene_object *object);
 /* Of a node's flags, those that this sets. */
 #define SCENE_EMITTER_BITS (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
-void scene_release(gi_context *gi, gi_scene *scene); /* buffers and arrays, not the objects */
-void scene_retire(gi_context *gi, gi_scene *scene);  /* likewise, but their memory is kept for the next commit */
+void scene_release(gi_context *gi, gi_scene *scene);         /* buffers and arrays, not the objects */
+void scene_retire(gi_context *gi, gi_scene *scene); /* likewise, but their memory is kept for the next commit */
 void scene_free(gi_context *gi);
 
 #endif

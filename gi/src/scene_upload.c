@@ -392,8 +392,8 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {GI_BIND_LIGHT_FIRST, &s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
 	for (size_t k = 0; k < sizeof uploads / sizeof *uploads; k++) {
-		gi_result result = gpu_buffer_renew(gpu, uploads[k].buffer, uploads[k].binding,
-						    uploads[k].size, uploads[k].data);
+		gi_result result =
+		    gpu_buffer_renew(gpu, uploads[k].buffer, uploads[k].binding, uploads[k].size, uploads[k].data);
 		if (result)
 			return result;
 	}
@@ -473,7 +473,8 @@ void scene_keep_objects(const gi_scene *from, gi_scene *to)
 	to->ever_committed = from->ever_committed;
 }
 
-static gi_result upload_scene(gi_context *gi, const scene_before *before, gathered *g, carried *old, uint32_t *old_count)
+static gi_result upload_scene(gi_context *gi, const scene_before *before, gathered *g, carried *old,
+			      uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
 	/* Boxes first: whether there is a sky depends on them. */

@@ -51,16 +51,16 @@ typedef enum program {
 	PROGRAM_COUNT
 } program;
 static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {
-    {"draw.vert", "draw_none.frag"},    {"draw.vert", "surface.frag"},
-    {"screen.vert", "light_more.frag"}, {"screen.vert", "light_more_shadows.frag"},
-    {"screen.vert", "light_last.frag"}, {"screen.vert", "light_last_shadows.frag"},
+    {"draw.vert", "draw_none.frag"},     {"draw.vert", "surface.frag"},
+    {"screen.vert", "light_more.frag"},  {"screen.vert", "light_more_shadows.frag"},
+    {"screen.vert", "light_last.frag"},  {"screen.vert", "light_last_shadows.frag"},
     {"screen.vert", "surface_last.frag"}};
 
 struct gi_shade {
 	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
 	gpu_mesh mesh, screen;
-	bool others; /* so_far has light of others than the last lamp, of the picture that is drawn */
+	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
 	gi_overlays overlays;
@@ -391,7 +391,8 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 	if (lamps)
 		draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, corner);
 	else
-		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width, (int)view->height);
+		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width,
+			  (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
 	if (gi->smooth)
 		draw_reflections(gi, lamps, view, state, corner);

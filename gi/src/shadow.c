@@ -101,8 +101,8 @@ static void mask_caster(const gi_caster *c, const gi_object_data *d, const lamp_
 			continue;
 		occluder_box box = no_box();
 		for (int b = 0; b < 4; b++)
-			grow_box(&box, lamp_view_point(view, gi_point_to_world(d, gi_vec3d_load(c->walls[k].corner[b]))),
-				 0);
+			grow_box(&box,
+				 lamp_view_point(view, gi_point_to_world(d, gi_vec3d_load(c->walls[k].corner[b]))), 0);
 		occluder_mask_add(mask, &box);
 	}
 }

@@ -28,7 +28,7 @@ typedef struct gi_skin {
 	uint32_t *corner_light; /* 4 a leaf: the light vertices at its corners */
 	uint32_t vertex_count;
 	gi_draw_vertex *vertices;
-	uint32_t index_count;   /* three a triangle, counter-clockwise */
+	uint32_t index_count; /* three a triangle, counter-clockwise */
 	uint32_t *indices;
 } gi_skin;
 
@@ -36,15 +36,15 @@ typedef struct gi_skin {
  * extra 0, `fine` is the refined the hierarchy came from). Flat leaves are drawn as four triangles round their centre,
  * so that interpolation has no diagonal; curved ones as the quads of the finer level on the limit surface with limit
  * normals. */
-bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			  gi_skin *out);
+bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			  uint32_t extra, gi_skin *out);
 
 /* Draws a detailed mesh lit through the hierarchy (a scan and its cage): each vertex takes the light of the closest
  * point of a leaf whose normal agrees with its own (within 90 degrees; else the closest at all). positions 3 *
  * vertex_count in the rest frame, indices three a triangle. Normals are area weighted over the mesh. 100,000 triangles
  * take about a second. */
-bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count, const uint32_t *indices,
-		       uint32_t index_count, gi_skin *out);
+bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
+		       const uint32_t *indices, uint32_t index_count, gi_skin *out);
 
 void gi_skin_free(gi_skin *skin);
 

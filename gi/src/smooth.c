@@ -14,9 +14,9 @@ enum { MOST_AT_A_POINT = 512 };
 
 typedef struct corner {
 	float at[3];
-	uint32_t number;  /* 4 * primitive + corner */
-	gi_vec3d normal;  /* unit, of the primitive there */
-	gi_vec3d part;    /* of the mean normal */
+	uint32_t number; /* 4 * primitive + corner */
+	gi_vec3d normal; /* unit, of the primitive there */
+	gi_vec3d part;   /* of the mean normal */
 } corner;
 
 static const gi_vec4 *corner_at(const gi_primitive *p, uint32_t k)
@@ -40,10 +40,11 @@ static corner make_corner(const gi_primitive *p, uint32_t primitive, uint32_t k)
 	const gi_vec3d last = gi_vec3d_sub(gi_vec3d_from(*corner_at(p, (k + count - 1) % count)), at);
 	const gi_vec3d cross = gi_vec3d_cross(next, last);
 	/* No -0: places are compared by their bits. */
-	return (corner){.at = {corner_at(p, k)->x + 0.0f, corner_at(p, k)->y + 0.0f, corner_at(p, k)->z + 0.0f},
-			.number = 4 * primitive + k,
-			.normal = gi_vec3d_unit(cross),
-			.part = gi_vec3d_scale(cross, 1 / fmax(gi_vec3d_dot(next, next) * gi_vec3d_dot(last, last), 1e-300))};
+	return (corner){
+	    .at = {corner_at(p, k)->x + 0.0f, corner_at(p, k)->y + 0.0f, corner_at(p, k)->z + 0.0f},
+	    .number = 4 * primitive + k,
+	    .normal = gi_vec3d_unit(cross),
+	    .part = gi_vec3d_scale(cross, 1 / fmax(gi_vec3d_dot(next, next) * gi_vec3d_dot(last, last), 1e-300))};
 }
 
 static int by_place(const void *a, const void *b)

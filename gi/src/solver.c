@@ -29,12 +29,16 @@ enum { WEIGHED_SWEEPS = 3 };
 
 void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 {
-	const gpu_program_file programs[SOLVER_PROGRAMS] = {
-	    {"emitted.comp", &s->emitted_program}, {"gather.comp", &s->gather_program},
-	    {"gather_double.comp", &s->double_program}, {"weigh.comp", &s->weigh_program},
-	    {"pull.comp", &s->pull_program},       {"pull_wide.comp", &s->wide_program},
-	    {"check.comp", &s->check_program},     {"start.comp", &s->start_program},
-	    {"light.comp", &s->light_program},     {"hand_over.comp", &s->hand_over_program}};
+	const gpu_program_file programs[SOLVER_PROGRAMS] = {{"emitted.comp", &s->emitted_program},
+							    {"gather.comp", &s->gather_program},
+							    {"gather_double.comp", &s->double_program},
+							    {"weigh.comp", &s->weigh_program},
+							    {"pull.comp", &s->pull_program},
+							    {"pull_wide.comp", &s->wide_program},
+							    {"check.comp", &s->check_program},
+							    {"start.comp", &s->start_program},
+							    {"light.comp", &s->light_program},
+							    {"hand_over.comp", &s->hand_over_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -80,8 +84,8 @@ gi_result solver_allocate(gi_context *gi)
 	if (!result)
 		result = allocate_start(gi, &s->leaf_radiosity, GI_BIND_LEAF_RADIOSITY, true);
 	if (!result)
-		result = gpu_buffer_renew(&gi->gpu, &s->leaf_indirect, GI_BIND_LEAF_INDIRECT, vec * scene->leaf_count,
-					  NULL);
+		result =
+		    gpu_buffer_renew(&gi->gpu, &s->leaf_indirect, GI_BIND_LEAF_INDIRECT, vec * scene->leaf_count, NULL);
 	if (!result)
 		result = gpu_buffer_renew(&gi->gpu, &s->light, GI_BIND_LIGHT, vec * scene->light_count, NULL);
 	if (result)
@@ -136,7 +140,8 @@ static void gather_emitted(gi_context *gi)
 		caustics_bind_light(gi);
 		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
 	}
-	gpu_set_uint(&gi->gpu, program, 0, through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+	gpu_set_uint(&gi->gpu, program, 0,
+		     through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);
 }
 

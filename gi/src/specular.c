@@ -59,7 +59,8 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 	for (uint32_t slot = 0; enough && slot < s->slot_count; slot++) {
 		const scene_object *o = object_of(s, slot);
 		if (o && object_is_smooth(o))
-			enough = gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
+			enough =
+			    gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
 	}
 	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->smooth->normals, "smooth normals",
 							      sizeof *normals * primitives, normals)
@@ -84,7 +85,8 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 	if (buffer->size == sizeof *materials * count)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, buffer->size, materials);
 	else
-		result = gpu_buffer_allocate(&gi->gpu, buffer, "smooth materials", sizeof *materials * count, materials);
+		result =
+		    gpu_buffer_allocate(&gi->gpu, buffer, "smooth materials", sizeof *materials * count, materials);
 	gi_free(materials);
 	return result;
 }
@@ -99,7 +101,8 @@ static gi_result upload_corner_lights(gi_context *gi)
 		const scene_object *o = object_of(s, slot);
 		for (uint32_t leaf = 0; o && leaf < o->hierarchy.leaf_count; leaf++)
 			for (int k = 0; k < 4; k++)
-				(&lights[o->leaf_base + leaf].x)[k] = o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
+				(&lights[o->leaf_base + leaf].x)[k] =
+				    o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
 	}
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, "light at corners of leaves",
 						     sizeof *lights * s->leaf_count, lights);

@@ -560,7 +560,8 @@ int main(int argc, char **argv)
 	    {"quick", 'q', NULL, 0, "two coarse settings, 30 seconds: to see that it works", 0},
 	    {0},
 	};
-	const bench_command command = {"gi_error_time", "Error of the irradiance against run time.", list, parse_option};
+	const bench_command command = {"gi_error_time", "Error of the irradiance against run time.", list,
+				       parse_option};
 	options o = {.out = "out", .seconds = 480, .emitter_refinement = 20};
 	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 

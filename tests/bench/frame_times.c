@@ -161,7 +161,8 @@ int main(int argc, char **argv)
 	    {"row-tolerance", 't', "T", 0, "of the fine series, default the library's", 0},
 	    {0},
 	};
-	const bench_command command = {"frame_times", "What frames of the moving Buddha take, as CSV.", list, parse_option};
+	const bench_command command = {"frame_times", "What frames of the moving Buddha take, as CSV.", list,
+				       parse_option};
 	options o = {.frames = 6, .rebuilds = 2, .size = 512};
 	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	engine_context *context = bench_open_window(kind, o.size);

@@ -38,10 +38,9 @@ typedef enum event {
 	FIRST_MOVE,
 	EVENTS
 } event;
-static const char *const event_names[EVENTS] = {
-    "first",	"one moves", "ten move",	 "a door turns",   "material",
-    "one more", "one less",  "one more stays", "that one is lit", "that one goes",
-    "first move"};
+static const char *const event_names[EVENTS] = {"first",           "one moves",     "ten move",  "a door turns",
+						"material",        "one more",      "one less",  "one more stays",
+						"that one is lit", "that one goes", "first move"};
 
 typedef struct tally {
 	samples cpu, call, wall, passes[GI_PASS_COUNT];
@@ -307,7 +306,8 @@ int main(int argc, char **argv)
 	    {"row-tolerance", 't', "T", 0, "default 0.3", 0},
 	    {0},
 	};
-	const bench_command command = {"gi_scale", "How what changes costs as worlds grow, as CSV.", list, parse_option};
+	const bench_command command = {"gi_scale", "How what changes costs as worlds grow, as CSV.", list,
+				       parse_option};
 	options o = {.rounds = 3,
 		     .pair = 2000,
 		     .world = {.cell = 1, .cells = 1},

@@ -35,7 +35,8 @@ typedef enum stays { STAYS, MOVES } stays;
 static gi_object add_split_mesh(scale_world *w, const char *name, stays s, engine_mesh *mesh, float leaf_size,
 				const float rho[3], float exitance, gi_pose pose)
 {
-	const gi_material material = {.rho = {rho[0], rho[1], rho[2]}, .exitance = {exitance, exitance, .9f * exitance}};
+	const gi_material material = {.rho = {rho[0], rho[1], rho[2]},
+				      .exitance = {exitance, exitance, .9f * exitance}};
 	gi_object_def def = scene_mesh_def(mesh);
 	def.name = name;
 	def.materials = &material;
@@ -204,8 +205,8 @@ static void add_table(scale_world *w, gi_pose pose)
 static gi_object add_shelf(scale_world *w, gi_pose pose)
 {
 	static const slab parts[] = {
-	    {{-.6f, .01f, -.15f}, {-.57f, 1.8f, .15f}}, {{.57f, .01f, -.15f}, {.6f, 1.8f, .15f}},
-	    {{-.56f, .1f, -.15f}, {.56f, .13f, .13f}},	{{-.56f, .7f, -.15f}, {.56f, .73f, .13f}},
+	    {{-.6f, .01f, -.15f}, {-.57f, 1.8f, .15f}},  {{.57f, .01f, -.15f}, {.6f, 1.8f, .15f}},
+	    {{-.56f, .1f, -.15f}, {.56f, .13f, .13f}},   {{-.56f, .7f, -.15f}, {.56f, .73f, .13f}},
 	    {{-.56f, 1.3f, -.15f}, {.56f, 1.33f, .13f}}, {{-.56f, .01f, .14f}, {.56f, 1.8f, .15f}}};
 	engine_mesh mesh = slabs(w, parts, sizeof parts / sizeof *parts);
 	return add_mesh(w, "shelf", STAYS, &mesh, WOOD, 0, pose);
@@ -262,8 +263,8 @@ static void add_room(scale_world *w, uint32_t k)
 static void add_ends(scale_world *w)
 {
 	const bool odd = w->places % 2;
-	const float length = ROOM_PITCH * (float)((w->places + 1) / 2), h = ROOM_HEIGHT, first = w->places > 1 ? -STREET_HALF : 0,
-		    last = odd ? 0 : -STREET_HALF, step = length - ROOM_PITCH;
+	const float length = ROOM_PITCH * (float)((w->places + 1) / 2), h = ROOM_HEIGHT,
+		    first = w->places > 1 ? -STREET_HALF : 0, last = odd ? 0 : -STREET_HALF, step = length - ROOM_PITCH;
 	const sheet sheets[] = {
 	    {{0, 0, first}, {0, h, 0}, {0, 0, STREET_HALF - first}},
 	    {{length, 0, last}, {0, 0, STREET_HALF - last}, {0, h, 0}},

@@ -15,12 +15,12 @@ typedef enum scale_kind { SCALE_HALL, SCALE_STREET, SCALE_KINDS } scale_kind;
 
 typedef struct scale_settings {
 	scale_kind kind;
-	uint32_t objects; /* about; a street has ten a room and two ends */
-	float cell;       /* leaf size of rooms, metres */
-	uint32_t cells;   /* a side of a hall's boxes, of a street's furniture */
+	uint32_t objects;     /* about; a street has ten a room and two ends */
+	float cell;           /* leaf size of rooms, metres */
+	uint32_t cells;       /* a side of a hall's boxes, of a street's furniture */
 	uint32_t mover_cells; /* a side of a hall's boxes that move; 0: like the others */
-	uint32_t room;    /* a hall is as large as for so many boxes, which are spread over it; 0: for those it has */
-	bool fixed;       /* all but movers and doors are GI_MOBILITY_STATIC; else movable */
+	uint32_t room; /* a hall is as large as for so many boxes, which are spread over it; 0: for those it has */
+	bool fixed;    /* all but movers and doors are GI_MOBILITY_STATIC; else movable */
 } scale_settings;
 
 typedef struct scale_world {

@@ -259,26 +259,27 @@ static void write_document(const options *o, engine_context *context, const scen
 {
 	engine_output output;
 	FILE *out = open_file(o, "stiff-motion.md", &output);
-	fprintf(out,
-		"# Stiff scenes that move\n\n"
-		"Made by `scripts/bench stiff-motion --docs`; every figure is of that one run.\n\n"
-		"How far B is from the solution of the frame's rows, in double precision, at the leaf and channel that "
-		"is off\n"
-		"most, over the largest R = B - E of the solution. A closed room of 4 x 3 x 4 m, %u leaves, rows at "
-		"0.1; walls,\n"
-		"a box of 1 m and a lamp of 30, 30, 90 W/m2 have one rho. Box and lamp move by some 10 cm a frame for "
-		"%u frames\n"
-		"and rest for %u. Each frame takes %u sweeps, fewer where the\n"
-		"tolerance, %g, is met before; behind the first the library brings the flux into balance, of a cold start "
-		"too.\n"
-		"Warm is from the light of the last frame, cold from B = E. Jacobi is "
-		"computed on\n"
-		"the CPU in double precision, over the same links: the library has no switch for it.\n\n"
-		"![Distance to the solution by frame](pictures/stiff-motion.png)\n\n"
-		"In %% where nothing else is said. While it moves: median and worst frame of the second half. At rest: "
-		"the last\n"
-		"frame. A: the amplification, 1 / (1 - rho) at most. The last two columns are the library's.\n\n",
-		records[0].leaves, o->moving, o->resting, o->sweeps, (double)o->tolerance);
+	fprintf(
+	    out,
+	    "# Stiff scenes that move\n\n"
+	    "Made by `scripts/bench stiff-motion --docs`; every figure is of that one run.\n\n"
+	    "How far B is from the solution of the frame's rows, in double precision, at the leaf and channel that "
+	    "is off\n"
+	    "most, over the largest R = B - E of the solution. A closed room of 4 x 3 x 4 m, %u leaves, rows at "
+	    "0.1; walls,\n"
+	    "a box of 1 m and a lamp of 30, 30, 90 W/m2 have one rho. Box and lamp move by some 10 cm a frame for "
+	    "%u frames\n"
+	    "and rest for %u. Each frame takes %u sweeps, fewer where the\n"
+	    "tolerance, %g, is met before; behind the first the library brings the flux into balance, of a cold start "
+	    "too.\n"
+	    "Warm is from the light of the last frame, cold from B = E. Jacobi is "
+	    "computed on\n"
+	    "the CPU in double precision, over the same links: the library has no switch for it.\n\n"
+	    "![Distance to the solution by frame](pictures/stiff-motion.png)\n\n"
+	    "In %% where nothing else is said. While it moves: median and worst frame of the second half. At rest: "
+	    "the last\n"
+	    "frame. A: the amplification, 1 / (1 - rho) at most. The last two columns are the library's.\n\n",
+	    records[0].leaves, o->moving, o->resting, o->sweeps, (double)o->tolerance);
 	print_table(o, records, out);
 	fprintf(out, "\n- %s\n- commit %s\n", engine_context_describe(context), RELUME_COMMIT);
 	close_file(&output);
@@ -320,8 +321,8 @@ int main(int argc, char **argv)
 	    {"tolerance", 't', "T", 0, "of the solve, default 1e-4: sweeps are the limit", 0},
 	    {0},
 	};
-	const bench_command command = {"gi_stiff_motion", "Distance to the solution by frame in stiff scenes that move.",
-				       list, parse_option};
+	const bench_command command = {
+	    "gi_stiff_motion", "Distance to the solution by frame in stiff scenes that move.", list, parse_option};
 	options o = {.out = "out", .moving = 100, .resting = 50, .sweeps = 8, .tolerance = 1e-4f};
 	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	if (mkdir(o.out, 0777) && errno != EEXIST)

@@ -26,13 +26,9 @@ static EGLDisplay headless_display(void)
 static EGLContext headless_open(EGLDisplay display)
 {
 	static const EGLint config_attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
-	static const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-					    4,
-					    EGL_CONTEXT_MINOR_VERSION,
-					    5,
-					    EGL_CONTEXT_OPENGL_PROFILE_MASK,
-					    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-					    EGL_NONE};
+	static const EGLint attributes[] = {
+	    EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+	    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
 	EGLConfig config = NULL;
 	EGLint count = 0;
 	eglBindAPI(EGL_OPENGL_API);

@@ -385,9 +385,11 @@ static void set_mobility(input *in)
 	gi_mobility mobility = (gi_mobility)next_below(in, 4), now = GI_MOBILITY_AUTOMATIC;
 	gi_result result = gi_set_mobility(gi, object, mobility);
 	check(result);
-	require((result == GI_ERROR_INVALID_ARGUMENT) <= (mobility > GI_MOBILITY_STATIC), "a mobility of the list is taken");
+	require((result == GI_ERROR_INVALID_ARGUMENT) <= (mobility > GI_MOBILITY_STATIC),
+		"a mobility of the list is taken");
 	if (result == GI_OK)
-		require(gi_get_mobility(gi, object, &now) == GI_OK && now == mobility, "a mobility that was set can be got");
+		require(gi_get_mobility(gi, object, &now) == GI_OK && now == mobility,
+			"a mobility that was set can be got");
 }
 
 static void draw(input *in)
@@ -490,10 +492,33 @@ static void get_buffers(input *in)
 }
 
 /* Those that make a scene move come up more often. */
-static void (*const calls[])(input *) = {
-    create, create, create,      set_pose, set_pose, set_material, commit,       commit,      update,      update,
-    update, report, read_leaves, destroy,  draw,     read_rows,    form_factors, trace_paths, get_buffers, forget,
-    hide,   hide,   destroy_and_update, set_mobility, set_mobility, prepare_and_create, create_prepared};
+static void (*const calls[])(input *) = {create,
+					 create,
+					 create,
+					 set_pose,
+					 set_pose,
+					 set_material,
+					 commit,
+					 commit,
+					 update,
+					 update,
+					 update,
+					 report,
+					 read_leaves,
+					 destroy,
+					 draw,
+					 read_rows,
+					 form_factors,
+					 trace_paths,
+					 get_buffers,
+					 forget,
+					 hide,
+					 hide,
+					 destroy_and_update,
+					 set_mobility,
+					 set_mobility,
+					 prepare_and_create,
+					 create_prepared};
 
 /* ---- contexts ---------------------------------------------------------------------------------------------------- */
 

@@ -799,14 +799,21 @@ static void rows_that_do_not_fit(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(context_definitions),  cmocka_unit_test(environment),
-	    cmocka_unit_test(object_definitions),   cmocka_unit_test(handles),
-	    cmocka_unit_test(poses_and_materials),  cmocka_unit_test(poses_come_back),
+	    cmocka_unit_test(context_definitions),
+	    cmocka_unit_test(environment),
+	    cmocka_unit_test(object_definitions),
+	    cmocka_unit_test(handles),
+	    cmocka_unit_test(poses_and_materials),
+	    cmocka_unit_test(poses_come_back),
 	    cmocka_unit_test(null_pointers),
-	    cmocka_unit_test(update_before_commit), cmocka_unit_test(read_before_update),
-	    cmocka_unit_test(empty_scene),          cmocka_unit_test(one_leaf),
-	    cmocka_unit_test(blind_leaf),           cmocka_unit_test(no_light),
-	    cmocka_unit_test(many_lives),           cmocka_unit_test(commit_that_fails),
+	    cmocka_unit_test(update_before_commit),
+	    cmocka_unit_test(read_before_update),
+	    cmocka_unit_test(empty_scene),
+	    cmocka_unit_test(one_leaf),
+	    cmocka_unit_test(blind_leaf),
+	    cmocka_unit_test(no_light),
+	    cmocka_unit_test(many_lives),
+	    cmocka_unit_test(commit_that_fails),
 	    cmocka_unit_test(rows_that_do_not_fit),
 	};
 	return cmocka_run_group_tests_name("bad input", tests, harness_open, harness_close);

@@ -436,8 +436,9 @@ static void time_holds_after_commits(void **state)
 	room_of_many room;
 	gi_context *gi = open_many(&room, &def, 12);
 	const gi_material dark = {.rho = {.5f, .5f, .5f}}, lit = {.rho = {.5f, .5f, .5f}, .exitance = {30, 20, 10}};
-	static const char *const events[] = {"one moves",	 "one went", "a static one went", "ten came",
-					     "a static one came", "one shines", "it is put out",     "a static one moves"};
+	static const char *const events[] = {"one moves",     "one went",          "a static one went",
+					     "ten came",      "a static one came", "one shines",
+					     "it is put out", "a static one moves"};
 	enum { EVENTS = sizeof events / sizeof *events, AFTER = 4 };
 	for (int warm = 0; warm < 12; warm++) { /* what things take is learned */
 		assert_gi(gi_set_pose(gi, room.boxes[0], (gi_pose){{-2.5f, .01f * (float)warm, -2.5f}, {0, 0, 0, 1}}));

@@ -252,7 +252,8 @@ static moving_box open_moving(const gi_pose *poses)
 	m.movers[0] = m.box.ball;
 	m.movers[1] = add_ball(m.box.gi, false, 6);
 	engine_mesh mesh;
-	assert_true(shape_box((const float[]){-0.2f, -0.2f, -0.2f}, (const float[]){0.2f, 0.2f, 0.2f}, 2, false, &mesh));
+	assert_true(
+	    shape_box((const float[]){-0.2f, -0.2f, -0.2f}, (const float[]){0.2f, 0.2f, 0.2f}, 2, false, &mesh));
 	const scene_body block = {.name = "block", .rho = BLACK, .moves = true};
 	assert_gi(scene_add_body(m.box.gi, &block, &mesh, &m.movers[2]));
 	for (int k = 0; k < MOVERS; k++)
@@ -346,9 +347,9 @@ static void test_moves(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_mirror_flux),
-		cmocka_unit_test(test_glass_flux),
-		cmocka_unit_test(test_moves),
+	    cmocka_unit_test(test_mirror_flux),
+	    cmocka_unit_test(test_glass_flux),
+	    cmocka_unit_test(test_moves),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }

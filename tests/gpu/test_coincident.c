@@ -118,8 +118,7 @@ static void create(gi_context *gi, engine_mesh *mesh, const gi_material *materia
 
 static gi_material material_of(const sheet *s)
 {
-	return (gi_material){.rho = {s->rho, s->rho, s->rho},
-			     .exitance = {s->exitance, s->exitance, s->exitance}};
+	return (gi_material){.rho = {s->rho, s->rho, s->rho}, .exitance = {s->exitance, s->exitance, s->exitance}};
 }
 
 static void create_sheets(gi_context *gi, const sheets *s, way as, gi_pose pose)

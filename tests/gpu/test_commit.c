@@ -68,7 +68,7 @@ static void query_64(GLuint id, GLenum name, GLuint64 *out)
 
 #define COUNTED(text, type, real, mine)                                                                                \
 	if (strcmp(name, text) == 0) {                                                                                 \
-		real = (type)real_get_proc_address(name, user);                                                              \
+		real = (type)real_get_proc_address(name, user);                                                        \
 		return (gi_proc)(mine);                                                                                \
 	}
 

@@ -30,7 +30,8 @@ static gi_object add_quad(gi_context *gi, float y, bool up, uint32_t n, float ex
 	engine_mesh mesh;
 	const float x[3] = {2, 0, 0}, z[3] = {0, 0, 2};
 	assert_true(shape_quad((float[]){-1, y, -1}, up ? z : x, up ? x : z, n, n, &mesh));
-	return harness_add(gi, &(harness_object){.name = "quad", .rho = {.5f, .5f, .5f}, .exitance = {exitance}}, &mesh);
+	return harness_add(gi, &(harness_object){.name = "quad", .rho = {.5f, .5f, .5f}, .exitance = {exitance}},
+			   &mesh);
 }
 
 static gi_object add_box(gi_context *gi, uint32_t number, gi_mobility mobility)

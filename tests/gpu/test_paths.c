@@ -215,10 +215,7 @@ static void furnace(void **state)
 static void nearly_white_rooms_end(void **state)
 {
 	(void)state;
-	enum {
-		CALLS = 12,
-		WALLS = 6
-	};
+	enum { CALLS = 12, WALLS = 6 };
 	static const float rho[] = {0.9995f, 0.9999999f};
 	for (int k = 0; k < 2; k++) {
 		gi_context_def def = harness_def();
@@ -244,8 +241,8 @@ static void nearly_white_rooms_end(void **state)
 			free(t.irradiance);
 		}
 		const double away = sigmas_from_zero(excess, CALLS * WALLS);
-		printf("  rho %.7f: mean %+.1f %% from E / (1 - rho), %.1f standard errors\n", (double)rho[k], 100 * mean,
-		       away);
+		printf("  rho %.7f: mean %+.1f %% from E / (1 - rho), %.1f standard errors\n", (double)rho[k],
+		       100 * mean, away);
 		if (k == 0) /* the other one's noise is no normal distribution */
 			expect_below("standard errors from E / (1 - rho)", away, SIGMAS);
 		gi_context_destroy(gi);

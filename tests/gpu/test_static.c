@@ -75,9 +75,8 @@ static gi_context *open_hall_of(int rows, gi_mobility mobility, float row_tolera
 		const float high = .2f + .2f * (float)random_below(7), turn = .1f * (float)random_below(16),
 			    rho = .2f + .1f * (float)random_below(7);
 		assert_true(shape_box((float[]){-.25f, 0, -.25f}, (float[]){.25f, high, .25f}, 1, false, &mesh));
-		const gi_pose pose = {
-		    {1.2f * ((float)(k % rows) + .5f), .005f, 1.2f * ((float)(k / rows) + .5f)},
-		    {0, sinf(turn), 0, cosf(turn)}};
+		const gi_pose pose = {{1.2f * ((float)(k % rows) + .5f), .005f, 1.2f * ((float)(k / rows) + .5f)},
+				      {0, sinf(turn), 0, cosf(turn)}};
 		hall_boxes[k] = add_static(gi, "box", &mesh, mobility, pose, (gi_material){.rho = {rho, rho, .5f}});
 	}
 	assert_gi(gi_commit(gi));
@@ -217,7 +216,8 @@ static void other_nodes_in_the_same_order(void **state)
 	assert_gi(gi_set_pose(gi, middle, pose));
 	assert_gi(gi_set_mobility(gi, middle, GI_MOBILITY_STATIC));
 	const gi_report r = harness_update(gi);
-	printf("  of %llu entries %llu are cut anew\n", (unsigned long long)r.entries, (unsigned long long)r.new_entries);
+	printf("  of %llu entries %llu are cut anew\n", (unsigned long long)r.entries,
+	       (unsigned long long)r.new_entries);
 	expect_rebuilt_rows(gi, "the middle one moved and stays static");
 
 	assert_gi(gi_set_mobility(gi, middle, GI_MOBILITY_MOVABLE));
@@ -413,9 +413,12 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(the_same_nodes_of_one_that_stepped),
-	    cmocka_unit_test(other_nodes_in_the_same_order), cmocka_unit_test(the_hall_moves),
-	    cmocka_unit_test(the_light_of_static_things),    cmocka_unit_test(one_of_many_static_things),
-	    cmocka_unit_test(automatic_until_it_moves),      cmocka_unit_test(form_factors_of_static_things),
+	    cmocka_unit_test(other_nodes_in_the_same_order),
+	    cmocka_unit_test(the_hall_moves),
+	    cmocka_unit_test(the_light_of_static_things),
+	    cmocka_unit_test(one_of_many_static_things),
+	    cmocka_unit_test(automatic_until_it_moves),
+	    cmocka_unit_test(form_factors_of_static_things),
 	    cmocka_unit_test(a_file_of_many_things),
 	};
 	return cmocka_run_group_tests_name("static objects", tests, harness_open, harness_close);

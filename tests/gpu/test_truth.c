@@ -107,8 +107,8 @@ static void discs(void **state)
 		mesh.positions[3 * k + 1] *= -1;
 		mesh.positions[3 * k + 2] *= -1;
 	}
-	const gi_object high = harness_add(
-		gi, &(harness_object){.name = "high", .rho = {.5f, .5f, .5f}, .position = {0, 1, 0}}, &mesh);
+	const gi_object high =
+	    harness_add(gi, &(harness_object){.name = "high", .rho = {.5f, .5f, .5f}, .position = {0, 1, 0}}, &mesh);
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
 	expect_near("C-41 r 1, r 1, gap 1", factor(gi, low, high), 0.381966011250, HALF_PER_CENT);
@@ -147,8 +147,10 @@ static void spheres(void **state)
 		engine_mesh mesh;
 		assert_true(shape_sphere(1, 16, &mesh));
 		scale_to_area(&mesh, 4 * 3.14159265358979);
-		object[k] = harness_add(gi, &(harness_object){.name = "sphere", .rho = {.5f, .5f, .5f},
-							      .position = {3.0f * (float)k, 0, 0}}, &mesh);
+		object[k] = harness_add(
+		    gi,
+		    &(harness_object){.name = "sphere", .rho = {.5f, .5f, .5f}, .position = {3.0f * (float)k, 0, 0}},
+		    &mesh);
 	}
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
@@ -165,9 +167,9 @@ static void one_leaf_cube(void **state)
 	gi_context *gi = harness_context(&def);
 	const float rho = .5f;
 	const float corners[6][3][3] = {
-		{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}, /* floor, facing up */
-		{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
-		{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}},
+	    {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}, /* floor, facing up */
+	    {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+	    {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}},
 	};
 	for (int k = 0; k < 6; k++) {
 		engine_mesh mesh;
@@ -260,10 +262,14 @@ static void furnace(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(parallel_rectangles), cmocka_unit_test(perpendicular_rectangles),
-		cmocka_unit_test(occluded_squares),    cmocka_unit_test(discs),
-		cmocka_unit_test(spheres),	       cmocka_unit_test(one_leaf_cube),
-		cmocka_unit_test(one_leaf_pair),       cmocka_unit_test(furnace),
+	    cmocka_unit_test(parallel_rectangles),
+	    cmocka_unit_test(perpendicular_rectangles),
+	    cmocka_unit_test(occluded_squares),
+	    cmocka_unit_test(discs),
+	    cmocka_unit_test(spheres),
+	    cmocka_unit_test(one_leaf_cube),
+	    cmocka_unit_test(one_leaf_pair),
+	    cmocka_unit_test(furnace),
 	};
 	return cmocka_run_group_tests_name("truth", tests, harness_open, harness_close);
 }

@@ -478,19 +478,21 @@ static void a_mover_below_a_cover(void **state)
 			inside = 6 * 9;
 		}
 		assert_true(shape_box((float[]){-.1f, .3f, -.1f}, (float[]){.1f, .5f, .1f}, 2, false, &mesh));
-		const gi_object mover = harness_add(w.gi, &(harness_object){.name = "mover", .rho = {.5f, .5f, .5f}}, &mesh);
+		const gi_object mover =
+		    harness_add(w.gi, &(harness_object){.name = "mover", .rho = {.5f, .5f, .5f}}, &mesh);
 		inside += 6 * 4;
 		assert_gi(gi_commit(w.gi));
 		harness_update(w.gi);
 		gi_report r = {0};
 		for (int frame = 1; frame <= 4; frame++) {
-			assert_gi(gi_set_pose(w.gi, mover, (gi_pose){{.05f * (float)frame, 0, .02f * (float)frame}, {0, 0, 0, 1}}));
+			assert_gi(gi_set_pose(w.gi, mover,
+					      (gi_pose){{.05f * (float)frame, 0, .02f * (float)frame}, {0, 0, 0, 1}}));
 			r = harness_update(w.gi);
 			assert_true(r.dirty_rows > r.leaves / 4);
 			assert_true(covered ? r.closed_rows <= inside : r.closed_rows > r.leaves / 8);
 		}
-		printf("  %s: of %u rows %llu are dirty, %llu are closed\n", covered ? "below a cover" : "in the open", r.leaves,
-		       (unsigned long long)r.dirty_rows, (unsigned long long)r.closed_rows);
+		printf("  %s: of %u rows %llu are dirty, %llu are closed\n", covered ? "below a cover" : "in the open",
+		       r.leaves, (unsigned long long)r.dirty_rows, (unsigned long long)r.closed_rows);
 		snapshot kept = snapshot_take(w.gi);
 		gi_invalidate(w.gi);
 		harness_update(w.gi);
@@ -555,9 +557,12 @@ static void under_a_budget(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(in_a_box),          cmocka_unit_test(in_a_room),
-	    cmocka_unit_test(in_a_crowd),        cmocka_unit_test(one_more_one_less),
-	    cmocka_unit_test(a_mover_below_a_cover), cmocka_unit_test(under_a_budget),
+	    cmocka_unit_test(in_a_box),
+	    cmocka_unit_test(in_a_room),
+	    cmocka_unit_test(in_a_crowd),
+	    cmocka_unit_test(one_more_one_less),
+	    cmocka_unit_test(a_mover_below_a_cover),
+	    cmocka_unit_test(under_a_budget),
 	};
 	return cmocka_run_group_tests_name("worlds", tests, harness_open, harness_close);
 }

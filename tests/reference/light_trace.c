@@ -191,7 +191,7 @@ static bool go_on(const light_tracer *t, const light_surface *surface, const str
 	triangle_normal(t->scene, hit->hit.primID, flat);
 	glm_vec3_normalize(flat);
 	smooth_normal(t->scene, hit->hit.primID, hit->hit.u, hit->hit.v, n);
-	bool front = glm_vec3_dot(flat, packet->direction) < 0, glass = luminous(surface->transmittance) > 0;
+	bool front = glm_vec3_dot(flat, packet->direction)<0, glass = luminous(surface->transmittance)> 0;
 	double index = front ? surface->index : 1 / surface->index;
 	if (!front) {
 		glm_vec3_negate(flat);
@@ -221,9 +221,14 @@ static void follow(const light_tracer *t, uint64_t *numbers, light_result *out)
 	emit(t, numbers, &packet);
 	add_flux(&out->emitted, packet.rgb);
 	for (int step = 0; step < MOST_STEPS; step++) {
-		struct RTCRayHit hit = {.ray = {.org_x = packet.origin[0], .org_y = packet.origin[1], .org_z = packet.origin[2],
-						.dir_x = packet.direction[0], .dir_y = packet.direction[1],
-						.dir_z = packet.direction[2], .tfar = INFINITY, .mask = 0xffffffffu}};
+		struct RTCRayHit hit = {.ray = {.org_x = packet.origin[0],
+						.org_y = packet.origin[1],
+						.org_z = packet.origin[2],
+						.dir_x = packet.direction[0],
+						.dir_y = packet.direction[1],
+						.dir_z = packet.direction[2],
+						.tfar = INFINITY,
+						.mask = 0xffffffffu}};
 		hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 		embree_closest(t->embree, &hit, NULL);
 		if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
@@ -236,7 +241,9 @@ static void follow(const light_tracer *t, uint64_t *numbers, light_result *out)
 			vec3 n;
 			triangle_normal(t->scene, triangle, n);
 			bool front = glm_vec3_dot(n, packet.direction) < 0;
-			add_flux(!front ? &out->absorbed : step == 0 ? &out->direct[triangle] : &out->specular[triangle],
+			add_flux(!front      ? &out->absorbed
+				 : step == 0 ? &out->direct[triangle]
+					     : &out->specular[triangle],
 				 packet.rgb);
 			return;
 		}
@@ -291,8 +298,8 @@ static bool build_embree(light_tracer *t)
 	RTCGeometry geometry = t->embree ? rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE) : NULL;
 	if (!geometry)
 		return false;
-	float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-						   scene->vertex_count);
+	float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+						   3 * sizeof(float), scene->vertex_count);
 	uint32_t *corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
 						    3 * sizeof(uint32_t), scene->triangle_count);
 	if (positions && corners) {

@@ -12,18 +12,19 @@
 
 /* What the two sides of a triangle do. Where all of specular and transmittance are 0 it takes what arrives. */
 typedef struct light_surface {
-	float exitance[3];      /* W/m2 from the front, >= 0 */
-	float specular[3];      /* of a mirror: share that is reflected, [0, 1]; the rest is absorbed. Its back is black */
+	float exitance[3]; /* W/m2 from the front, >= 0 */
+	float specular[3]; /* of a mirror: share that is reflected, [0, 1]; the rest is absorbed. Its back is black */
 	float transmittance[3]; /* of glass: share of what is refracted that goes on, at each crossing, [0, 1] */
-	float index;            /* of refraction behind the front, over that before it; where transmittance is above 0 */
+	float index; /* of refraction behind the front, over that before it; where transmittance is above 0 */
 } light_surface;
 
 /* The caller's arrays; they are read during the call only. */
 typedef struct light_scene {
-	const float *positions;       /* vertex_count * 3, metres */
-	const float *normals;         /* vertex_count * 3, unit: mirrors and glass are as smooth as these; NULL: as triangles are */
-	const uint32_t *corners;      /* triangle_count * 3, counter-clockwise seen from the front */
-	const uint32_t *surface_of;   /* triangle_count */
+	const float *positions; /* vertex_count * 3, metres */
+	const float
+	    *normals; /* vertex_count * 3, unit: mirrors and glass are as smooth as these; NULL: as triangles are */
+	const uint32_t *corners;    /* triangle_count * 3, counter-clockwise seen from the front */
+	const uint32_t *surface_of; /* triangle_count */
 	const light_surface *surfaces;
 	uint32_t vertex_count, triangle_count;
 } light_scene;
@@ -37,7 +38,7 @@ typedef struct light_result {
 	light_flux *direct;   /* triangle_count: arrived straight from an emitter */
 	light_flux *specular; /* triangle_count: arrived after at least one mirror or glass surface */
 	light_flux emitted, escaped;
-	light_flux absorbed;  /* by mirrors, glass and backs */
+	light_flux absorbed; /* by mirrors, glass and backs */
 } light_result;
 
 /* `packets` in all, >= 1, the same bits for the same seed whatever the number of threads. False, with *out zeroed, when

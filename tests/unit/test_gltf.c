@@ -396,13 +396,13 @@ static void broken_geometry_is_left_out(void **state)
 		 "\"type\":\"VEC3\"},{}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":456}]," BUFFER "," MESH "}",
 	    "past the end");
 	/* One buffer of two is not there. */
-	check_one_left(HEAD "\"nodes\":[{\"mesh\":0},{\"mesh\":1}],\"meshes\":[{\"primitives\":[" SQUARE
-			    "]},{\"primitives\":[{\"attributes\":{\"POSITION\":2}}]}],\"buffers\":[{\"byteLength\":456,"
-			    "\"uri\":\"scene%20file.bin\"},{\"byteLength\":48,\"uri\":\"gone.bin\"}],\"bufferViews\":"
-			    "[" VIEW(0, 48) "," VIEW(48, 12) ",{\"buffer\":1,\"byteLength\":48}],\"accessors\":"
-							     "[" ACCESSOR(0, 5126, 4, "VEC3") "," ACCESSOR(
-								 1, 5123, 6, "SCALAR") "," ACCESSOR(2, 5126, 4,
-												    "VEC3") "]}",
+	check_one_left(HEAD
+		       "\"nodes\":[{\"mesh\":0},{\"mesh\":1}],\"meshes\":[{\"primitives\":[" SQUARE
+		       "]},{\"primitives\":[{\"attributes\":{\"POSITION\":2}}]}],\"buffers\":[{\"byteLength\":456,"
+		       "\"uri\":\"scene%20file.bin\"},{\"byteLength\":48,\"uri\":\"gone.bin\"}],\"bufferViews\":"
+		       "[" VIEW(0, 48) "," VIEW(48, 12) ",{\"buffer\":1,\"byteLength\":48}],\"accessors\":"
+							"[" ACCESSOR(0, 5126, 4, "VEC3") "," ACCESSOR(
+							    1, 5123, 6, "SCALAR") "," ACCESSOR(2, 5126, 4, "VEC3") "]}",
 		       "a buffer cannot be opened (No such file or directory) (\"gone.bin\"); parts of meshes");
 	check_one_left(ONE_PRIMITIVE(SQUARE ",{\"attributes\":{\"POSITION\":1}}"), "parts of meshes are left out");
 	engine_scene scene = load_gltf(ONE_PRIMITIVE("{\"attributes\":{\"POSITION\":5},\"indices\":1}"));

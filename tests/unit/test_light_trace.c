@@ -216,10 +216,10 @@ static void test_glass_ball(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_fresnel),
-		cmocka_unit_test(test_plate),
-		cmocka_unit_test(test_mirror_ball),
-		cmocka_unit_test(test_glass_ball),
+	    cmocka_unit_test(test_fresnel),
+	    cmocka_unit_test(test_plate),
+	    cmocka_unit_test(test_mirror_ball),
+	    cmocka_unit_test(test_glass_ball),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

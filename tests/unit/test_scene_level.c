@@ -370,10 +370,8 @@ static void points_without_rounding(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(rooms_that_share_a_wall),
-	    cmocka_unit_test(what_is_apart_stays_apart),
-	    cmocka_unit_test(what_people_write_is_meant),
-	    cmocka_unit_test(curved_meshes_stay_curved),
+	    cmocka_unit_test(rooms_that_share_a_wall),    cmocka_unit_test(what_is_apart_stays_apart),
+	    cmocka_unit_test(what_people_write_is_meant), cmocka_unit_test(curved_meshes_stay_curved),
 	    cmocka_unit_test(points_without_rounding),
 	};
 	return cmocka_run_group_tests_name("level planes", tests, make_folder, remove_folder);

@@ -167,8 +167,8 @@ static void cleaning_drops_faces_that_are_there_twice(void **state)
 {
 	(void)state;
 	float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0};
-	uint32_t counts[] = {3, 3, 3, 3, 4, 4, 4, 4}, indices[] = {0, 1, 2, 1, 2, 0, 6, 4, 5, 2, 1, 0, 0, 1, 2, 3,
-								   3, 0, 1, 2, 2, 3, 0, 1, 5, 6, 3, 4};
+	uint32_t counts[] = {3, 3, 3, 3, 4, 4, 4, 4},
+		 indices[] = {0, 1, 2, 1, 2, 0, 6, 4, 5, 2, 1, 0, 0, 1, 2, 3, 3, 0, 1, 2, 2, 3, 0, 1, 5, 6, 3, 4};
 	uint32_t materials[] = {4, 1, 2, 5, 6, 3, 7, 8};
 	engine_mesh part = {.positions = positions,
 			    .vertex_count = 7,
