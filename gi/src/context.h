@@ -50,6 +50,7 @@ struct gi_context {
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number; /* of gi_draw calls */
 	gi_report report;
+	/* What the CPU knows of frames not reported yet, by frame number modulo the ring. */
 	struct {
 		uint64_t frame;
 		uint32_t dispatches;
@@ -58,8 +59,7 @@ struct gi_context {
 		float commit_ms; /* of that: a commit in the update, for a static object that moved or was hidden */
 		uint32_t rows_update; /* number of the rows' update that it ended with */
 		bool rebuilt;         /* which built all of them */
-	} issued
-	    [GPU_READBACK_RING]; /* what the CPU knows of frames not reported yet, by frame number modulo the ring */
+	} issued[GPU_READBACK_RING];
 };
 
 #endif
