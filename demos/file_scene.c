@@ -297,7 +297,7 @@ void file_scene_free(file_scene *f)
 /* ---- objects ---- */
 
 /* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
-static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to)
+static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to, gi_specular *specular)
 {
 	uint32_t count = 0, *number = malloc(sizeof *number * (scene->material_count + 1));
 	if (!number)
@@ -311,6 +311,9 @@ static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_
 			memcpy(to[count].rho, m->rho, sizeof m->rho);
 			for (int c = 0; c < 3; c++)
 				to[count].exitance[c] = PI * m->radiance[c]; /* a lambertian side: E = pi L */
+			memcpy(specular[count].reflectance, m->mirror, sizeof m->mirror);
+			memcpy(specular[count].transmittance, m->glass, sizeof m->glass);
+			specular[count].index = m->index;
 			number[*material] = count++;
 		}
 		*material = number[*material];
@@ -331,6 +334,7 @@ static gi_pose to_pose(const engine_pose *pose)
 typedef struct prepared {
 	engine_mesh cage, drawn; /* drawn: empty where the cage is */
 	gi_material *materials;
+	gi_specular *specular;
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -347,6 +351,7 @@ static void define(const file_scene *f, const engine_scene_object *object, const
 	def->index_count = p->cage.index_count;
 	def->face_materials = p->cage.face_materials;
 	def->materials = p->materials;
+	def->specular = p->specular;
 	def->draw_positions = p->drawn.positions;
 	def->draw_vertex_count = p->drawn.vertex_count;
 	def->draw_indices = p->drawn.indices;
@@ -384,7 +389,9 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
 			    object->mesh.face_count, out->cage.face_count);
 	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
-	def->material_count = out->materials ? take_materials(&f->scene, &out->cage, out->materials) : 0;
+	out->specular = malloc(sizeof *out->specular * (f->scene.material_count + 1));
+	if (out->materials && out->specular)
+		def->material_count = take_materials(&f->scene, &out->cage, out->materials, out->specular);
 	if (!def->material_count) {
 		snprintf(message, message_size, "out of memory");
 		return false;
@@ -459,6 +466,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		engine_mesh_free(&objects[k].cage);
 		engine_mesh_free(&objects[k].drawn);
 		free(objects[k].materials);
+		free(objects[k].specular);
 	}
 	free(objects);
 	free(defs);

@@ -69,11 +69,55 @@ static bool is_clear(gltf_document *document, const cJSON *from, const char *nam
 	return clear;
 }
 
-/* The factor's default is 1. */
-static bool is_metal(const cJSON *surface)
+/* Rougher surfaces are no mirrors and no clear glass. */
+static const double SMOOTH = 0.1;
+
+static double clamp(double x, double least, double most)
 {
-	double metallic = 1;
-	return surface && gltf_number(surface, "metallicFactor", &metallic) && metallic > 0;
+	return x > least ? fmin(x, most) : least; /* no number: least */
+}
+
+/* The defaults are 1, where there is a surface at all. */
+static double surface_factor(const cJSON *surface, const char *key, double without)
+{
+	double factor = 1;
+	return surface && gltf_number(surface, key, &factor) ? clamp(factor, 0, 1) : without;
+}
+
+/* Of what is metal, or lets light through, that much is no longer diffuse. */
+static void take_share(engine_scene_material *material, const double color[3], double share, float to[3])
+{
+	for (int c = 0; c < 3; c++) {
+		const double part = clamp(color[c], 0, 1) * share;
+		to[c] = (float)part;
+		material->rho[c] = (float)clamp(color[c] - part, 0, 1 - part);
+	}
+}
+
+/* A smooth metal is a mirror of its colour, what transmits is glass of its colour. */
+static void read_smoothness(gltf_document *document, const cJSON *from, const double color[3],
+			    engine_scene_material *material)
+{
+	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
+	const cJSON *transmits = gltf_extension(from, "KHR_materials_transmission");
+	const double metallic = surface_factor(surface, "metallicFactor", 0);
+	const bool smooth = surface_factor(surface, "roughnessFactor", 1) < SMOOTH;
+	double transmission = 0, index = 1.5;
+	if (transmits && !gltf_number(transmits, "transmissionFactor", &transmission))
+		transmission = 0;
+	transmission = clamp(transmission, 0, 1) * (1 - metallic);
+	gltf_number(gltf_extension(from, "KHR_materials_ior"), "ior", &index);
+	if (transmission > 0) {
+		take_share(material, color, transmission, material->glass);
+		material->index = (float)clamp(index, 1, 4);
+		note_unread(document, !smooth, material->name, "rough glass is taken as clear");
+		note_unread(document, gltf_member(transmits, "transmissionTexture"), material->name,
+			    "textures of transmission are not read");
+	} else if (metallic > 0 && smooth) {
+		take_share(material, color, metallic, material->mirror);
+	} else {
+		note_unread(document, metallic > 0, material->name, "rough metals are taken as diffuse");
+	}
 }
 
 static bool read_material(gltf_document *document, const cJSON *from)
@@ -89,7 +133,7 @@ static bool read_material(gltf_document *document, const cJSON *from)
 	material->double_sided = cJSON_IsTrue(gltf_member(from, "doubleSided"));
 	material->clear = is_clear(document, from, material->name, color[3]);
 	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
-	note_unread(document, is_metal(surface), material->name, "metals are taken as diffuse");
+	read_smoothness(document, from, color, material);
 	note_unread(document, gltf_member(surface, "metallicRoughnessTexture") || gltf_member(from, "normalTexture"),
 		    material->name, "textures of roughness, metal and normals are not read");
 	return true;

@@ -15,6 +15,9 @@ enum { ENGINE_SCENE_MAX_LEVELS = 8 };
 typedef struct engine_scene_material {
 	char *name;        /* never NULL; control characters are replaced by blanks */
 	float rho[3];      /* linear RGB, each in [0, 1) */
+	float mirror[3];   /* share of light that is reflected as by a mirror, [0, 1 - rho] */
+	float glass[3];    /* share of refracted light that goes on, [0, 1 - rho]; 0 where it is a mirror */
+	float index;       /* of refraction, of glass, 1..4 */
 	float radiance[3]; /* L of one side, W/(m2 sr), >= 0; exitance E = pi L */
 	bool double_sided; /* two back-to-back sides */
 	bool used;         /* some face has it */

@@ -570,17 +570,55 @@ static void faces_of_little_alpha_let_light_through(void **state)
 		   "");
 }
 
+static void check_smooth(const char *members, const float rho[3], const float mirror[3], const float glass[3],
+			 float index)
+{
+	engine_scene scene = load_kind(members);
+	const engine_scene_material *m = &scene.materials[scene.objects[0].mesh.face_materials[0]];
+	for (int c = 0; c < 3; c++) {
+		assert_float_equal(m->rho[c], rho[c], 1e-6);
+		assert_float_equal(m->mirror[c], mirror[c], 1e-6);
+		assert_float_equal(m->glass[c], glass[c], 1e-6);
+		assert_true(m->rho[c] + m->mirror[c] <= 1 && m->rho[c] + m->glass[c] <= 1);
+	}
+	assert_float_equal(m->index, index, 1e-6);
+	check_tells(&scene, "");
+	engine_scene_free(&scene);
+}
+
+static void smooth_metals_are_mirrors_and_what_transmits_is_glass(void **state)
+{
+	(void)state;
+	static const float none[3] = {0, 0, 0}, white[3] = {1, 1, 1};
+	begin();
+	check_smooth(PAINTED(",\"pbrMetallicRoughness\":{\"roughnessFactor\":0.05,\"baseColorFactor\":[1,0.8,0.4,1]}"),
+		     none, (float[]){1, .8f, .4f}, none, 0);
+	check_smooth(PAINTED(",\"pbrMetallicRoughness\":{\"roughnessFactor\":0,\"metallicFactor\":0.25,"
+			     "\"baseColorFactor\":[0.8,0.8,0.4,1]}"),
+		     (float[]){.6f, .6f, .3f}, (float[]){.2f, .2f, .1f}, none, 0);
+	check_smooth(PAINTED(",\"pbrMetallicRoughness\":{\"roughnessFactor\":0,\"metallicFactor\":0,"
+			     "\"baseColorFactor\":[1,1,1,1]},\"extensions\":{\"KHR_materials_transmission\":{"
+			     "\"transmissionFactor\":1},\"KHR_materials_ior\":{\"ior\":1.33}}"),
+		     none, none, white, 1.33f);
+	check_smooth(PAINTED(",\"pbrMetallicRoughness\":{\"roughnessFactor\":0,\"metallicFactor\":0,"
+			     "\"baseColorFactor\":[0.5,2,1,1]},\"extensions\":{\"KHR_materials_transmission\":{"
+			     "\"transmissionFactor\":0.5},\"KHR_materials_ior\":{\"ior\":0}}"),
+		     (float[]){.25f, .5f, .5f}, none, (float[]){.25f, .5f, .5f}, 1);
+}
+
 static void what_is_not_read_is_told(void **state)
 {
 	(void)state;
 	begin();
 	check_kind(PAINTED(",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.6,0.3,1]}"), 2,
-		   "metals are taken as diffuse");
+		   "rough metals are taken as diffuse");
 	check_kind(PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0}"), 2, "");
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_unlit\":{}}"), 2,
 		   "uses of KHR_materials_unlit are not read (\"paint\")");
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}}"), 2,
-		   "KHR_materials_transmission");
+		   "rough glass is taken as clear");
+	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_volume\":{}}"), 2,
+		   "uses of KHR_materials_volume are not read");
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.1,0.2,0.3,1]"
 			   "}}"),
 		   2, "");
@@ -813,6 +851,7 @@ int main(void)
 	    cmocka_unit_test(meshes_far_from_their_own_zero),
 	    cmocka_unit_test(emissive_textures_count_by_their_mean),
 	    cmocka_unit_test(faces_of_little_alpha_let_light_through),
+	    cmocka_unit_test(smooth_metals_are_mirrors_and_what_transmits_is_glass),
 	    cmocka_unit_test(what_is_not_read_is_told),
 	    cmocka_unit_test(white_is_told_once),
 	    cmocka_unit_test(colours_of_vertices_are_read),
