@@ -18,7 +18,7 @@ static const float MARGIN_LIFTS = 16;
 
 /* Uniforms: of programs for packets, of caustic_trace.comp besides, of caustic_begin.comp. */
 enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2, ALLOWED = 3 };
-enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3 };
+enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3, BEGIN_SEEN = 4 };
 
 /* Under a budget of time packets get this share of it. */
 static const float SHARE = 0.25f;
@@ -34,6 +34,7 @@ enum { PROGRAMS = 7 };
 struct gi_caustics {
 	bool built;  /* packets are of the committed scene */
 	bool spread; /* their radii are of where they are */
+	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
 	gi_uvec4 *traced;     /* pair_count: lights of the pair whose packets these are */
 	uint32_t anew;        /* pairs that are traced anew for certain */
@@ -111,8 +112,31 @@ static bool changed(const scene_object *o)
 	return o->moved || o->relit || o->material_changed;
 }
 
-/* At most this share of what the emitter gives goes to the sphere: from its nearest point a cap of solid angle
- * 2 pi (1 - cosine), and radiance is exitance / pi. */
+/* Has anything changed that any pair may see? */
+static bool any_changed(const gi_scene *s)
+{
+	bool any = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		any = any || (s->slots[slot] != GI_NONE && changed(&s->objects[s->slots[slot]]));
+	return any;
+}
+
+/* Does what is known of the packets no longer tell which of them are right? Other values of a mirror or glass change
+ * packets of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
+static bool all_are_anew(const gi_context *gi)
+{
+	const gi_scene *s = &gi->scene;
+	bool moved = false, other = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		moved = moved || (o && o->moved);
+		other = other || (o && o->specular && o->material_changed);
+	}
+	return other || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
+}
+
+/* No packet carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
+ * sphere is a cap of solid angle 2 pi (1 - cosine), and radiance is exitance / pi; a point within it looks everywhere. */
 static double largest_share(const gi_object_data *emitter, const gi_object_data *smooth)
 {
 	double square = 0;
@@ -121,7 +145,7 @@ static double largest_share(const gi_object_data *emitter, const gi_object_data 
 		square += d * d;
 	}
 	const double near = sqrt(square) - emitter->sphere.w, sine = smooth->sphere.w / fmax(near, smooth->sphere.w);
-	return fmin(2 * (1 - sqrt(fmax(1 - sine * sine, 0))), 1);
+	return sine < 1 ? 2 * (1 - sqrt(1 - sine * sine)) : 4;
 }
 
 /* Fills the list, or counts them where it is NULL. */
@@ -269,6 +293,7 @@ static void trace(gi_context *gi, uint32_t allowed)
 	gpu_set_floats(&gi->gpu, c->begin_program, BEGIN_MARGIN, 1, 1, &margin);
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PHOTONS_A_PAIR, c->photons_a_pair);
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_ALLOWED, allowed);
+	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_SEEN, c->seen);
 	gpu_dispatch(&gi->gpu, c->begin_program, c->pair_count);
 	gpu_set_floats(&gi->gpu, c->trace_program, LIFT, 1, 1, &lift);
 	gpu_set_uint(&gi->gpu, c->trace_program, ALLOWED, allowed);
@@ -293,13 +318,15 @@ bool caustics_are_late(const gi_context *gi)
 	return gi->caustics && gi->caustics->missing > 0;
 }
 
-gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
+static gi_result update(gi_context *gi, const gi_budget *budget)
 {
 	gi_lights lights = {0};
 	if (!gi->smooth || !gi->def.caustic_photons) {
 		caustics_free(gi);
 		return GI_OK;
 	}
+	if (all_are_anew(gi))
+		caustics_invalidate(gi);
 	if (!lights_find(&gi->scene, lights_largest, &lights))
 		return out_of_memory(gi);
 	const uint32_t pairs = list_pairs(gi, &lights, NULL);
@@ -324,11 +351,20 @@ gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
 	const uint32_t allowed = allowed_packets(gi, budget);
 	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
-	note_missing(gi->caustics, moved, allowed);
+	note_missing(gi->caustics, any_changed(&gi->scene), allowed);
+	gi->caustics->seen = gi->rows.update;
 	gi->caustics->asked_frame = gi->frame_number;
 	gi->caustics->asked_packets = allowed * gi->caustics->anew;
 	gi->caustics->built = true;
 	return GI_OK;
+}
+
+gi_result caustics_update(gi_context *gi, const gi_budget *budget)
+{
+	const gi_result result = update(gi, budget);
+	if (result)
+		caustics_invalidate(gi);
+	return result;
 }
 
 uint32_t caustics_emitted_program(const gi_context *gi)
