@@ -37,6 +37,7 @@ struct gi_caustics {
 	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
 	gi_uvec4 *traced;     /* pair_count: lights of the pair whose packets these are */
+	gi_caustic_pair *pair_list; /* likewise: those of now, as they are uploaded */
 	uint32_t anew;        /* pairs that are traced anew for certain */
 	uint32_t missing;     /* packets that some pair may still lack */
 	gi_price price;       /* of a packet */
@@ -89,6 +90,7 @@ void caustics_free(gi_context *gi)
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	gi_free(c->traced);
+	gi_free(c->pair_list);
 	gi_free(c);
 	gi->caustics = NULL;
 }
@@ -199,8 +201,10 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 	c->pair_count = pairs;
 	c->photons_a_pair = photons;
 	gi_free(c->traced);
+	gi_free(c->pair_list);
 	c->traced = gi_calloc((size_t)pairs + 1, sizeof *c->traced);
-	if (!c->traced)
+	c->pair_list = gi_calloc((size_t)pairs + 1, sizeof *c->pair_list);
+	if (!c->traced || !c->pair_list)
 		return out_of_memory(gi);
 	const struct {
 		gpu_buffer *buffer;
@@ -222,9 +226,7 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 {
 	gi_caustics *c = gi->caustics;
-	gi_caustic_pair *pairs = gi_calloc((size_t)c->pair_count + 1, sizeof *pairs);
-	if (!pairs)
-		return out_of_memory(gi);
+	gi_caustic_pair *pairs = c->pair_list;
 	list_pairs(gi, lights, pairs);
 	c->anew = 0;
 	for (uint32_t k = 0; k < c->pair_count; k++)
@@ -237,7 +239,6 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;
-	gi_free(pairs);
 	return result;
 }
 
@@ -327,7 +328,7 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	}
 	if (all_are_anew(gi))
 		caustics_invalidate(gi);
-	if (!lights_find(&gi->scene, lights_largest, &lights))
+	if (!lights_find(&gi->scene, lights_largest, &gi->light_arena, &lights))
 		return out_of_memory(gi);
 	const uint32_t pairs = list_pairs(gi, &lights, NULL);
 	gi_result result = GI_OK;
@@ -339,7 +340,6 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 		result = allocate(gi, pairs);
 	if (!result && pairs)
 		result = upload_pairs(gi, &lights);
-	lights_free(&lights);
 	if (result || !pairs)
 		return result;
 	rows_progress(gi, GI_PASS_CAUSTICS);

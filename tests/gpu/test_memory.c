@@ -523,10 +523,17 @@ static void mirrors(void **state)
 	}
 }
 
+static void light_a_mirror(loaded *l)
+{
+	put_up_a_mirror(l);
+	harness_update(l->gi);
+}
+
 static void pictures(void **state)
 {
 	(void)state;
 	in_every_way(&(trial){"gi_draw", .try = try_draw, .changes = true});
+	in_every_way(&(trial){"gi_draw of a mirror", .try = try_draw, .prepare = light_a_mirror, .changes = true});
 	in_every_way(&(trial){"gi_draw with a wireframe", .try = try_overlay});
 	in_every_way(&(trial){"gi_draw of a heat map", .try = try_heat_map, .changes = true});
 }
@@ -545,10 +552,11 @@ static void contexts(void **state)
 }
 
 /* A mover goes back and forth: what it takes is there after the first time. */
-static void a_steady_frame_allocates_nothing(void **state)
+static void check_steady_frames(bool mirror)
 {
-	(void)state;
 	loaded l = load(false);
+	if (mirror)
+		put_up_a_mirror(&l);
 	const faults_memory scene = faults_memory_now();
 	assert_true(scene.blocks > 0 && scene.bytes > 0);
 	faults_memory warm = scene;
@@ -568,6 +576,13 @@ static void a_steady_frame_allocates_nothing(void **state)
 	       scene.blocks, scene.bytes, warm.allocations - scene.allocations, now.allocations - warm.allocations);
 	assert_int_equal(now.allocations, warm.allocations);
 	unload(&l);
+}
+
+static void a_steady_frame_allocates_nothing(void **state)
+{
+	(void)state;
+	check_steady_frames(false);
+	check_steady_frames(true);
 }
 
 static void an_allocator_is_whole(void **state)
