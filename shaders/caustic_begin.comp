@@ -13,6 +13,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint pair_count;
 layout(location = 2) uniform uint photons_a_pair;
 layout(location = 3) uniform uint allowed; // packets of a pair in this update
+layout(location = 4) uniform uint seen;    // update of the rows up to which the packets know what moved
 layout(location = 1) uniform float margin; // metres: more than a path's points are off by
 
 vec3 corner_of(uint first)
@@ -25,7 +26,7 @@ bool is_crossed(uint pair)
 	vec3 lower = corner_of(GI_CAUSTIC_PATH_WORDS * pair) - margin, upper = corner_of(GI_CAUSTIC_PATH_WORDS * pair + 3u) + margin;
 	bool crossed = false;
 	for (uint k = 0u; k < frame.swept.y && !crossed; k++)
-		crossed = all(lessThanEqual(load_swept_corner(k, 2u).xyz, upper)) && all(greaterThanEqual(load_swept_corner(k, 3u).xyz, lower));
+		crossed = load_swept_change(k).x > seen && all(lessThanEqual(load_swept_corner(k, 2u).xyz, upper)) && all(greaterThanEqual(load_swept_corner(k, 3u).xyz, lower));
 	return crossed;
 }
 

@@ -18,7 +18,7 @@ static const float MARGIN_LIFTS = 16;
 
 /* Uniforms: of programs for packets, of caustic_trace.comp besides, of caustic_begin.comp. */
 enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2, ALLOWED = 3 };
-enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3 };
+enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3, BEGIN_SEEN = 4 };
 
 /* Under a budget of time packets get this share of it. */
 static const float SHARE = 0.25f;
@@ -34,8 +34,10 @@ enum { PROGRAMS = 7 };
 struct gi_caustics {
 	bool built;  /* packets are of the committed scene */
 	bool spread; /* their radii are of where they are */
+	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
 	gi_uvec4 *traced;     /* pair_count: lights of the pair whose packets these are */
+	gi_caustic_pair *pair_list; /* likewise: those of now, as they are uploaded */
 	uint32_t anew;        /* pairs that are traced anew for certain */
 	uint32_t missing;     /* packets that some pair may still lack */
 	gi_price price;       /* of a packet */
@@ -88,6 +90,7 @@ void caustics_free(gi_context *gi)
 	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
 		gpu_buffer_free(&gi->gpu, buffers[k]);
 	gi_free(c->traced);
+	gi_free(c->pair_list);
 	gi_free(c);
 	gi->caustics = NULL;
 }
@@ -111,8 +114,31 @@ static bool changed(const scene_object *o)
 	return o->moved || o->relit || o->material_changed;
 }
 
-/* At most this share of what the emitter gives goes to the sphere: from its nearest point a cap of solid angle
- * 2 pi (1 - cosine), and radiance is exitance / pi. */
+/* Has anything changed that any pair may see? */
+static bool any_changed(const gi_scene *s)
+{
+	bool any = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++)
+		any = any || (s->slots[slot] != GI_NONE && changed(&s->objects[s->slots[slot]]));
+	return any;
+}
+
+/* Does what is known of the packets no longer tell which of them are right? Other values of a mirror or glass change
+ * packets of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
+static bool all_are_anew(const gi_context *gi)
+{
+	const gi_scene *s = &gi->scene;
+	bool moved = false, other = false;
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		moved = moved || (o && o->moved);
+		other = other || (o && o->specular && o->material_changed);
+	}
+	return other || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
+}
+
+/* No packet carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
+ * sphere is a cap of solid angle 2 pi (1 - cosine), and radiance is exitance / pi; a point within it looks everywhere. */
 static double largest_share(const gi_object_data *emitter, const gi_object_data *smooth)
 {
 	double square = 0;
@@ -121,7 +147,7 @@ static double largest_share(const gi_object_data *emitter, const gi_object_data 
 		square += d * d;
 	}
 	const double near = sqrt(square) - emitter->sphere.w, sine = smooth->sphere.w / fmax(near, smooth->sphere.w);
-	return fmin(2 * (1 - sqrt(fmax(1 - sine * sine, 0))), 1);
+	return sine < 1 ? 2 * (1 - sqrt(1 - sine * sine)) : 4;
 }
 
 /* Fills the list, or counts them where it is NULL. */
@@ -175,8 +201,10 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 	c->pair_count = pairs;
 	c->photons_a_pair = photons;
 	gi_free(c->traced);
+	gi_free(c->pair_list);
 	c->traced = gi_calloc((size_t)pairs + 1, sizeof *c->traced);
-	if (!c->traced)
+	c->pair_list = gi_calloc((size_t)pairs + 1, sizeof *c->pair_list);
+	if (!c->traced || !c->pair_list)
 		return out_of_memory(gi);
 	const struct {
 		gpu_buffer *buffer;
@@ -198,9 +226,7 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 {
 	gi_caustics *c = gi->caustics;
-	gi_caustic_pair *pairs = gi_calloc((size_t)c->pair_count + 1, sizeof *pairs);
-	if (!pairs)
-		return out_of_memory(gi);
+	gi_caustic_pair *pairs = c->pair_list;
 	list_pairs(gi, lights, pairs);
 	c->anew = 0;
 	for (uint32_t k = 0; k < c->pair_count; k++)
@@ -213,7 +239,6 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;
-	gi_free(pairs);
 	return result;
 }
 
@@ -269,6 +294,7 @@ static void trace(gi_context *gi, uint32_t allowed)
 	gpu_set_floats(&gi->gpu, c->begin_program, BEGIN_MARGIN, 1, 1, &margin);
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PHOTONS_A_PAIR, c->photons_a_pair);
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_ALLOWED, allowed);
+	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_SEEN, c->seen);
 	gpu_dispatch(&gi->gpu, c->begin_program, c->pair_count);
 	gpu_set_floats(&gi->gpu, c->trace_program, LIFT, 1, 1, &lift);
 	gpu_set_uint(&gi->gpu, c->trace_program, ALLOWED, allowed);
@@ -293,14 +319,16 @@ bool caustics_are_late(const gi_context *gi)
 	return gi->caustics && gi->caustics->missing > 0;
 }
 
-gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
+static gi_result update(gi_context *gi, const gi_budget *budget)
 {
 	gi_lights lights = {0};
 	if (!gi->smooth || !gi->def.caustic_photons) {
 		caustics_free(gi);
 		return GI_OK;
 	}
-	if (!lights_find(&gi->scene, lights_largest, &lights))
+	if (all_are_anew(gi))
+		caustics_invalidate(gi);
+	if (!lights_find(&gi->scene, lights_largest, &gi->light_arena, &lights))
 		return out_of_memory(gi);
 	const uint32_t pairs = list_pairs(gi, &lights, NULL);
 	gi_result result = GI_OK;
@@ -312,7 +340,6 @@ gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
 		result = allocate(gi, pairs);
 	if (!result && pairs)
 		result = upload_pairs(gi, &lights);
-	lights_free(&lights);
 	if (result || !pairs)
 		return result;
 	rows_progress(gi, GI_PASS_CAUSTICS);
@@ -324,11 +351,20 @@ gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget)
 	const uint32_t allowed = allowed_packets(gi, budget);
 	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
-	note_missing(gi->caustics, moved, allowed);
+	note_missing(gi->caustics, any_changed(&gi->scene), allowed);
+	gi->caustics->seen = gi->rows.update;
 	gi->caustics->asked_frame = gi->frame_number;
 	gi->caustics->asked_packets = allowed * gi->caustics->anew;
 	gi->caustics->built = true;
 	return GI_OK;
+}
+
+gi_result caustics_update(gi_context *gi, const gi_budget *budget)
+{
+	const gi_result result = update(gi, budget);
+	if (result)
+		caustics_invalidate(gi);
+	return result;
 }
 
 uint32_t caustics_emitted_program(const gi_context *gi)

@@ -9,8 +9,8 @@
 typedef struct gi_caustics gi_caustics;
 
 /* After the rows of an update, before its solve; specular_update() went before. */
-/* moved: something did. Under a budget of time a pair of emitter and smooth object has fewer packets for a while. */
-gi_result caustics_update(gi_context *gi, bool moved, const gi_budget *budget);
+/* Under a budget of time a pair of emitter and smooth object has fewer packets for a while. */
+gi_result caustics_update(gi_context *gi, const gi_budget *budget);
 /* Pairs may lack packets: the next update goes on. */
 bool caustics_are_late(const gi_context *gi);
 /* What the leaves receive, for emitted_caustics.comp; 0: there is none, and emitted.comp does. */

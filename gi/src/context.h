@@ -34,6 +34,7 @@ struct gi_context {
 	gi_shade *shade;       /* made by the first gi_draw */
 	gi_paths *paths;       /* made by the first gi_trace_paths */
 	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
+	gi_arena light_arena;  /* what lists emitters for them, for every frame */
 	gi_caustics *caustics; /* likewise, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;

@@ -180,6 +180,19 @@ static void forget_what_was_shown(gi_context *gi)
 	gi->scene.shown_changed = false;
 }
 
+/* Through mirrors and glass. Rows know by now what changed: where it fails the next update must begin it again. */
+static gi_result light_by_smooth(gi_context *gi, const gi_budget *budget)
+{
+	gi_result result = specular_update(gi);
+	if (!result)
+		result = caustics_update(gi, budget);
+	if (result) {
+		caustics_invalidate(gi);
+		gi->light_changed = true;
+	}
+	return result;
+}
+
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
@@ -194,9 +207,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		rows_clear_counts(gi);
 	}
 	if (!result && (c.rows || c.light))
-		result = specular_update(gi);
-	if (!result && (c.rows || c.light))
-		result = caustics_update(gi, c.rows, budget);
+		result = light_by_smooth(gi, budget);
 	if (result)
 		return result;
 	if (c.rows)

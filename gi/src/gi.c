@@ -319,6 +319,7 @@ static void begin_anew(gi_context *gi)
 	gi->rows.rebuild = gi->light_changed = gi->solver.cold = true;
 	gi->rows.fitted = false;
 	shade_invalidate(gi);
+	caustics_invalidate(gi);
 }
 
 gi_result gi_reload_shaders(gi_context *gi)

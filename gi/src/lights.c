@@ -1,5 +1,4 @@
 #include "lights.h"
-#include "host_memory.h"
 
 #include <math.h>
 #include <string.h>
@@ -61,18 +60,23 @@ static const scene_object *object_of(const gi_scene *s, uint32_t slot)
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
 
-bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_lights *l)
+static void take(gi_arena *a, uint32_t most, uint32_t slots, gi_lights *l)
+{
+	*l = (gi_lights){.triangles = gi_arena_take(a, 3 * (size_t)most, sizeof *l->triangles),
+			 .powers = gi_arena_take(a, most, sizeof *l->powers),
+			 .first = gi_arena_take(a, (size_t)slots + 1, sizeof *l->first)};
+}
+
+bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_arena *a, gi_lights *l)
 {
 	uint32_t most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		most += object_of(s, slot) ? 2 * object_of(s, slot)->bvh.primitive_count : 0;
-	*l = (gi_lights){.triangles = gi_calloc(3 * (size_t)most + 1, sizeof *l->triangles),
-			 .powers = gi_calloc((size_t)most + 1, sizeof *l->powers),
-			 .first = gi_calloc((size_t)s->slot_count + 1, sizeof *l->first)};
-	if (!l->triangles || !l->powers || !l->first) {
-		lights_free(l);
+	gi_arena_measure(a);
+	take(a, most, s->slot_count, l);
+	if (!gi_arena_reserve(a))
 		return false;
-	}
+	take(a, most, s->slot_count, l);
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		l->first[slot] = l->count;
 		if (object_of(s, slot))
@@ -93,12 +97,4 @@ double lights_set_slices(gi_lights *l, uint32_t first, uint32_t end)
 		l->triangles[3 * k].w = k + 1 < end && top < UINT32_MAX ? (uint32_t)top : UINT32_MAX;
 	}
 	return power;
-}
-
-void lights_free(gi_lights *l)
-{
-	gi_free(l->triangles);
-	gi_free(l->powers);
-	gi_free(l->first);
-	*l = (gi_lights){0};
 }

@@ -2,6 +2,7 @@
 #ifndef GI_LIGHTS_H
 #define GI_LIGHTS_H
 
+#include "arena.h"
 #include "scene.h"
 
 typedef struct gi_lights {
@@ -17,12 +18,10 @@ typedef double gi_light_measure(gi_vec4 exitance);
 double lights_luminance(gi_vec4 exitance);
 double lights_largest(gi_vec4 exitance);
 
-/* As the scene was at the last gi_update: that is what the GPU has of it. False: out of memory. */
-bool lights_find(const gi_scene *scene, gi_light_measure *measure, gi_lights *out);
+/* As the scene was at the last gi_update: that is what the GPU has of it. In the arena's memory. False: out of memory. */
+bool lights_find(const gi_scene *scene, gi_light_measure *measure, gi_arena *arena, gi_lights *out);
 
 /* Cuts the 32-bit line into slices for [first, end), as wide as triangles are powerful. Returns their power. */
 double lights_set_slices(gi_lights *lights, uint32_t first, uint32_t end);
-
-void lights_free(gi_lights *lights);
 
 #endif

@@ -118,14 +118,15 @@ void paths_free(gi_context *gi)
 static gi_result upload_lights(gi_context *gi, path_scene *out)
 {
 	gi_lights l;
-	if (!lights_find(&gi->scene, lights_luminance, &l))
+	gi_arena arena = {0};
+	if (!lights_find(&gi->scene, lights_luminance, &arena, &l))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	lights_set_slices(&l, 0, l.count);
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
 						     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
-	lights_free(&l);
+	gi_arena_free(&arena);
 	return result;
 }
 

@@ -136,4 +136,5 @@ void scene_free(gi_context *gi)
 	gi_arena_free(&gi->grouping);
 	gi_arena_free(&gi->undo);
 	gi_arena_free(&gi->tree_arena);
+	gi_arena_free(&gi->light_arena);
 }

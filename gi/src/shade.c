@@ -285,7 +285,7 @@ static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, cons
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
-	const bool caustics = gi->smooth && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
+	const bool caustics = specular_is_ready(gi) && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
 	shade->others = lamps > 1;
 	if (lamps <= 1 && !caustics)
 		return;
@@ -345,7 +345,7 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
-	const bool more = lamps > 1 || gi->smooth;
+	const bool more = lamps > 1 || specular_is_ready(gi);
 	gi_result result = want_program(gi, PROGRAM_SURFACE);
 	if (!result && !lamps)
 		result = want_program(gi, PROGRAM_SURFACE_LAST);
@@ -375,10 +375,10 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
-	if (!lamps && !gi->smooth)
+	if (!lamps && !specular_is_ready(gi))
 		return draw_own(gi, view, clip_from_world);
 	gi_result result = prepare_lamps(gi, view, lamps);
-	if (!result && gi->smooth)
+	if (!result && specular_is_ready(gi))
 		result = reflections_prepare(gi, &shade->reflections, view);
 	if (result)
 		return result;
@@ -394,7 +394,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width,
 			  (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
-	if (gi->smooth)
+	if (specular_is_ready(gi))
 		draw_reflections(gi, lamps, view, state, corner);
 	return GI_OK;
 }

@@ -113,8 +113,10 @@ static gi_result upload_corner_lights(gi_context *gi)
 static bool materials_changed(const gi_scene *s)
 {
 	bool changed = false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		changed = changed || (object_of(s, slot) && object_of(s, slot)->material_changed);
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const scene_object *o = object_of(s, slot);
+		changed = changed || (o && o->specular && o->material_changed);
+	}
 	return changed;
 }
 
@@ -146,6 +148,11 @@ void specular_invalidate(gi_context *gi)
 {
 	if (gi->smooth)
 		gi->smooth->built = false;
+}
+
+bool specular_is_ready(const gi_context *gi)
+{
+	return gi->smooth && gi->smooth->built;
 }
 
 void specular_bind(const gi_context *gi)

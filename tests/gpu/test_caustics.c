@@ -306,7 +306,7 @@ static void check_same_as_new(moving_box *m, const gi_pose *poses)
 static void comes_to_rest(gi_context *gi)
 {
 	gi_report report = {0};
-	for (int frame = 0; frame < 200 && report.outcome != GI_OUTCOME_AT_REST; frame++) {
+	for (int frame = 0; frame < 5000 && report.outcome != GI_OUTCOME_AT_REST; frame++) {
 		assert_gi(gi_update(gi, &(gi_budget){.ms = 4}));
 		assert_gi(gi_finish(gi));
 		assert_gi(gi_get_report(gi, &report));
@@ -344,12 +344,72 @@ static void test_moves(void **state)
 	gi_context_destroy(m.box.gi);
 }
 
+static moving_box open_three(gi_pose *poses)
+{
+	uint32_t random = 7;
+	for (int k = 0; k < MOVERS; k++)
+		poses[k] = random_pose(&random);
+	return open_moving(poses);
+}
+
+/* A block that stands in the way while rows are built anew for another reason. */
+static void test_moves_while_rows_are_new(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_pose poses[MOVERS];
+	moving_box m = open_three(poses);
+	const gi_pose away = poses[2];
+	poses[2].position[0] = BALL[0];
+	poses[2].position[1] = 1.3f;
+	poses[2].position[2] = BALL[2];
+	for (int k = 0; k < 2; k++) {
+		const gi_pose before = poses[2];
+		poses[2] = k ? away : before;
+		assert_gi(gi_set_pose(m.box.gi, m.movers[2], poses[2]));
+		gi_invalidate(m.box.gi);
+		harness_update(m.box.gi);
+		check_same_as_new(&m, poses);
+	}
+	gi_context_destroy(m.box.gi);
+}
+
+/* What one ball is of, other balls' packets see too. */
+static void test_other_glass(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_pose poses[MOVERS] = {gi_pose_identity(), gi_pose_identity(), gi_pose_identity()};
+	const float at[MOVERS][3] = {{-0.42f, 1.2f, 0}, {0.42f, 0.8f, 0}, {0, 0.3f, 0.7f}};
+	for (int k = 0; k < MOVERS; k++)
+		memcpy(poses[k].position, at[k], sizeof at[k]);
+	moving_box m = open_moving(poses);
+	harness_update(m.box.gi);
+	const gi_specular mirror = {.reflectance = {0.5f, 0.5f, 0.5f}};
+	assert_gi(gi_set_specular(m.box.gi, m.movers[1], 0, mirror));
+	harness_update(m.box.gi);
+	uint32_t count, new_count;
+	moving_box fresh = open_moving(poses);
+	assert_gi(gi_set_specular(fresh.box.gi, fresh.movers[1], 0, mirror));
+	harness_update(fresh.box.gi);
+	gi_leaf *leaves = read_all(m.box.gi, &count), *new_leaves = read_all(fresh.box.gi, &new_count);
+	assert_int_equal(count, new_count);
+	for (uint32_t k = 0; k < count; k++)
+		assert_memory_equal(leaves[k].irradiance, new_leaves[k].irradiance, sizeof leaves[k].irradiance);
+	free(leaves);
+	free(new_leaves);
+	gi_context_destroy(fresh.box.gi);
+	gi_context_destroy(m.box.gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(test_mirror_flux),
 	    cmocka_unit_test(test_glass_flux),
 	    cmocka_unit_test(test_moves),
+	    cmocka_unit_test(test_moves_while_rows_are_new),
+	    cmocka_unit_test(test_other_glass),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
