@@ -201,12 +201,14 @@ static void compare(const snapshot *right, const snapshot *got, double *rms, dou
 /* How far H may be off by surfaces that lie in one place, RMS over that of H; and a form factor. */
 static const double TOLERANCE = .01;
 
-/* The walls' H in `with` is theirs in `alone`. */
+/* The walls' H in `with` is theirs in `alone`. Objects here and one mesh far off, or in a long run both in both places. */
 static void expect_same_light(const char *what, const sheets *alone, const sheets *with)
 {
 	double worst = 0;
 	for (size_t at = 0; at < sizeof PLACES / sizeof *PLACES; at++)
 		for (way as = OBJECTS; as <= ONE_MESH; as++) {
+			if ((size_t)as != at && !harness_is_long())
+				continue;
 			snapshot right = solved(alone, as, &PLACES[at]), got = solved(with, as, &PLACES[at]);
 			double rms, mean;
 			compare(&right, &got, &rms, &mean);

@@ -132,7 +132,8 @@ static void a_box_that_creeps(void **state)
 	(void)state;
 	extremes worst = {{0}, 0};
 	creep("along", (float[]){1, 0, 0}, &worst);
-	creep("aslant", (float[]){.87f, .4f, -.3f}, &worst);
+	if (harness_is_long())
+		creep("aslant", (float[]){.87f, .4f, -.3f}, &worst);
 	creep("across", (float[]){0, 0, 1}, &worst);
 	assert_true(worst.second[FAR] <= FAR_TOLERANCE);
 	assert_true(worst.second[AROUND] <= NEAR_TOLERANCE && worst.second[OWN] <= NEAR_TOLERANCE);
