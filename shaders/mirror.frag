@@ -86,12 +86,13 @@ void main()
 			store_layer(vec3(0.0), vec3(0.0, 0.0, 1.0), mode == MODE_INDIRECT ? vec3(0.0) : r.throughput * sky.xyz / PI, vec3(0.0), place, look);
 			break;
 		}
-		m = load_smooth_material(load_leaf(floatBitsToUint(load_primitive(hit.primitive).a.w)).z);
+		uint material = load_leaf(floatBitsToUint(load_primitive(hit.primitive).a.w)).z;
+		m = load_smooth_material(material);
 		if (!is_smooth(m)) {
 			on = false;
 			if (hit.front)
 				end_at(hit, r);
-		} else if (step == 0u && inside && hit.front) {
+		} else if (step == 0u && inside && hit.front && material == s.material) {
 			// What is drawn lies a little before the leaves that rays meet.
 			r.origin += r.direction * hit.distance;
 			r.origin += r.direction * lift;

@@ -32,16 +32,16 @@ static const float FIRST_PRICE_SOFTWARE = 0.01f, FIRST_PRICE_GPU = 0.00001f;
 enum { PROGRAMS = 7 };
 
 struct gi_caustics {
-	bool built;  /* packets are of the committed scene */
-	bool spread; /* their radii are of where they are */
+	bool built;    /* packets are of the committed scene */
+	bool spread;   /* their radii are of where they are */
 	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
-	gi_uvec4 *traced;     /* pair_count: lights of the pair whose packets these are */
+	gi_uvec4 *traced;           /* pair_count: lights of the pair whose packets these are */
 	gi_caustic_pair *pair_list; /* likewise: those of now, as they are uploaded */
-	uint32_t anew;        /* pairs that are traced anew for certain */
-	uint32_t missing;     /* packets that some pair may still lack */
-	gi_price price;       /* of a packet */
-	uint64_t asked_frame; /* an update in which so many were traced at least */
+	uint32_t anew;              /* pairs that are traced anew for certain */
+	uint32_t missing;           /* packets that some pair may still lack */
+	gi_price price;             /* of a packet */
+	uint64_t asked_frame;       /* an update in which so many were traced at least */
 	uint32_t asked_packets;
 	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program,
 	    radius_program;
@@ -138,7 +138,7 @@ static bool all_are_anew(const gi_context *gi)
 }
 
 /* No packet carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
- * sphere is a cap of solid angle 2 pi (1 - cosine), and radiance is exitance / pi; a point within it looks everywhere. */
+ * sphere is a cap of solid angle 2 pi (1 - cosine), and radiance is exitance / pi; within it, all round. */
 static double largest_share(const gi_object_data *emitter, const gi_object_data *smooth)
 {
 	double square = 0;

@@ -18,7 +18,7 @@ typedef double gi_light_measure(gi_vec4 exitance);
 double lights_luminance(gi_vec4 exitance);
 double lights_largest(gi_vec4 exitance);
 
-/* As the scene was at the last gi_update: that is what the GPU has of it. In the arena's memory. False: out of memory. */
+/* As the scene was at the last gi_update: that is what the GPU has of it. In the arena's memory. False: out of it. */
 bool lights_find(const gi_scene *scene, gi_light_measure *measure, gi_arena *arena, gi_lights *out);
 
 /* Cuts the 32-bit line into slices for [first, end), as wide as triangles are powerful. Returns their power. */

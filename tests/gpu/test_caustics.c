@@ -405,10 +405,8 @@ static void test_other_glass(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_mirror_flux),
-	    cmocka_unit_test(test_glass_flux),
-	    cmocka_unit_test(test_moves),
-	    cmocka_unit_test(test_moves_while_rows_are_new),
+	    cmocka_unit_test(test_mirror_flux), cmocka_unit_test(test_glass_flux),
+	    cmocka_unit_test(test_moves),       cmocka_unit_test(test_moves_while_rows_are_new),
 	    cmocka_unit_test(test_other_glass),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);

@@ -495,6 +495,13 @@ static void test_glass(void **state)
 	const gi_view view = look_down(2, 3);
 	draw(gi, &t, &view);
 	check_seen(&t, 100, .96 * .96, LOWER, UPPER);
+	/* Dark glass in it. */
+	assert_true(shape_box((float[]){-1.8f, .55f, -1.8f}, (float[]){1.8f, .65f, 1.8f}, 2, false, &mesh));
+	const gi_object dark = harness_add(gi, &(harness_object){.name = "dark"}, &mesh);
+	assert_gi(gi_set_specular(gi, dark, 0, (gi_specular){.transmittance = {.5f, .5f, .5f}, .index = 1.5f}));
+	commit(gi);
+	draw(gi, &t, &view);
+	check_seen(&t, 100, .25 * .96 * .96 * .96 * .96, LOWER, UPPER);
 	free_target(&t);
 	gi_context_destroy(gi);
 }
