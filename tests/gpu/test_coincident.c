@@ -201,7 +201,7 @@ static void compare(const snapshot *right, const snapshot *got, double *rms, dou
 /* How far H may be off by surfaces that lie in one place, RMS over that of H; and a form factor. */
 static const double TOLERANCE = .01;
 
-/* The walls' H in `with` is theirs in `alone`. Objects here and one mesh far off, or in a long run both in both places. */
+/* The walls' H in `with` is theirs in `alone`. Objects here and one mesh far off; in a long run both in both places. */
 static void expect_same_light(const char *what, const sheets *alone, const sheets *with)
 {
 	double worst = 0;
