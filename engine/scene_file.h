@@ -5,7 +5,8 @@
  *        rho (linear), emissiveFactor times the mean of emissiveTexture times KHR_materials_emissive_strength the
  *        radiance L. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets through is
  *        glass of KHR_materials_ior. Skins and morph targets stand as at rest. The node's extras.gi =
- *        {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses the refinement. glTF has triangles only: where extras.gi.scheme says
+ *        {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses the refinement.
+ *        glTF has triangles only: where extras.gi.scheme says
  *        catmull-clark or bilinear, pairs of triangles that were a quad are put together again (see
  *        engine_mesh_pair_triangles); without it triangles stay. All animations of a file play together from 0 s; of
  *        two for one property of a node the first counts.
