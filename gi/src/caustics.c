@@ -13,7 +13,7 @@
 /* Of all pairs together; where there are more pairs each has fewer. */
 enum { MOST_PHOTONS = 1 << 22, MOST_PAIRS = 1 << 14 };
 
-/* Positions along a path are off by less than this many lifts (scene_ray_lift). */
+/* Positions along a path are off by less than this many lifts. */
 static const float MARGIN_LIFTS = 16;
 
 /* Uniforms: of programs for packets, of caustic_trace.comp besides, of caustic_begin.comp. */
@@ -34,6 +34,7 @@ enum { PROGRAMS = 7 };
 struct gi_caustics {
 	bool built;    /* packets are of the committed scene */
 	bool spread;   /* their radii are of where they are */
+	float lift;    /* that rays of theirs begin with, metres */
 	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
 	gi_uvec4 *traced;           /* pair_count: lights of the pair whose packets these are */
@@ -286,10 +287,18 @@ static uint32_t allowed_packets(gi_context *gi, const gi_budget *budget)
 	return wanted < c->photons_a_pair ? wanted : c->photons_a_pair;
 }
 
+/* A power of two, so that it seldom changes when something flies off. */
+static float lift_of(const gi_scene *s)
+{
+	int exponent;
+	frexpf(scene_ray_lift(s), &exponent);
+	return ldexpf(1, exponent);
+}
+
 static void trace(gi_context *gi, uint32_t allowed)
 {
 	gi_caustics *c = gi->caustics;
-	const float lift = scene_ray_lift(&gi->scene), margin = MARGIN_LIFTS * lift;
+	const float lift = c->lift = lift_of(&gi->scene), margin = MARGIN_LIFTS * lift;
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PAIR_COUNT, c->pair_count);
 	gpu_set_floats(&gi->gpu, c->begin_program, BEGIN_MARGIN, 1, 1, &margin);
 	gpu_set_uint(&gi->gpu, c->begin_program, BEGIN_PHOTONS_A_PAIR, c->photons_a_pair);
@@ -326,7 +335,7 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 		caustics_free(gi);
 		return GI_OK;
 	}
-	if (all_are_anew(gi))
+	if (all_are_anew(gi) || (gi->caustics && gi->caustics->lift != lift_of(&gi->scene)))
 		caustics_invalidate(gi);
 	if (!lights_find(&gi->scene, lights_largest, &gi->light_arena, &lights))
 		return out_of_memory(gi);
