@@ -57,3 +57,14 @@ void camera_matrices(const camera *c, float aspect, float view_from_world[16], f
 	memcpy(view_from_world, view, sizeof view);
 	memcpy(clip_from_view, clip, sizeof clip);
 }
+
+camera camera_about_y(const float view_from_world[16], const float clip_from_view[16], float radius)
+{
+	mat4 view, world_from_view;
+	memcpy(view, view_from_world, sizeof view);
+	glm_mat4_inv(view, world_from_view);
+	camera out = {.target = {0, world_from_view[3][1], 0}, .up = {0, 1, 0}, .radius = radius};
+	memcpy(out.eye, world_from_view[3], sizeof out.eye);
+	out.vertical_fov = 2 * atanf(1 / clip_from_view[5]);
+	return out;
+}

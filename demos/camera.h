@@ -24,4 +24,7 @@ float camera_metres_per_pixel(const camera *c, int height);
 /* Column-major, as gi_view has them. */
 void camera_matrices(const camera *c, float aspect, float view_from_world[16], float clip_from_view[16]);
 
+/* The other way: a camera of such matrices, about the y axis at its own height. */
+camera camera_about_y(const float view_from_world[16], const float clip_from_view[16], float radius);
+
 #endif

@@ -95,13 +95,8 @@ static void view(void *user, double time_s, camera *out)
 	(void)user;
 	(void)time_s;
 	float view_from_world[16], clip_from_view[16];
-	mat4 view, world_from_view;
 	cornell_camera(1, view_from_world, clip_from_view);
-	memcpy(view, view_from_world, sizeof view);
-	glm_mat4_inv(view, world_from_view);
-	*out = (camera){.target = {0, world_from_view[3][1], 0}, .up = {0, 1, 0}, .radius = 5};
-	memcpy(out->eye, world_from_view[3], sizeof out->eye);
-	out->vertical_fov = 2 * atanf(1 / clip_from_view[5]);
+	*out = camera_about_y(view_from_world, clip_from_view, 5);
 }
 
 static export_objects objects(void *user)
