@@ -191,3 +191,14 @@ double snapshot_light_error(gi_context *gi, const snapshot *s, uint32_t paths)
 	free(halves[1]);
 	return error;
 }
+
+void snapshot_expect_rebuilt_rows(gi_context *gi, const char *when)
+{
+	snapshot kept = snapshot_take(gi);
+	gi_invalidate(gi);
+	harness_update(gi);
+	snapshot anew = snapshot_take(gi);
+	snapshot_expect_same_rows(&kept, &anew, when);
+	snapshot_free(&kept);
+	snapshot_free(&anew);
+}

@@ -21,6 +21,9 @@ void snapshot_free(snapshot *s);
 /* Fails, saying where, unless all entries, links and row sums are the same bytes. */
 void snapshot_expect_same_rows(const snapshot *a, const snapshot *b, const char *when);
 
+/* The same of the rows as they are and of those that are built anew, which then are those of gi. */
+void snapshot_expect_rebuilt_rows(gi_context *gi, const char *when);
+
 /* Largest |B_a - B_b| over leaves and channels, and largest B of a. */
 double snapshot_distance(const snapshot *a, const snapshot *b);
 double snapshot_largest(const snapshot *s);

@@ -24,17 +24,6 @@ static uint32_t random_below(uint32_t most)
 	return (random_state >> 8) % most;
 }
 
-static void expect_rebuilt_rows(gi_context *gi, const char *when)
-{
-	snapshot kept = snapshot_take(gi);
-	gi_invalidate(gi);
-	harness_update(gi);
-	snapshot anew = snapshot_take(gi);
-	snapshot_expect_same_rows(&kept, &anew, when);
-	snapshot_free(&kept);
-	snapshot_free(&anew);
-}
-
 /* ---- a hall ---- */
 
 enum { ROWS_OF_BOXES = 9, BOXES = ROWS_OF_BOXES * ROWS_OF_BOXES, MOST_ROWS = 17 };
@@ -150,7 +139,7 @@ static void one_of_many_static_things(void **state)
 		assert_true(r.new_entries > 0);
 		/* A lamp is cut finer, and so is what it is one with. */
 		assert_true(fresh < (k == 1 ? .2 : .1) * (double)full.entries / full.leaves);
-		expect_rebuilt_rows(gi, names[k]);
+		snapshot_expect_rebuilt_rows(gi, names[k]);
 	}
 	gi_context_destroy(gi);
 }
@@ -218,7 +207,7 @@ static void other_nodes_in_the_same_order(void **state)
 	const gi_report r = harness_update(gi);
 	printf("  of %llu entries %llu are cut anew\n", (unsigned long long)r.entries,
 	       (unsigned long long)r.new_entries);
-	expect_rebuilt_rows(gi, "the middle one moved and stays static");
+	snapshot_expect_rebuilt_rows(gi, "the middle one moved and stays static");
 
 	assert_gi(gi_set_mobility(gi, middle, GI_MOBILITY_MOVABLE));
 	assert_gi(gi_set_hidden(gi, middle, true));
@@ -244,7 +233,7 @@ static void the_hall_moves(void **state)
 	const gi_report r = harness_update(gi);
 	printf("  %.1f entries a leaf, %.1f flagged\n", (double)r.entries / r.leaves,
 	       (double)r.flagged_entries / r.leaves);
-	expect_rebuilt_rows(gi, "the hall moved");
+	snapshot_expect_rebuilt_rows(gi, "the hall moved");
 	gi_context_destroy(gi);
 }
 
@@ -288,19 +277,19 @@ static void automatic_until_it_moves(void **state)
 		       (double)full.entries / full.leaves, (double)fresh[0] / full.leaves,
 		       (double)fresh[1] / full.leaves);
 		assert_true(fresh[0] < .15 * (double)full.entries);
-		expect_rebuilt_rows(gi, "a box moved for the first time");
+		snapshot_expect_rebuilt_rows(gi, "a box moved for the first time");
 	}
 	/* Too few are left: all are movable. And some that are put down for good. */
 	for (int k = 0; k < 20; k++)
 		assert_gi(gi_set_mobility(gi, hall_boxes[k], GI_MOBILITY_MOVABLE));
 	assert_gi(gi_commit(gi));
 	const gi_report few = harness_update(gi);
-	expect_rebuilt_rows(gi, "few are left");
+	snapshot_expect_rebuilt_rows(gi, "few are left");
 	for (int k = 0; k < BOXES; k++)
 		assert_gi(gi_set_mobility(gi, hall_boxes[k], GI_MOBILITY_STATIC));
 	assert_gi(gi_commit(gi));
 	const gi_report again = harness_update(gi);
-	expect_rebuilt_rows(gi, "all are put down");
+	snapshot_expect_rebuilt_rows(gi, "all are put down");
 	printf("  %.1f entries a leaf with fewer than %d, %.1f when all are put down\n",
 	       (double)few.entries / few.leaves, GI_AUTOMATIC_OBJECTS, (double)again.entries / again.leaves);
 	assert_true((double)few.entries > 1.5 * (double)full.entries);
@@ -385,7 +374,7 @@ static void a_file_of_many_things(void **state)
 		assert_gi(file_scene_animate(&scene, gi, .2 * frame));
 		fresh = fmax(fresh, (double)harness_update(gi).new_entries / full.leaves);
 	}
-	expect_rebuilt_rows(gi, "frame 8");
+	snapshot_expect_rebuilt_rows(gi, "frame 8");
 	snapshot s = snapshot_take(gi);
 	const double error = snapshot_light_error(gi, &s, 64);
 	snapshot_free(&s);

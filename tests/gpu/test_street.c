@@ -10,17 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static void expect_rebuilt_rows(gi_context *gi, const char *when)
-{
-	snapshot kept = snapshot_take(gi);
-	gi_invalidate(gi);
-	harness_update(gi);
-	snapshot anew = snapshot_take(gi);
-	snapshot_expect_same_rows(&kept, &anew, when);
-	snapshot_free(&kept);
-	snapshot_free(&anew);
-}
-
 static void open_street(scale_world *w, uint32_t objects)
 {
 	gi_context_def def = harness_def();
@@ -78,17 +67,17 @@ static void walls_hide_movers_to_the_bit(void **state)
 			scale_world_turn_door(&w, round);
 		harness_update(w.gi);
 	}
-	expect_rebuilt_rows(w.gi, "figures and a door moved");
+	snapshot_expect_rebuilt_rows(w.gi, "figures and a door moved");
 	scale_world_add(&w, true);
 	assert_gi(gi_commit(w.gi));
 	scale_world_move(&w, 1, 9);
 	harness_update(w.gi);
-	expect_rebuilt_rows(w.gi, "something static came as another moved");
+	snapshot_expect_rebuilt_rows(w.gi, "something static came as another moved");
 	scale_world_remove(&w);
 	assert_gi(gi_commit(w.gi));
 	scale_world_move(&w, 0, 11);
 	harness_update(w.gi);
-	expect_rebuilt_rows(w.gi, "it went as another moved");
+	snapshot_expect_rebuilt_rows(w.gi, "it went as another moved");
 	close_street(&w);
 }
 
@@ -154,25 +143,25 @@ static void a_wall_that_changes(void **state)
 		walk(&r, 4.5f, 2.5f + .1f * (float)round);
 		harness_update(r.gi);
 	}
-	expect_rebuilt_rows(r.gi, "behind the wall");
+	snapshot_expect_rebuilt_rows(r.gi, "behind the wall");
 	assert_gi(gi_set_hidden(r.gi, r.wall, true));
 	walk(&r, 4.4f, 2.4f);
 	harness_update(r.gi);
-	expect_rebuilt_rows(r.gi, "the wall is hidden");
+	snapshot_expect_rebuilt_rows(r.gi, "the wall is hidden");
 	assert_gi(gi_set_hidden(r.gi, r.wall, false));
 	walk(&r, 4.5f, 2.4f);
 	harness_update(r.gi);
 	walk(&r, 4.5f, 2.3f);
 	harness_update(r.gi);
-	expect_rebuilt_rows(r.gi, "the wall is back");
+	snapshot_expect_rebuilt_rows(r.gi, "the wall is back");
 	assert_gi(gi_set_mobility(r.gi, r.wall, GI_MOBILITY_MOVABLE));
 	assert_gi(gi_commit(r.gi));
 	walk(&r, 4.6f, 2.4f);
 	harness_update(r.gi);
-	expect_rebuilt_rows(r.gi, "the wall is movable");
+	snapshot_expect_rebuilt_rows(r.gi, "the wall is movable");
 	assert_gi(gi_set_pose(r.gi, r.wall, (gi_pose){{.3f, 0, -.4f}, {0, 0, 0, 1}}));
 	harness_update(r.gi);
-	expect_rebuilt_rows(r.gi, "the wall moved");
+	snapshot_expect_rebuilt_rows(r.gi, "the wall moved");
 	gi_context_destroy(r.gi);
 }
 
@@ -188,7 +177,7 @@ static void rows_that_wait(void **state)
 		assert_gi(gi_update(r.gi, &budget));
 	}
 	harness_update(r.gi);
-	expect_rebuilt_rows(r.gi, "after a walk under a budget");
+	snapshot_expect_rebuilt_rows(r.gi, "after a walk under a budget");
 	gi_context_destroy(r.gi);
 }
 
