@@ -106,7 +106,7 @@ void caustics_invalidate(gi_context *gi)
 
 static const scene_object *seen_in(const gi_scene *s, uint32_t slot)
 {
-	const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+	const scene_object *o = scene_object_in(s, slot);
 	return o && object_is_seen(o) ? o : NULL;
 }
 
@@ -131,7 +131,7 @@ static bool all_are_anew(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	bool moved = false, other = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		const scene_object *o = scene_object_in(s, slot);
 		moved = moved || (o && o->moved);
 		other = other || (o && o->specular && o->material_changed);
 	}
@@ -233,10 +233,10 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->anew += pairs[k].power.z > 0;
 	gi_result result =
-	    gpu_buffer_allocate(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
+	    gpu_buffer_replace(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &c->lights, "caustics: lights",
-					     sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
+		result = gpu_buffer_replace(&gi->gpu, &c->lights, "caustics: lights",
+					    sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
 	c->built = c->built && !result;

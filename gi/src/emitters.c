@@ -39,7 +39,7 @@ static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_are
 	size_t count = 0;
 	*scene_area = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		scene_object *o = scene_object_in(s, slot);
 		if (!o || !object_is_seen(o))
 			continue;
 		*scene_area += o->hierarchy.area;

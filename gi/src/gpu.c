@@ -312,6 +312,14 @@ gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_
 	return GI_OK;
 }
 
+gi_result gpu_buffer_replace(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data)
+{
+	if (!buffer->name || buffer->size != whole_texels(size))
+		return gpu_buffer_allocate(g, buffer, label, size, data);
+	gpu_buffer_upload(g, buffer, 0, size, data);
+	return GI_OK;
+}
+
 void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding)
 {
 	gpu_buffer_free(g, &g->spares[binding]);

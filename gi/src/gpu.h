@@ -97,7 +97,9 @@ const char *gpu_limit_text(const gpu *g, uint64_t limit);
  */
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
-/* The same for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
+/* Of data that mostly is as large as before: then into the same memory. */
+gi_result gpu_buffer_replace(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
+/* The same as allocating for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
  * binding, where that is enough and not far too much. */
 gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data);
 /* Keeps its memory for that; large ones are freed. */

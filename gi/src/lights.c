@@ -1,5 +1,7 @@
 #include "lights.h"
 
+#include "frames.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,14 +13,6 @@ double lights_luminance(gi_vec4 e)
 double lights_largest(gi_vec4 e)
 {
 	return fmax(e.x, fmax(e.y, e.z));
-}
-
-static void to_world(const gi_object_data *o, const gi_vec4 *p, float out[3])
-{
-	const gi_vec4 rows[3] = {o->row0, o->row1, o->row2};
-	for (int k = 0; k < 3; k++)
-		out[k] =
-		    (float)((double)rows[k].x * p->x + (double)rows[k].y * p->y + (double)rows[k].z * p->z + rows[k].w);
 }
 
 static void add_light(gi_lights *l, float corners[3][3], double measured, uint32_t material, uint32_t leaf)
@@ -37,6 +31,7 @@ static void add_light(gi_lights *l, float corners[3][3], double measured, uint32
 
 static void add_object(const gi_scene *s, const scene_object *o, gi_light_measure *measure, gi_lights *l)
 {
+	const gi_object_data *place = &s->object_data[o->slot];
 	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
 		const gi_primitive *p = &o->bvh.primitives[k];
 		uint32_t leaf; /* a primitive's leaves are of one material */
@@ -48,16 +43,11 @@ static void add_object(const gi_scene *s, const scene_object *o, gi_light_measur
 		for (int half = 0; half < 2; half++) {
 			float world[3][3];
 			for (int c = 0; c < 3; c++)
-				to_world(&s->object_data[o->slot], corners[half][c], world[c]);
+				gi_vec3d_store(world[c], gi_point_to_world(place, gi_vec3d_from(*corners[half][c])));
 			add_light(l, world, measured, o->material_base + o->hierarchy.leaf_material[leaf],
 				  o->leaf_base + leaf);
 		}
 	}
-}
-
-static const scene_object *object_of(const gi_scene *s, uint32_t slot)
-{
-	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
 
 static void take(gi_arena *a, uint32_t most, uint32_t slots, gi_lights *l)
@@ -71,7 +61,7 @@ bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_arena *a, gi_l
 {
 	uint32_t most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		most += object_of(s, slot) ? 2 * object_of(s, slot)->bvh.primitive_count : 0;
+		most += scene_object_in(s, slot) ? 2 * scene_object_in(s, slot)->bvh.primitive_count : 0;
 	gi_arena_measure(a);
 	take(a, most, s->slot_count, l);
 	if (!gi_arena_reserve(a))
@@ -79,8 +69,8 @@ bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_arena *a, gi_l
 	take(a, most, s->slot_count, l);
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		l->first[slot] = l->count;
-		if (object_of(s, slot))
-			add_object(s, object_of(s, slot), measure, l);
+		if (scene_object_in(s, slot))
+			add_object(s, scene_object_in(s, slot), measure, l);
 	}
 	l->first[s->slot_count] = l->count;
 	return true;

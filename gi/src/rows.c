@@ -436,7 +436,7 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 		ok = append(list, 0);
 	p->first_swept = list->count / 4;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
-		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		const scene_object *o = scene_object_in(s, slot);
 		if (!o || !slot_moved(gi, slot))
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
@@ -655,7 +655,7 @@ static uint32_t count_suspects(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	uint32_t movers = 0, most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+		const scene_object *o = scene_object_in(s, slot);
 		if (!o || !(o->moved || o->moved_update > gi->rows.current))
 			continue;
 		const uint32_t neighbours = count_neighbours(s, slot);

@@ -25,6 +25,11 @@ uint32_t scene_source_count(const gi_scene *s)
 	return s->slot_count - s->first_source;
 }
 
+scene_object *scene_object_in(const gi_scene *s, uint32_t slot)
+{
+	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
+}
+
 bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);

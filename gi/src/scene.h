@@ -54,6 +54,8 @@ typedef struct gi_scene {
 	SCENE_BUFFERS(BUFFER_MEMBER)
 } gi_scene;
 
+/* NULL of the sky, and of static objects as one. */
+scene_object *scene_object_in(const gi_scene *scene, uint32_t slot);
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
 float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */

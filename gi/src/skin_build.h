@@ -38,13 +38,6 @@ static inline gi_vec3d vertex_position(const gi_hierarchy *h, uint32_t vertex)
 	return gi_vec3d_from(h->vertices[vertex]);
 }
 
-static inline void store3(float out[3], gi_vec3d v)
-{
-	out[0] = (float)v.x;
-	out[1] = (float)v.y;
-	out[2] = (float)v.z;
-}
-
 static inline gi_vec3d unit_or(gi_vec3d v, gi_vec3d otherwise)
 {
 	const double length = gi_vec3d_length(v);

@@ -214,8 +214,8 @@ static void draw_mesh(skinner *s, const locator *l, const mesh *m, const gi_vec3
 		const uint32_t near = i > 0 ? s->out->vertices[guide[i]].leaf : 0;
 		const closest found = find_closest(l, point, normal, near);
 		gi_draw_vertex v = {0};
-		store3(v.position, point);
-		store3(v.normal, unit_or(normal, leaf_normal(s->h, found.leaf)));
+		gi_vec3d_store(v.position, point);
+		gi_vec3d_store(v.normal, unit_or(normal, leaf_normal(s->h, found.leaf)));
 		gi_skin_set_light(s, found.leaf, found.weight, &v);
 		gi_skin_add_vertex(s, &v);
 	}

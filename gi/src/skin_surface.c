@@ -207,8 +207,8 @@ static uint32_t flat_corner(skinner *s, uint32_t leaf, uint32_t vertex, uint32_t
 	float weight[4] = {0};
 	weight[k] = 1.0f;
 	gi_draw_vertex v = {0};
-	store3(v.position, vertex_position(s->h, vertex));
-	store3(v.normal, leaf_normal(s->h, leaf));
+	gi_vec3d_store(v.position, vertex_position(s->h, vertex));
+	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_skin_set_light(s, leaf, weight, &v);
 	return gi_skin_share_vertex(s, vertex, &v);
 }
@@ -228,8 +228,8 @@ static void draw_flat(skinner *s, uint32_t leaf)
 	}
 	const float weight[4] = {0.25f, 0.25f, 0.25f, 0.25f};
 	gi_draw_vertex v = {0};
-	store3(v.position, centre);
-	store3(v.normal, leaf_normal(s->h, leaf));
+	gi_vec3d_store(v.position, centre);
+	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_skin_set_light(s, leaf, weight, &v);
 	const uint32_t middle = gi_skin_add_vertex(s, &v);
 	for (uint32_t k = 0; k < 4; k++)
@@ -242,8 +242,8 @@ static void draw_curved(skinner *s, const gi_refined *fine, const uint32_t corne
 	uint32_t drawn[4];
 	for (uint32_t k = 0; k < corner_count(corners); k++) {
 		gi_draw_vertex v = {0};
-		store3(v.position, fine_position(fine, corners, k));
-		store3(v.normal, unit_or(gi_vec3d_load(fine->normals[corners[k]]), normal));
+		gi_vec3d_store(v.position, fine_position(fine, corners, k));
+		gi_vec3d_store(v.normal, unit_or(gi_vec3d_load(fine->normals[corners[k]]), normal));
 		gi_skin_set_light(s, face->leaf, face->weight[k], &v);
 		drawn[k] = gi_skin_share_vertex(s, corners[k], &v);
 	}

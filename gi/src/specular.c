@@ -17,17 +17,13 @@ typedef struct specular_sizes {
 	uint32_t primitives, materials;
 } specular_sizes;
 
-static const scene_object *object_of(const gi_scene *s, uint32_t slot)
-{
-	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
-}
-
 /* Does anything that is seen reflect as a mirror or refract, as of the last commit and the materials of now? */
 static bool is_wanted(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (object_of(s, slot) && object_is_seen(object_of(s, slot)) && object_is_smooth(object_of(s, slot)))
+		if (scene_object_in(s, slot) && object_is_seen(scene_object_in(s, slot)) &&
+		    object_is_smooth(scene_object_in(s, slot)))
 			return true;
 	return false;
 }
@@ -36,7 +32,7 @@ static specular_sizes sizes_of(const gi_scene *s)
 {
 	specular_sizes sizes = {0, 0};
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = object_of(s, slot);
+		const scene_object *o = scene_object_in(s, slot);
 		const uint32_t primitives = o ? o->primitive_base + o->bvh.primitive_count : 0,
 			       materials = o ? o->material_base + o->material_count : 0;
 		sizes.primitives = primitives > sizes.primitives ? primitives : sizes.primitives;
@@ -57,7 +53,7 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 	gi_uvec4 *normals = gi_calloc((size_t)primitives + 1, sizeof *normals);
 	bool enough = normals != NULL;
 	for (uint32_t slot = 0; enough && slot < s->slot_count; slot++) {
-		const scene_object *o = object_of(s, slot);
+		const scene_object *o = scene_object_in(s, slot);
 		if (o && object_is_smooth(o))
 			enough =
 			    gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
@@ -76,17 +72,12 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 	if (!materials)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = object_of(s, slot);
+		const scene_object *o = scene_object_in(s, slot);
 		for (uint32_t m = 0; o && o->specular && m < o->material_count; m++)
 			materials[o->material_base + m] = smooth_material(&o->specular[m]);
 	}
-	gpu_buffer *buffer = &gi->smooth->materials;
-	gi_result result = GI_OK;
-	if (buffer->size == sizeof *materials * count)
-		gpu_buffer_upload(&gi->gpu, buffer, 0, buffer->size, materials);
-	else
-		result =
-		    gpu_buffer_allocate(&gi->gpu, buffer, "smooth materials", sizeof *materials * count, materials);
+	const gi_result result = gpu_buffer_replace(&gi->gpu, &gi->smooth->materials, "smooth materials",
+						    sizeof *materials * count, materials);
 	gi_free(materials);
 	return result;
 }
@@ -98,7 +89,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 	if (!lights)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = object_of(s, slot);
+		const scene_object *o = scene_object_in(s, slot);
 		for (uint32_t leaf = 0; o && leaf < o->hierarchy.leaf_count; leaf++)
 			for (int k = 0; k < 4; k++)
 				(&lights[o->leaf_base + leaf].x)[k] =
@@ -114,7 +105,7 @@ static bool materials_changed(const gi_scene *s)
 {
 	bool changed = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = object_of(s, slot);
+		const scene_object *o = scene_object_in(s, slot);
 		changed = changed || (o && o->specular && o->material_changed);
 	}
 	return changed;

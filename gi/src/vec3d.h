@@ -19,6 +19,13 @@ static inline gi_vec3d gi_vec3d_load(const float v[3])
 	return (gi_vec3d){v[0], v[1], v[2]};
 }
 
+static inline void gi_vec3d_store(float out[3], gi_vec3d v)
+{
+	out[0] = (float)v.x;
+	out[1] = (float)v.y;
+	out[2] = (float)v.z;
+}
+
 static inline gi_vec3d gi_vec3d_from(gi_vec4 v)
 {
 	return (gi_vec3d){v.x, v.y, v.z};
