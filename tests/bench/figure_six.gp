@@ -3,6 +3,7 @@
 # Colours are Okabe and Ito's, told apart with any eye; marks differ too.
 csv = folder . '/figure6.csv'
 set datafile separator ','
+set datafile missing NaN # lines go on over other methods' rows
 set key autotitle columnhead
 set style line 1 lc rgb '#0072B2' lw 2.5 pt 7 ps 1.2
 set style line 2 lc rgb '#D55E00' lw 2.5 pt 9 ps 1.3
@@ -19,13 +20,13 @@ set xrange [700:400000]
 pick(method, motion, column) = strcol(3) eq method && strcol(4) eq motion ? column : NaN
 do for [kind in 'png svg'] {
 	if (kind eq 'png') {
-		set terminal pngcairo size 1400, 560 font 'sans,13'
+		set terminal pngcairo size 1400, 640 font 'sans,13'
 	} else {
-		set terminal svg size 1400, 560 font 'sans,13' background '#ffffff'
+		set terminal svg size 1400, 640 font 'sans,13' background '#ffffff'
 	}
 	set output folder . '/figure6.' . kind
 	set multiplot layout 1, 2
-	set key bottom left reverse Left
+	set key outside below reverse Left maxrows 3
 	set title 'Frames a second'
 	set ylabel 'frames a second'
 	set format y '%g'
@@ -35,7 +36,6 @@ do for [kind in 'png svg'] {
 		csv using 1:(pick('realtime', 'moving', $5)) with linespoints ls 2 title 'real-time ray tracing, moving', \
 		csv using 1:(pick('realtime', 'rest', $5)) with linespoints ls 12 title 'real-time ray tracing, at rest', \
 		csv using 1:(pick('offline', 'moving', $5)) with linespoints ls 3 title 'off-line ray tracing'
-	set key top left reverse Left
 	set title 'Time to a picture as good as radiosity''s'
 	set ylabel 'ms (not drawn: not reached)'
 	plot \

@@ -42,14 +42,14 @@ realtime_settings realtime_settings_tuned(void)
 {
 	return (realtime_settings){.paths = 1,
 				   .bounces = 3,
-				   .filter_steps = 4,
+				   .filter_steps = 3,
 				   .reuse = true,
-				   .moving_frames = 24,
+				   .moving_frames = 16,
 				   .rest_frames = 65536,
-				   .hold = 1,
+				   .hold = 3,
 				   .depth_edge = 1,
 				   .normal_edge = 32,
-				   .light_edge = 4,
+				   .light_edge = 3,
 				   .largest = 200};
 }
 
