@@ -89,8 +89,8 @@ static void test_ssim_of_even_pictures(void **state)
 	CHECK_NEAR(image_ssim(a, b, SIDE, SIDE), c / (255.0 * 255 + c), 1e-9);
 }
 
-/* A pattern and its negative about the same mean: every window's structure is opposite, so that with variance v the result
- * is close to (c - 2 v) / (c + 2 v), c = (0.03 * 255)^2. */
+/* A pattern and its negative about the same mean: every window's structure is opposite, so that with variance v the
+ * result is close to (c - 2 v) / (c + 2 v), c = (0.03 * 255)^2. */
 static void test_ssim_of_a_negative(void **state)
 {
 	(void)state;
@@ -131,8 +131,10 @@ static void test_pfm(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_relative_mse),       cmocka_unit_test(test_noise_of_the_truth_drops_out),
-	    cmocka_unit_test(test_ssim_of_even_pictures), cmocka_unit_test(test_ssim_of_a_negative),
+	    cmocka_unit_test(test_relative_mse),
+	    cmocka_unit_test(test_noise_of_the_truth_drops_out),
+	    cmocka_unit_test(test_ssim_of_even_pictures),
+	    cmocka_unit_test(test_ssim_of_a_negative),
 	    cmocka_unit_test(test_pfm),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
