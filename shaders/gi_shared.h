@@ -190,7 +190,7 @@ GI_STRUCT(gi_material_data) {
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
  *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
- *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
+ *   budget: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
@@ -219,7 +219,7 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 update;
 	GI_UVEC4 inner;
 	GI_VEC4 limit;
-	GI_UVEC4 rations;
+	GI_UVEC4 budget;
 	GI_VEC4 ceiling;
 	GI_UVEC4 swept;
 	GI_UVEC4 statics;

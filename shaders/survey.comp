@@ -47,10 +47,10 @@ vec3 scene_shine(uint what)
 // Bound on the weight of emitters in the row before it is closed, now and after refreshing.
 float emitter_weight(uint leaf, shape p, uint mine, uint since)
 {
-	if (frame.rations.x > frame.rations.y)
+	if (frame.budget.x > frame.budget.y)
 		return 1.0;
 	float sum = 0.0;
-	for (uint k = frame.rations.x; k < frame.rations.y; k++) {
+	for (uint k = frame.budget.x; k < frame.budget.y; k++) {
 		uint source = load_suspect(k);
 		uvec4 segment = load_segment(segment_of(leaf, source));
 		sum += (segment.y & GI_BLOCK_COUNT_MASK) > 0u ? FACTOR_SLACK * uintBitsToFloat(segment.w) : 0.0;
@@ -109,7 +109,7 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	uvec4 header = load_row(leaf);
-	uint newest = frame.rations.w;
+	uint newest = frame.budget.w;
 	gi_pending row = load_pending(leaf);
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	bool holds = row.key.w > header.z && row.key.w >= newest &&

@@ -47,7 +47,7 @@ gi_result budget_check(const gi_context *gi, const gi_budget *budget)
 
 gi_result budget_allocate(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	if (!r->made) {
 		const gpu_program_file programs[] = {
@@ -97,34 +97,34 @@ gi_budget budget_less(const gi_budget *budget, float ms)
 
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 {
-	const gi_costs *c = &gi->rations.costs;
+	const gi_costs *c = &gi->budget.costs;
 	double rays = budget->rays ? (double)budget->rays : INFINITY, rows = INFINITY;
 	if (is_timed(budget)) {
 		frame->update.w |= GI_UPDATE_TIMED;
 		rays = fmin(rays, gi_costs_rays(c, budget->ms));
 		rows = gi_costs_rows(c, budget->ms);
 	}
-	gi->rations.last = *budget;
+	gi->budget.last = *budget;
 	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
-	frame->rations.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
+	frame->budget.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
 }
 
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget)
 {
 	/* The first rows get a whole solve. */
-	return is_timed(budget) && gi->rations.in_force;
+	return is_timed(budget) && gi->budget.in_force;
 }
 
 uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget)
 {
-	return (uint32_t)fmin(gi_costs_sweeps(&gi->rations.costs, budget->ms), gi->def.max_sweeps);
+	return (uint32_t)fmin(gi_costs_sweeps(&gi->budget.costs, budget->ms), gi->def.max_sweeps);
 }
 
 /* ---- what updates take ---- */
 
 static float assess_ms(const gi_context *gi)
 {
-	return gpu_timer_ms(&gi->rations.assess_timer, gi->report.frame);
+	return gpu_timer_ms(&gi->budget.assess_timer, gi->report.frame);
 }
 
 float budget_choose_ms(const gi_context *gi)
@@ -145,7 +145,7 @@ void budget_learn(gi_context *gi)
 	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	if (!gi->def.profile || report->frame == r->learned)
 		return;
 	r->learned = report->frame;
@@ -194,22 +194,22 @@ enum { ASSESS = 0, ASSESS_GROUPS = 1, REFRESH = 2, REFRESH_GROUPS = 3 };
 
 static void run_stage(gi_context *gi, uint32_t stage)
 {
-	gpu_set_uint(&gi->gpu, gi->rations.choose_program, 0, stage);
-	gpu_dispatch_groups(&gi->gpu, gi->rations.choose_program, 1);
+	gpu_set_uint(&gi->gpu, gi->budget.choose_program, 0, stage);
+	gpu_dispatch_groups(&gi->gpu, gi->budget.choose_program, 1);
 }
 
 /* Lists the rows to assess, or to refresh. */
 static void enlist(gi_context *gi, uint32_t stage)
 {
 	run_stage(gi, stage);
-	gpu_set_uint(&gi->gpu, gi->rations.enlist_program, 0, stage / REFRESH);
-	gpu_dispatch(&gi->gpu, gi->rations.enlist_program, gi->scene.leaf_count);
+	gpu_set_uint(&gi->gpu, gi->budget.enlist_program, 0, stage / REFRESH);
+	gpu_dispatch(&gi->gpu, gi->budget.enlist_program, gi->scene.leaf_count);
 	run_stage(gi, stage + 1);
 }
 
 void budget_choose(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	gpu_timer_begin(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_buffer_clear(&gi->gpu, &r->shine, 0, r->shine.size, 0);
@@ -226,7 +226,7 @@ void budget_choose(gi_context *gi)
 
 void budget_bound(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
 	for (uint32_t stage = 0; stage < 2; stage++) {
 		gpu_set_uint(&gi->gpu, r->stale_program, 0, stage);
@@ -236,7 +236,7 @@ void budget_bound(gi_context *gi)
 
 void budget_free(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 #define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
 	BUDGET_BUFFERS(FREE)
 #undef FREE

@@ -45,7 +45,7 @@
 	X(RUNS, runs, "runs") \
 	X(SUSPECTS, suspects, "suspects")
 
-/* gi_rations */
+/* gi_budget_state */
 #define BUDGET_BUFFERS(X) \
 	X(CHOICES, choices, "choices") \
 	X(PENDING, pending, "pending") \

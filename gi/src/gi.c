@@ -169,7 +169,7 @@ static gi_result create_context(const gi_log *log, const gi_context_def *def, gi
 	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gi->timers[k].name = gi_pass_name((gi_pass)k);
-	gi->rations.assess_timer.name = "assess";
+	gi->budget.assess_timer.name = "assess";
 	gi_result result = copy_texts(gi, def);
 	if (!result)
 		result = start_context(gi);

@@ -155,7 +155,7 @@ void loans_give(gi_context *gi, loans *l)
 {
 	if (!l->count)
 		return;
-	const uint32_t program = gi->rations.lend_program;
+	const uint32_t program = gi->budget.lend_program;
 	gpu_bind(&gi->gpu, GI_BIND_LOANS, &l->list);
 	gpu_set_uint(&gi->gpu, program, 0, l->count);
 	gpu_dispatch(&gi->gpu, program, l->count);

@@ -571,7 +571,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
-		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
+		gi->frame.budget = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
 		budget_limits(gi, budget, &gi->frame);
 	}
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
