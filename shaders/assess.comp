@@ -27,7 +27,7 @@
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_ROWS
 #define WRITE_CHOICES
 #define WRITE_PENDING
@@ -117,10 +117,10 @@ source_part load_source(uint object)
 		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits);
 	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false);
 	for (uint c = 0u; c < 3u; c++) {
-		uint at = GI_SHINE_WORDS * object + c;
-		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
-		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
-		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
+		uint at = GI_LIGHT_BOUND_WORDS * object + c;
+		from.others.most[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_OTHERS));
+		from.brightest[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_ALL));
+		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_light_bound(at + GI_LIGHT_BOUND_LEAST));
 	}
 	return from;
 }

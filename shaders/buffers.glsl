@@ -440,11 +440,11 @@ gi_pending load_pending(uint n)
 }
 #endif
 
-#ifdef READ_SHINE
-TEXELS(GI_BIND_SHINE) shine_texels;
-uint load_shine(uint n)
+#ifdef READ_LIGHT_BOUNDS
+TEXELS(GI_BIND_LIGHT_BOUNDS) light_bound_texels;
+uint load_light_bound(uint n)
 {
-	return word(shine_texels, n);
+	return word(light_bound_texels, n);
 }
 #endif
 
@@ -656,8 +656,8 @@ STORAGE(GI_BIND_CHOICES) choices_block { uint choices[]; };
 #ifdef WRITE_PENDING
 STORAGE(GI_BIND_PENDING) pending_block { gi_pending pending[]; };
 #endif
-#ifdef WRITE_SHINE
-STORAGE(GI_BIND_SHINE) shine_block { uint shine[]; };
+#ifdef WRITE_LIGHT_BOUNDS
+STORAGE(GI_BIND_LIGHT_BOUNDS) light_bounds_block { uint light_bounds[]; };
 #endif
 #ifdef WRITE_ESTIMATE_ITEMS
 STORAGE(GI_BIND_ESTIMATE_ITEMS) estimate_items_block { uvec4 items[]; };

@@ -252,10 +252,10 @@ GI_STRUCT(gi_pending) {
 
 /* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float bits: the
  * largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
-#define GI_SHINE_OTHERS 0u
-#define GI_SHINE_ALL 3u
-#define GI_SHINE_LEAST 6u
-#define GI_SHINE_WORDS 9u
+#define GI_LIGHT_BOUND_OTHERS 0u
+#define GI_LIGHT_BOUND_ALL 3u
+#define GI_LIGHT_BOUND_LEAST 6u
+#define GI_LIGHT_BOUND_WORDS 9u
 
 /* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to assess. */
 #define GI_CHOICE_ROWS GI_BUCKETS
@@ -497,7 +497,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_SPREAD 31
 #define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
+#define GI_BIND_LIGHT_BOUNDS 34           /* GI_LIGHT_BOUND_WORDS uint per object slot, and for all */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
@@ -542,7 +542,7 @@ GI_STRUCT(gi_path_slot) {
 #define GI_BIND_SMOOTH_MATERIALS GI_BIND_CHOICES /* gi_smooth_material per material */
 #define GI_BIND_CORNER_LIGHTS GI_BIND_ROWS       /* uvec4 per leaf: the light vertices at its corners */
 #define GI_BIND_PHOTONS GI_BIND_PENDING          /* gi_photon, those of a pair one after the other */
-#define GI_BIND_CAUSTIC_PAIRS GI_BIND_SHINE      /* gi_caustic_pair */
+#define GI_BIND_CAUSTIC_PAIRS GI_BIND_LIGHT_BOUNDS      /* gi_caustic_pair */
 #define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
 #define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
 #define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */

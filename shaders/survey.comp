@@ -18,7 +18,7 @@
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
 #define READ_PENDING
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_CHOICES
 #define WRITE_PENDING
 #define WRITE_STATE
@@ -38,10 +38,10 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 // More movers than this are taken to be everywhere.
 const uint MOST_MOVERS = 16u;
 
-vec3 scene_shine(uint what)
+vec3 light_bound_of_all(uint what)
 {
-	uint at = GI_SHINE_WORDS * frame.counts.z + what;
-	return uintBitsToFloat(uvec3(load_shine(at), load_shine(at + 1u), load_shine(at + 2u)));
+	uint at = GI_LIGHT_BOUND_WORDS * frame.counts.z + what;
+	return uintBitsToFloat(uvec3(load_light_bound(at), load_light_bound(at + 1u), load_light_bound(at + 2u)));
 }
 
 // Bound on the weight of emitters in the row before it is closed, now and after refreshing.
@@ -92,7 +92,7 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 {
 	uint mine = load_leaf(leaf).y, since = header.z;
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	vec3 dim = scene_shine(GI_SHINE_OTHERS), all = scene_shine(GI_SHINE_ALL);
+	vec3 dim = light_bound_of_all(GI_LIGHT_BOUND_OTHERS), all = light_bound_of_all(GI_LIGHT_BOUND_ALL);
 	limits l = whole_row(received_by(leaf, m), dim, all, emitter_weight(leaf, shape_of(p, load_range(load_leaf(leaf).x).w), mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);
 	float off = expected_off(row.bound, max(m.rho.x, max(m.rho.y, m.rho.z)));

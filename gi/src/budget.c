@@ -1,6 +1,6 @@
 /* Updates that may not refresh every row: which rows go first, and what those that wait may be off by.
  *
- *   shine            the range of B of each object
+ *   light_bounds     the range of B of each object
  *   survey           of every row: whether anything changed, a bound on what refreshing it changes for all that is
  *                    known without its entries, the bucket of its priority
  *   choose, enlist   the rows to assess: as many as fit into a budget of time, all without one
@@ -50,11 +50,13 @@ gi_result budget_allocate(gi_context *gi)
 	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	if (!r->made) {
-		const gpu_program_file programs[] = {
-		    {"shine.comp", &r->shine_program},   {"survey.comp", &r->survey_program},
-		    {"assess.comp", &r->assess_program}, {"choose.comp", &r->choose_program},
-		    {"enlist.comp", &r->enlist_program}, {"stale.comp", &r->stale_program},
-		    {"lend.comp", &r->lend_program}};
+		const gpu_program_file programs[] = {{"light_bounds.comp", &r->light_bounds_program},
+						     {"survey.comp", &r->survey_program},
+						     {"assess.comp", &r->assess_program},
+						     {"choose.comp", &r->choose_program},
+						     {"enlist.comp", &r->enlist_program},
+						     {"stale.comp", &r->stale_program},
+						     {"lend.comp", &r->lend_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -68,7 +70,8 @@ gi_result budget_allocate(gi_context *gi)
 	} sizes[] = {
 	    {&r->choices, gpu_bound_label(GI_BIND_CHOICES), sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
 	    {&r->pending, gpu_bound_label(GI_BIND_PENDING), sizeof(gi_pending) * leaves},
-	    {&r->shine, gpu_bound_label(GI_BIND_SHINE), sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	    {&r->light_bounds, gpu_bound_label(GI_BIND_LIGHT_BOUNDS),
+	     sizeof(uint32_t) * GI_LIGHT_BOUND_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
@@ -212,9 +215,9 @@ void budget_choose(gi_context *gi)
 	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	gpu_timer_begin(g, &gi->timers[GI_PASS_CHOOSE]);
-	gpu_buffer_clear(&gi->gpu, &r->shine, 0, r->shine.size, 0);
+	gpu_buffer_clear(&gi->gpu, &r->light_bounds, 0, r->light_bounds.size, 0);
 	gpu_buffer_clear(&gi->gpu, &r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
-	gpu_dispatch_groups(g, r->shine_program, gi->scene.slot_count);
+	gpu_dispatch_groups(g, r->light_bounds_program, gi->scene.slot_count);
 	gpu_dispatch(g, r->survey_program, gi->scene.leaf_count);
 	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
@@ -240,8 +243,8 @@ void budget_free(gi_context *gi)
 #define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
 	BUDGET_BUFFERS(FREE)
 #undef FREE
-	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program, &r->choose_program,
-				&r->enlist_program, &r->stale_program,  &r->lend_program};
+	uint32_t *programs[] = {&r->light_bounds_program, &r->survey_program, &r->assess_program, &r->choose_program,
+				&r->enlist_program,       &r->stale_program,  &r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 	gpu_timer_free(&gi->gpu, &r->assess_timer);

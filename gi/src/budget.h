@@ -16,7 +16,7 @@ typedef struct gi_budget_state {
 	gi_budget last;         /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	BUDGET_BUFFERS(BUFFER_MEMBER)
-	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
+	uint32_t light_bounds_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
 	    lend_program;
 } gi_budget_state;
 

@@ -49,7 +49,7 @@
 #define BUDGET_BUFFERS(X) \
 	X(CHOICES, choices, "choices") \
 	X(PENDING, pending, "pending") \
-	X(SHINE, shine, "shine")
+	X(LIGHT_BOUNDS, light_bounds, "light bounds")
 
 /* gi_solver */
 #define SOLVER_BUFFERS(X) \

@@ -7,12 +7,12 @@
 #define READ_LEAVES
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define WRITE_SHINE
+#define WRITE_LIGHT_BOUNDS
 #include "buffers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-shared uint found[GI_SHINE_WORDS];
+shared uint found[GI_LIGHT_BOUND_WORDS];
 
 struct extremes {
 	vec3 all, others, least;
@@ -27,9 +27,9 @@ void include(inout extremes e, vec3 b, bool emitter)
 void share(extremes e)
 {
 	for (uint c = 0u; c < 3u; c++) {
-		atomicMax(found[GI_SHINE_ALL + c], floatBitsToUint(e.all[c]));
-		atomicMax(found[GI_SHINE_OTHERS + c], floatBitsToUint(e.others[c]));
-		atomicMax(found[GI_SHINE_LEAST + c], ~floatBitsToUint(e.least[c]));
+		atomicMax(found[GI_LIGHT_BOUND_ALL + c], floatBitsToUint(e.all[c]));
+		atomicMax(found[GI_LIGHT_BOUND_OTHERS + c], floatBitsToUint(e.others[c]));
+		atomicMax(found[GI_LIGHT_BOUND_LEAST + c], ~floatBitsToUint(e.least[c]));
 	}
 }
 
@@ -38,7 +38,7 @@ void main()
 	uint local = gl_LocalInvocationID.x, object = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
 	bool there = object < frame.counts.z;
 	uvec4 nodes = there ? object_nodes(object) : uvec4(0u);
-	if (local < GI_SHINE_WORDS)
+	if (local < GI_LIGHT_BOUND_WORDS)
 		found[local] = 0u;
 	barrier();
 	extremes e = extremes(vec3(0.0), vec3(0.0), vec3(3e38));
@@ -49,8 +49,8 @@ void main()
 	if (there)
 		share(e);
 	barrier();
-	if (there && local < GI_SHINE_WORDS) {
-		shine[GI_SHINE_WORDS * object + local] = found[local];
-		atomicMax(shine[GI_SHINE_WORDS * frame.counts.z + local], found[local]);
+	if (there && local < GI_LIGHT_BOUND_WORDS) {
+		light_bounds[GI_LIGHT_BOUND_WORDS * object + local] = found[local];
+		atomicMax(light_bounds[GI_LIGHT_BOUND_WORDS * frame.counts.z + local], found[local]);
 	}
 }
