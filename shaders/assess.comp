@@ -22,7 +22,7 @@
 #define READ_SEGMENTS
 #define READ_ENTRIES
 #define READ_TARGETS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY

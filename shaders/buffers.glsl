@@ -356,23 +356,23 @@ uvec4 load_run(uint n)
 }
 #endif
 
-#ifdef READ_SUSPECTS
-TEXELS(GI_BIND_SUSPECTS) suspect_texels;
-uint load_suspect(uint n)
+#ifdef READ_OBJECT_LISTS
+TEXELS(GI_BIND_OBJECT_LISTS) object_list_texels;
+uint load_listed_object(uint n)
 {
-	return word(suspect_texels, n);
+	return word(object_list_texels, n);
 }
 
 // Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of where it was, 0 and
 // 1, and of that and where it is, 2 and 3.
 uvec4 load_swept_change(uint k)
 {
-	return texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k);
+	return texel(object_list_texels, frame.swept.x + GI_SWEPT_PARTS * k);
 }
 
 vec4 load_swept_corner(uint k, uint corner)
 {
-	return float_texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
+	return float_texel(object_list_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
 }
 #endif
 

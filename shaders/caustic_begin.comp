@@ -2,7 +2,7 @@
 // Which pairs of emitter and smooth object are traced anew, and how far: those that something moved on the paths of from their first
 // packet on, the others from where they are. One thread a pair.
 #define READ_FRAME
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_CAUSTIC_PAIRS
 #define WRITE_CAUSTIC_PATHS
 #include "buffers.glsl"

@@ -186,15 +186,15 @@ GI_STRUCT(gi_material_data) {
  *   work: pose runs, pose threads, cut runs, cut threads
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
- *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
+ *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
  *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
- *   budget: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
+ *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   swept: in the list of suspects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
+ *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 0, 0, 0
@@ -487,7 +487,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
+#define GI_BIND_OBJECT_LISTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
 #define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
@@ -505,7 +505,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
-#define GI_BIND_NODE_MOVES GI_BIND_SUSPECTS    /* uint per node before */
+#define GI_BIND_NODE_MOVES GI_BIND_OBJECT_LISTS    /* uint per node before */
 
 /* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
 #define GI_BIND_LOANS GI_BIND_WIDE_NODES
@@ -591,7 +591,7 @@ GI_STRUCT(gi_photon) {
 
 /* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
 #define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
-#define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
+#define GI_BIND_ESTIMATE_SHARES GI_BIND_OBJECT_LISTS     /* float per item: what its F V counts */
 #define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
 #define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
 

@@ -12,7 +12,7 @@
 #define READ_LEAVES
 #define READ_MATERIALS
 #define READ_SEGMENTS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY
@@ -51,7 +51,7 @@ float emitter_weight(uint leaf, shape p, uint mine, uint since)
 		return 1.0;
 	float sum = 0.0;
 	for (uint k = frame.budget.x; k < frame.budget.y; k++) {
-		uint source = load_suspect(k);
+		uint source = load_listed_object(k);
 		uvec4 segment = load_segment(segment_of(leaf, source));
 		sum += (segment.y & GI_BLOCK_COUNT_MASK) > 0u ? FACTOR_SLACK * uintBitsToFloat(segment.w) : 0.0;
 		if (pair_is_dirty(mine, source, since))
@@ -67,7 +67,7 @@ float share_of_movers(gi_node_geometry p, uint mine, uint since)
 		return 1.0;
 	float share = 0.0;
 	for (uint k = frame.update.y; k < frame.update.z; k++) {
-		uint object = load_suspect(k);
+		uint object = load_listed_object(k);
 		vec4 ball = object_sphere(object);
 		vec3 to = ball.xyz - p.sphere.xyz;
 		float subtends = min(1.0, ball.w * ball.w / max(dot(to, to), 1e-30));

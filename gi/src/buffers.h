@@ -43,7 +43,7 @@
 /* gi_rows: of an update, as large as they are wanted */
 #define ROWS_LISTS(X) \
 	X(RUNS, runs, "runs") \
-	X(SUSPECTS, suspects, "suspects")
+	X(OBJECT_LISTS, object_lists, "lists of objects")
 
 /* gi_budget_state */
 #define BUDGET_BUFFERS(X) \

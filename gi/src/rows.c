@@ -221,9 +221,9 @@ gi_result rows_grow(gi_context *gi)
 
 typedef struct plan {
 	bool part;    /* under a budget: the chosen rows alone */
-	bool several; /* rows may have several suspects: flagged entries are marked */
+	bool several; /* rows may have several candidates: flagged entries are marked */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
-	uint32_t first_emitter, end_emitter; /* in the list of suspects */
+	uint32_t first_emitter, end_emitter; /* in the lists of objects */
 	uint32_t first_swept, swept;         /* likewise, in fours of words */
 	uint64_t cut_threads;
 	loans loans; /* in part alone */
@@ -452,11 +452,11 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 
 /* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was
  * swept. */
-static gi_result upload_suspects(gi_context *gi, plan *p)
+static gi_result upload_object_lists(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
-	gpu_buffer *buffer = &gi->rows.suspects;
-	gi_slot_list list = gi->rows.suspect_list;
+	gpu_buffer *buffer = &gi->rows.object_lists;
+	gi_slot_list list = gi->rows.object_list;
 	list.count = 0;
 	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
 	bool ok = !wanted || list_movers(gi, &list);
@@ -476,10 +476,10 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, gpu_bound_label(GI_BIND_SUSPECTS), 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, gpu_bound_label(GI_BIND_OBJECT_LISTS), 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	gi->rows.suspect_list = list; /* its memory, for the next time */
+	gi->rows.object_list = list; /* its memory, for the next time */
 	return result;
 }
 
@@ -650,7 +650,7 @@ static uint32_t count_neighbours(const gi_scene *s, uint32_t mover)
 }
 
 /* That a row may have (flag.comp): the movers and what went, or of a mover its neighbours. */
-static uint32_t count_suspects(const gi_context *gi)
+static uint32_t count_candidates(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	uint32_t movers = 0, most = 0;
@@ -666,7 +666,7 @@ static uint32_t count_suspects(const gi_context *gi)
 }
 
 /* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times
- * the suspects. Rows of several times the mean length are seen. Objects must be where they are now. */
+ * the candidates. Rows of several times the mean length are seen. Objects must be where they are now. */
 static bool flagging_would_end_early(const gi_context *gi)
 {
 	static const double TURNS = 65535, LONGEST_ROW = 5;
@@ -674,7 +674,7 @@ static bool flagging_would_end_early(const gi_context *gi)
 	if (!gi->gpu.software || !s->leaf_count)
 		return false;
 	const double longest = LONGEST_ROW * (double)gi->report.entries / s->leaf_count;
-	return (longest + scene_source_count(s)) * count_suspects(gi) > TURNS;
+	return (longest + scene_source_count(s)) * count_candidates(gi) > TURNS;
 }
 
 static void trace(gi_context *gi)
@@ -706,7 +706,7 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	if (p->cut_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
-	result = upload_suspects(gi, p);
+	result = upload_object_lists(gi, p);
 	if (!result)
 		result = upload_plan(gi, p);
 	return !result && p->part ? loans_find(gi, &p->loans) : result;
@@ -859,5 +859,5 @@ void rows_free(gi_context *gi)
 	ROWS_LISTS(FREE)
 	gpu_buffer_free(&gi->gpu, &r->frame);
 	gi_free(r->run_data);
-	gi_free(r->suspect_list.slots);
+	gi_free(r->object_list.slots);
 }
