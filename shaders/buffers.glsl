@@ -376,11 +376,11 @@ vec4 load_swept_corner(uint k, uint corner)
 }
 #endif
 
-#ifdef READ_WIDE_NODES
-TEXELS(GI_BIND_WIDE_NODES) wide_node_texels;
-uint load_wide_node(uint n)
+#ifdef READ_LARGE_NODES
+TEXELS(GI_BIND_LARGE_NODES) large_node_texels;
+uint load_large_node(uint n)
 {
-	return word(wide_node_texels, n);
+	return word(large_node_texels, n);
 }
 #endif
 

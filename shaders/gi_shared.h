@@ -185,7 +185,7 @@ GI_STRUCT(gi_material_data) {
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
  *   grid, cells: of the packed TLAS, as of an object's
- *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
+ *   misc: TLAS nodes, large nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
  *          1 where flagged entries are marked
@@ -488,7 +488,7 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
 #define GI_BIND_OBJECT_LISTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
-#define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
+#define GI_BIND_LARGE_NODES 25      /* nodes of more than GI_LARGE_NODE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
@@ -502,13 +502,13 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
 /* A commit's own (renumber.comp): the rows of before, and what became of objects. */
-#define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
+#define GI_BIND_OLD_SEGMENTS GI_BIND_LARGE_NODES
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
 #define GI_BIND_NODE_MOVES GI_BIND_OBJECT_LISTS    /* uint per node before */
 
 /* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
-#define GI_BIND_LOANS GI_BIND_WIDE_NODES
+#define GI_BIND_LOANS GI_BIND_LARGE_NODES
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
@@ -592,7 +592,7 @@ GI_STRUCT(gi_photon) {
 /* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
 #define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
 #define GI_BIND_ESTIMATE_SHARES GI_BIND_OBJECT_LISTS     /* float per item: what its F V counts */
-#define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
+#define GI_BIND_ESTIMATE_CHANCES GI_BIND_LARGE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
 #define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
 
 /* A chosen leaf has this many items in all, in independent groups. */
@@ -612,6 +612,6 @@ GI_STRUCT(gi_estimate_leaf) {
 	GI_VEC4 bias;
 } GI_END(gi_estimate_leaf)
 
-#define GI_WIDE_LEAVES 64u
+#define GI_LARGE_NODE_LEAVES 64u
 
 #endif

@@ -21,7 +21,7 @@
 	X(TLAS, tlas_gpu, "trees over objects") \
 	X(LEAF_QUADS, leaf_quads_gpu, "corners of leaves") \
 	X(NODE_EXITANCE, node_exitance_gpu, "exitance of nodes") \
-	X(WIDE_NODES, wide_nodes_gpu, "wide nodes") \
+	X(LARGE_NODES, large_nodes_gpu, "large nodes") \
 	X(LIGHT_LINKS, light_links_gpu, "light links") \
 	X(LIGHT_FIRST, light_first_gpu, "first light links")
 

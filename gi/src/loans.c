@@ -159,7 +159,7 @@ void loans_give(gi_context *gi, loans *l)
 	gpu_bind(&gi->gpu, GI_BIND_LOANS, &l->list);
 	gpu_set_uint(&gi->gpu, program, 0, l->count);
 	gpu_dispatch(&gi->gpu, program, l->count);
-	gpu_bind(&gi->gpu, GI_BIND_LOANS, &gi->scene.wide_nodes_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LOANS, &gi->scene.large_nodes_gpu);
 	loans_free(gi, l);
 }
 

@@ -559,7 +559,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,
 			  def->solve_tolerance},
 	    .work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
+	    .misc = {s->tlas_all, s->large_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},

@@ -37,7 +37,7 @@ typedef struct gi_scene {
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool shown_changed;      /* since the last update others are seen than before it, or fewer */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
-	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
+	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
 
 	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */

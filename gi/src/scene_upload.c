@@ -146,7 +146,7 @@ static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 	g->bvh = gi_arena_take(passes, g->bvh_count, sizeof *g->bvh);
 	g->primitives = gi_arena_take(passes, g->primitive_count, sizeof *g->primitives);
 	g->leaf_quads = gi_arena_take(passes, 4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
-	g->wide = gi_arena_take(passes, n->node_count, sizeof *g->wide);
+	g->large = gi_arena_take(passes, n->node_count, sizeof *g->large);
 	g->light_links = gi_arena_take(passes, g->light_link_count / 2 + 1, sizeof *g->light_links);
 	g->light_first = gi_arena_take(passes, (size_t)n->light_count + 1, sizeof *g->light_first);
 }
@@ -185,8 +185,8 @@ static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_b
 		for (int c = 0; c < 4; c++)
 			corners[c] += corners[c] == GI_NONE ? 0 : vertex_base;
 		g->next.topology[node_base + k] = t;
-		if (t.range.z > GI_WIDE_LEAVES)
-			g->wide[g->next.wide_count++] = node_base + k;
+		if (t.range.z > GI_LARGE_NODE_LEAVES)
+			g->large[g->next.large_count++] = node_base + k;
 	}
 }
 
@@ -387,7 +387,7 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
 	    {GI_BIND_TLAS, &s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
 	    {GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
-	    {GI_BIND_WIDE_NODES, &s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+	    {GI_BIND_LARGE_NODES, &s->large_nodes_gpu, sizeof(uint32_t) * n->large_count, g->large},
 	    {GI_BIND_LIGHT_LINKS, &s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
 	    {GI_BIND_LIGHT_FIRST, &s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
@@ -496,7 +496,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, before->scene, g, old, old_count);
-	s->wide_count = g->next.wide_count;
+	s->large_count = g->next.large_count;
 	statics_follow(s, before->scene, before->objects, gi->rows.update + 1);
 	s->statics_update = statics_are_same(before->scene, s) ? before->scene->statics_update : gi->rows.update + 1;
 	statics_place(&g->statics, s, g->rest, g->spread, s->topology);

@@ -4,7 +4,7 @@
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
-#define READ_WIDE_NODES
+#define READ_LARGE_NODES
 #define WRITE_RADIOSITY
 #include "buffers.glsl"
 #include "solve.glsl"
@@ -18,7 +18,7 @@ shared double partial_area[GI_GROUP_SIZE];
 void main()
 {
 	uint local = gl_LocalInvocationID.x;
-	uint n = load_wide_node(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
+	uint n = load_large_node(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
 	uvec4 range = load_range(n);
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
