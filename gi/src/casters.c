@@ -133,8 +133,8 @@ static bool share_spheres(const gi_scene *s, gi_casters *casters)
 static double off_of(const scene_object *o, bool flat)
 {
 	double far = 0, outside = 0;
-	for (uint32_t k = 0; k < o->skin.vertex_count; k++) {
-		const gi_draw_vertex *v = &o->skin.vertices[k];
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
 		const gi_vec4 s = o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]].sphere;
 		const double d = gi_vec3d_length(gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(s)));
 		far = fmax(far, d);

@@ -1,4 +1,4 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built; where it is and
+/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and drawn surface built; where it is and
  * what it is made of. Building it writes to nothing that threads share. */
 #ifndef GI_OBJECT_H
 #define GI_OBJECT_H
@@ -7,7 +7,7 @@
 #include "gpu.h"
 #include "hierarchy.h"
 #include "material.h"
-#include "skin.h"
+#include "drawn_surface.h"
 
 /* Of a material of an object (emitters.c). */
 typedef struct scene_emission {
@@ -37,7 +37,7 @@ typedef struct scene_object {
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
-	gi_skin skin;
+	gi_drawn_surface drawn;
 	uint32_t *by_size; /* numbers of its primitives (rank.h) */
 
 	/* Place in the uploaded scene. */

@@ -103,11 +103,11 @@ static void count_all(const gi_context *gi, gathered *g)
 		n->leaf_count += o->hierarchy.leaf_count;
 		n->node_count += o->hierarchy.node_count;
 		n->vertex_count += o->hierarchy.vertex_count;
-		n->light_count += o->skin.light_count;
+		n->light_count += o->drawn.light_count;
 		g->bvh_count += o->bvh.node_count;
 		g->primitive_count += o->bvh.primitive_count;
 		g->material_count += o->material_count;
-		g->light_link_count += o->skin.light_first[o->skin.light_count];
+		g->light_link_count += o->drawn.light_first[o->drawn.light_count];
 	}
 	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
 	n->sky_slot = n->statics_slot = GI_NONE;
@@ -228,13 +228,13 @@ static void gather_leaves(gathered *g, const scene_object *o)
 
 static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
 {
-	const gi_skin *skin = &o->skin;
+	const gi_drawn_surface *drawn = &o->drawn;
 	uint32_t *links = (uint32_t *)g->light_links;
-	for (uint32_t k = 0; k < skin->light_count; k++)
-		g->light_first[o->light_base + k] = link_base + skin->light_first[k];
-	for (uint32_t k = 0; k < skin->light_first[skin->light_count]; k++) {
-		links[2 * (link_base + k)] = o->leaf_base + skin->light_leaf[k];
-		memcpy(&links[2 * (link_base + k) + 1], &skin->light_weight[k], sizeof(float));
+	for (uint32_t k = 0; k < drawn->light_count; k++)
+		g->light_first[o->light_base + k] = link_base + drawn->light_first[k];
+	for (uint32_t k = 0; k < drawn->light_first[drawn->light_count]; k++) {
+		links[2 * (link_base + k)] = o->leaf_base + drawn->light_leaf[k];
+		memcpy(&links[2 * (link_base + k) + 1], &drawn->light_weight[k], sizeof(float));
 	}
 }
 
@@ -339,8 +339,8 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		material += o->material_count;
 		bvh += o->bvh.node_count;
 		primitive += o->bvh.primitive_count;
-		light += o->skin.light_count;
-		link += o->skin.light_first[o->skin.light_count];
+		light += o->drawn.light_count;
+		link += o->drawn.light_first[o->drawn.light_count];
 		if (number + 1 == statics) {
 			gather_statics(g, slot++, leaf);
 			node = g->statics.node_count;

@@ -93,7 +93,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 		for (uint32_t leaf = 0; o && leaf < o->hierarchy.leaf_count; leaf++)
 			for (int k = 0; k < 4; k++)
 				(&lights[o->leaf_base + leaf].x)[k] =
-				    o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
+				    o->light_base + o->drawn.corner_light[4 * leaf + (uint32_t)k];
 	}
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, "light at corners of leaves",
 						     sizeof *lights * s->leaf_count, lights);

@@ -1,5 +1,5 @@
-/* The skin of an object that is drawn as it is lit, or refined further. */
-#include "skin_build.h"
+/* The drawn surface of an object that is drawn as it is lit, or refined further. */
+#include "drawn_build.h"
 
 #include "host_memory.h"
 
@@ -108,7 +108,7 @@ static void refine_weights(const gi_refine_level *above, const gi_refine_level *
 static fine_face *leaf_faces(const gi_hierarchy *h, uint32_t face_count)
 {
 	bool enough = true;
-	fine_face *faces = gi_skin_allocate(face_count, sizeof *faces, &enough);
+	fine_face *faces = gi_drawn_allocate(face_count, sizeof *faces, &enough);
 	for (uint32_t face = 0; enough && face < face_count; face++)
 		faces[face].leaf = GI_NONE;
 	for (uint32_t leaf = 0; enough && leaf < h->leaf_count; leaf++) {
@@ -127,7 +127,7 @@ static fine_face *finest_faces(const gi_hierarchy *h, const gi_refined *fine, ui
 	fine_face *faces = leaf_faces(h, fine->levels[leaf_level].face_count);
 	for (uint32_t level = leaf_level + 1; faces && level < fine->level_count; level++) {
 		bool enough = true;
-		fine_face *finer = gi_skin_allocate(fine->levels[level].face_count, sizeof *finer, &enough);
+		fine_face *finer = gi_drawn_allocate(fine->levels[level].face_count, sizeof *finer, &enough);
 		if (finer)
 			refine_weights(&fine->levels[level - 1], &fine->levels[level], faces, finer);
 		gi_free(faces);
@@ -202,18 +202,18 @@ static bool find_flat(const gi_hierarchy *h, const gi_refined *fine, const fine_
 	return all;
 }
 
-static uint32_t flat_corner(skinner *s, uint32_t leaf, uint32_t vertex, uint32_t k)
+static uint32_t flat_corner(drawn_builder *s, uint32_t leaf, uint32_t vertex, uint32_t k)
 {
 	float weight[4] = {0};
 	weight[k] = 1.0f;
 	gi_draw_vertex v = {0};
 	gi_vec3d_store(v.position, vertex_position(s->h, vertex));
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
-	gi_skin_set_light(s, leaf, weight, &v);
-	return gi_skin_share_vertex(s, vertex, &v);
+	gi_drawn_set_light(s, leaf, weight, &v);
+	return gi_drawn_share_vertex(s, vertex, &v);
 }
 
-static void draw_flat(skinner *s, uint32_t leaf)
+static void draw_flat(drawn_builder *s, uint32_t leaf)
 {
 	const quad q = leaf_quad(s->h, leaf);
 	uint32_t drawn[4];
@@ -223,20 +223,20 @@ static void draw_flat(skinner *s, uint32_t leaf)
 		centre = gi_vec3d_add(centre, gi_vec3d_scale(vertex_position(s->h, q.v[k]), 0.25));
 	}
 	if (q.count == 3) {
-		gi_skin_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
+		gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
 		return;
 	}
 	const float weight[4] = {0.25f, 0.25f, 0.25f, 0.25f};
 	gi_draw_vertex v = {0};
 	gi_vec3d_store(v.position, centre);
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
-	gi_skin_set_light(s, leaf, weight, &v);
-	const uint32_t middle = gi_skin_add_vertex(s, &v);
+	gi_drawn_set_light(s, leaf, weight, &v);
+	const uint32_t middle = gi_drawn_add_vertex(s, &v);
 	for (uint32_t k = 0; k < 4; k++)
-		gi_skin_add_triangle(s->out, drawn[k], drawn[(k + 1) % 4], middle);
+		gi_drawn_add_triangle(s->out, drawn[k], drawn[(k + 1) % 4], middle);
 }
 
-static void draw_curved(skinner *s, const gi_refined *fine, const uint32_t corners[4], const fine_face *face)
+static void draw_curved(drawn_builder *s, const gi_refined *fine, const uint32_t corners[4], const fine_face *face)
 {
 	const gi_vec3d normal = unit_or(fine_moment(fine, corners), leaf_normal(s->h, face->leaf));
 	uint32_t drawn[4];
@@ -244,24 +244,24 @@ static void draw_curved(skinner *s, const gi_refined *fine, const uint32_t corne
 		gi_draw_vertex v = {0};
 		gi_vec3d_store(v.position, fine_position(fine, corners, k));
 		gi_vec3d_store(v.normal, unit_or(gi_vec3d_load(fine->normals[corners[k]]), normal));
-		gi_skin_set_light(s, face->leaf, face->weight[k], &v);
-		drawn[k] = gi_skin_share_vertex(s, corners[k], &v);
+		gi_drawn_set_light(s, face->leaf, face->weight[k], &v);
+		drawn[k] = gi_drawn_share_vertex(s, corners[k], &v);
 	}
-	gi_skin_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
+	gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
 	if (corner_count(corners) == 4)
-		gi_skin_add_triangle(s->out, drawn[0], drawn[2], drawn[3]);
+		gi_drawn_add_triangle(s->out, drawn[0], drawn[2], drawn[3]);
 }
 
-static bool allocate_drawing(skinner *s, const gi_refined *fine)
+static bool allocate_drawing(drawn_builder *s, const gi_refined *fine)
 {
 	const size_t faces = fine->levels[fine->level_count - 1].face_count, leaves = s->h->leaf_count;
 	const uint32_t places = fine->vertex_count > s->h->vertex_count ? fine->vertex_count : s->h->vertex_count;
 	const size_t vertices = 5 * leaves + 4 * faces;
 	bool enough = true;
-	s->first_drawn = gi_skin_allocate(places, sizeof *s->first_drawn, &enough);
-	s->next_drawn = gi_skin_allocate(vertices, sizeof *s->next_drawn, &enough);
-	s->out->vertices = gi_skin_allocate(vertices, sizeof *s->out->vertices, &enough);
-	s->out->indices = gi_skin_allocate(12 * leaves + 6 * faces, sizeof *s->out->indices, &enough);
+	s->first_drawn = gi_drawn_allocate(places, sizeof *s->first_drawn, &enough);
+	s->next_drawn = gi_drawn_allocate(vertices, sizeof *s->next_drawn, &enough);
+	s->out->vertices = gi_drawn_allocate(vertices, sizeof *s->out->vertices, &enough);
+	s->out->indices = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->indices, &enough);
 	for (uint32_t i = 0; enough && i < places; i++)
 		s->first_drawn[i] = GI_NONE;
 	return enough;
@@ -269,7 +269,7 @@ static bool allocate_drawing(skinner *s, const gi_refined *fine)
 
 /* Where nothing was refined further, each leaf is drawn as suits it. Else flat leaves are drawn whole only when all
  * are: beside finer curved ones their long edges would leave cracks. */
-static void draw_surface(skinner *s, const gi_refined *fine, bool finer, const fine_face *faces, const bool *flat,
+static void draw_surface(drawn_builder *s, const gi_refined *fine, bool finer, const fine_face *faces, const bool *flat,
 			 bool all)
 {
 	const gi_refine_level *level = &fine->levels[fine->level_count - 1];
@@ -289,12 +289,12 @@ static void *shrink(void *memory, size_t count, size_t size)
 	return smaller ? smaller : memory;
 }
 
-static bool skin_surface(skinner *s, const gi_refined *fine, uint32_t leaf_level)
+static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t leaf_level)
 {
-	bool enough = gi_skin_make_lights(s, EDGE_COSINE) && allocate_drawing(s, fine);
+	bool enough = gi_drawn_make_lights(s, EDGE_COSINE) && allocate_drawing(s, fine);
 	fine_face *faces = enough ? finest_faces(s->h, fine, leaf_level) : NULL;
-	bool *flat = gi_skin_allocate(s->h->leaf_count, sizeof *flat, &enough);
-	double *area = gi_skin_allocate(s->h->leaf_count, sizeof *area, &enough);
+	bool *flat = gi_drawn_allocate(s->h->leaf_count, sizeof *flat, &enough);
+	double *area = gi_drawn_allocate(s->h->leaf_count, sizeof *area, &enough);
 	enough = enough && faces;
 	if (enough) {
 		const bool all = find_flat(s->h, fine, faces, flat, area);
@@ -310,21 +310,21 @@ static bool skin_surface(skinner *s, const gi_refined *fine, uint32_t leaf_level
 
 /* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the
  * caller's `extra` can be one too many. */
-bool gi_skin_from_surface(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
-			  uint32_t extra, gi_skin *out)
+bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
+			gi_drawn_surface *out)
 {
 	(void)extra;
-	*out = (gi_skin){0};
+	*out = (gi_drawn_surface){0};
 	if (!fine)
 		fine = coarse;
 	const uint32_t leaf_level = coarse->level_count - 1;
 	if (fine->level_count < coarse->level_count ||
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
-	skinner s = {.h = hierarchy, .parted = coarse->parted, .out = out};
-	const bool done = skin_surface(&s, fine, leaf_level);
-	gi_skin_free_skinner(&s);
+	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
+	const bool done = draw_from_cage(&s, fine, leaf_level);
+	gi_drawn_free_builder(&s);
 	if (!done)
-		gi_skin_free(out);
+		gi_drawn_free(out);
 	return done;
 }

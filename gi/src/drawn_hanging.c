@@ -1,4 +1,4 @@
-#include "skin_hanging.h"
+#include "drawn_hanging.h"
 
 #include "bits.h"
 #include "host_memory.h"
@@ -20,7 +20,7 @@ typedef struct hanger {
 	const gi_hierarchy *h;
 	const uint8_t *parted;
 	double least_cosine;
-	const gi_skin_edge *edges;
+	const gi_leaf_edge *edges;
 	uint32_t *first; /* by vertex, and one more: where its edges without a partner begin in `at` */
 	uint32_t *at;    /* edges */
 	void (*join)(uint32_t *group, uint32_t a, uint32_t b);
@@ -49,9 +49,9 @@ static gi_vec3d normal(const gi_hierarchy *h, uint32_t corner)
 	return gi_vec3d_from(h->geometry[h->leaf_node[corner / 4]].axis);
 }
 
-static bool has_partner(const gi_skin_edge *edges, uint32_t count, uint32_t k)
+static bool has_partner(const gi_leaf_edge *edges, uint32_t count, uint32_t k)
 {
-	const gi_skin_edge *e = &edges[k];
+	const gi_leaf_edge *e = &edges[k];
 	return (k > 0 && e[-1].low == e->low && e[-1].high == e->high) ||
 	       (k + 1 < count && e[1].low == e->low && e[1].high == e->high);
 }
@@ -117,7 +117,7 @@ static bool is_parted(const hanger *g, uint32_t corner)
 
 /* A way along an edge from one of its ends, and how far it has come. */
 typedef struct way {
-	const gi_skin_edge *edge;
+	const gi_leaf_edge *edge;
 	uint32_t ends[2]; /* its corners, in its own order */
 	gi_vec3d a, b;
 	bool back; /* from its second end */
@@ -125,7 +125,7 @@ typedef struct way {
 	double share;
 } way;
 
-static way way_along(const hanger *g, const gi_skin_edge *edge, bool back)
+static way way_along(const hanger *g, const gi_leaf_edge *edge, bool back)
 {
 	const uint32_t ends[2] = {edge->corner, next_corner(g->h, edge->corner)};
 	return (way){.edge = edge,
@@ -137,16 +137,16 @@ static way way_along(const hanger *g, const gi_skin_edge *edge, bool back)
 		     .share = back};
 }
 
-static uint32_t other_end(const gi_skin_edge *e, uint32_t vertex)
+static uint32_t other_end(const gi_leaf_edge *e, uint32_t vertex)
 {
 	return e->low == vertex ? e->high : e->low;
 }
 
 /* The next edge on the way that belongs to another leaf and ends within it, or beyond its end; NULL: none. */
-static const gi_skin_edge *next_on(const hanger *g, const way *w, bool beyond)
+static const gi_leaf_edge *next_on(const hanger *g, const way *w, bool beyond)
 {
 	for (uint32_t k = g->first[w->vertex]; k < g->first[w->vertex + 1]; k++) {
-		const gi_skin_edge *e = &g->edges[g->at[k]];
+		const gi_leaf_edge *e = &g->edges[g->at[k]];
 		const double share = share_of(w->a, w->b, position(g->h, other_end(e, w->vertex)));
 		const double from = w->back ? 1 - w->share : w->share, to = w->back ? 1 - share : share;
 		if (e->corner / 4 != w->edge->corner / 4 && share != OFF && to > from && (to > 1 + ON_EDGE) == beyond &&
@@ -156,7 +156,7 @@ static const gi_skin_edge *next_on(const hanger *g, const way *w, bool beyond)
 	return NULL;
 }
 
-static uint32_t corner_at(const hanger *g, const gi_skin_edge *e, uint32_t vertex)
+static uint32_t corner_at(const hanger *g, const gi_leaf_edge *e, uint32_t vertex)
 {
 	return vertex_at(g->h, e->corner) == vertex ? e->corner : next_corner(g->h, e->corner);
 }
@@ -168,7 +168,7 @@ static bool hang_on(hanger *g, const way *w, uint32_t corner)
 }
 
 /* Of two edges that overlap each has an end on the other. */
-static bool hang_overlap(hanger *g, const way *w, const gi_skin_edge *other)
+static bool hang_overlap(hanger *g, const way *w, const gi_leaf_edge *other)
 {
 	if (is_parted(g, w->edge->corner) || is_parted(g, other->corner))
 		return true;
@@ -179,7 +179,7 @@ static bool hang_overlap(hanger *g, const way *w, const gi_skin_edge *other)
 /* Shorter edges on the way, as far as one begins where the other ends. */
 static bool walk(hanger *g, way w)
 {
-	const gi_skin_edge *e;
+	const gi_leaf_edge *e;
 	while ((e = next_on(g, &w, false))) {
 		const double share = share_of(w.a, w.b, position(g->h, other_end(e, w.vertex)));
 		const bool shares = fabs(share - w.share) > SHORTEST && !is_parted(g, e->corner);
@@ -194,9 +194,9 @@ static bool walk(hanger *g, way w)
 	return !e || hang_overlap(g, &w, e);
 }
 
-bool gi_skin_find_hanging(const gi_hierarchy *h, const uint8_t *parted, const gi_skin_edge *edges, uint32_t count,
-			  double least_cosine, void (*join)(uint32_t *group, uint32_t a, uint32_t b), uint32_t *group,
-			  gi_hanging_list *out)
+bool gi_drawn_find_hanging(const gi_hierarchy *h, const uint8_t *parted, const gi_leaf_edge *edges, uint32_t count,
+			   double least_cosine, void (*join)(uint32_t *group, uint32_t a, uint32_t b), uint32_t *group,
+			   gi_hanging_list *out)
 {
 	hanger g = {.h = h,
 		    .parted = parted,
@@ -217,7 +217,7 @@ bool gi_skin_find_hanging(const gi_hierarchy *h, const uint8_t *parted, const gi
 /* ---- light vertices ---- */
 
 typedef struct mixer {
-	const gi_skin *skin;
+	const gi_drawn_surface *drawn;
 	const gi_hanging_list *list;
 	const uint32_t *light;
 	uint32_t *of;  /* by light vertex: the number of what makes it hang, and one; 0: it does not */
@@ -227,11 +227,11 @@ typedef struct mixer {
 
 static void add_leaves(mixer *m, uint32_t light, float share)
 {
-	for (uint32_t k = m->skin->light_first[light]; k < m->skin->light_first[light + 1]; k++) {
-		const uint32_t leaf = m->skin->light_leaf[k];
+	for (uint32_t k = m->drawn->light_first[light]; k < m->drawn->light_first[light + 1]; k++) {
+		const uint32_t leaf = m->drawn->light_leaf[k];
 		if (m->weight[leaf] == 0)
 			m->leaves[m->leaf_count++] = leaf;
-		m->weight[leaf] += share * m->skin->light_weight[k];
+		m->weight[leaf] += share * m->drawn->light_weight[k];
 	}
 }
 
@@ -271,12 +271,12 @@ static bool take_mixed(mixer *m, links *to)
 }
 
 /* All light vertices anew: what hangs becomes the mean of those at the ends of its edge, as they are. */
-static bool mix_once(mixer *m, gi_skin *skin)
+static bool mix_once(mixer *m, gi_drawn_surface *drawn)
 {
 	links to = {0};
-	uint32_t *first = gi_calloc((size_t)skin->light_count + 1, sizeof *first);
+	uint32_t *first = gi_calloc((size_t)drawn->light_count + 1, sizeof *first);
 	bool enough = first != NULL;
-	for (uint32_t light = 0; light < skin->light_count && enough; light++) {
+	for (uint32_t light = 0; light < drawn->light_count && enough; light++) {
 		const gi_hanging *item = m->of[light] ? &m->list->items[m->of[light] - 1] : NULL;
 		add_leaves(m, item ? m->light[item->ends[0]] : light, item ? 1 - item->share : 1);
 		if (item)
@@ -284,13 +284,13 @@ static bool mix_once(mixer *m, gi_skin *skin)
 		enough = take_mixed(m, &to);
 		first[light + 1] = (uint32_t)to.count;
 	}
-	gi_free(enough ? skin->light_first : first);
-	gi_free(enough ? skin->light_leaf : to.leaf);
-	gi_free(enough ? skin->light_weight : to.weight);
+	gi_free(enough ? drawn->light_first : first);
+	gi_free(enough ? drawn->light_leaf : to.leaf);
+	gi_free(enough ? drawn->light_weight : to.weight);
 	if (enough) {
-		skin->light_first = first;
-		skin->light_leaf = to.leaf;
-		skin->light_weight = to.weight;
+		drawn->light_first = first;
+		drawn->light_leaf = to.leaf;
+		drawn->light_weight = to.weight;
 	}
 	return enough;
 }
@@ -311,19 +311,20 @@ static uint32_t note_hanging(mixer *m)
 	return deep ? MOST_TIMES : 1;
 }
 
-bool gi_skin_hang_lights(const gi_hanging_list *list, const uint32_t *light, uint32_t leaf_count, gi_skin *skin)
+bool gi_drawn_hang_lights(const gi_hanging_list *list, const uint32_t *light, uint32_t leaf_count,
+			  gi_drawn_surface *drawn)
 {
 	if (list->count == 0)
 		return true;
-	mixer m = {.skin = skin,
+	mixer m = {.drawn = drawn,
 		   .list = list,
 		   .light = light,
-		   .of = gi_calloc((size_t)skin->light_count + 1, sizeof *m.of),
+		   .of = gi_calloc((size_t)drawn->light_count + 1, sizeof *m.of),
 		   .weight = gi_calloc((size_t)leaf_count + 1, sizeof *m.weight),
 		   .leaves = gi_malloc(((size_t)leaf_count + 1) * sizeof *m.leaves)};
 	bool enough = m.of && m.weight && m.leaves;
 	for (uint32_t times = enough ? note_hanging(&m) : 0; times > 0 && enough; times--)
-		enough = mix_once(&m, skin);
+		enough = mix_once(&m, drawn);
 	gi_free(m.of);
 	gi_free(m.weight);
 	gi_free(m.leaves);

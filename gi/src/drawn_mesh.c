@@ -1,5 +1,5 @@
-/* The skin of an object that is drawn as a mesh of its own, finer than its cage. */
-#include "skin_build.h"
+/* The drawn surface of an object that is drawn as a mesh of its own, finer than its cage. */
+#include "drawn_build.h"
 
 #include "bits.h"
 #include "bvh.h"
@@ -40,9 +40,9 @@ static bool build_locator(const gi_hierarchy *h, locator *out)
 {
 	bool enough = true;
 	const size_t count = h->leaf_count;
-	gi_box *boxes = gi_skin_allocate(count, sizeof *boxes, &enough);
-	out->nodes = gi_skin_allocate(2 * count, sizeof *out->nodes, &enough);
-	out->order = gi_skin_allocate(count, sizeof *out->order, &enough);
+	gi_box *boxes = gi_drawn_allocate(count, sizeof *boxes, &enough);
+	out->nodes = gi_drawn_allocate(2 * count, sizeof *out->nodes, &enough);
+	out->order = gi_drawn_allocate(count, sizeof *out->order, &enough);
 	for (uint32_t leaf = 0; enough && leaf < count; leaf++) {
 		const quad q = leaf_quad(h, leaf);
 		gi_vec4 l = h->vertices[q.v[0]], u = l;
@@ -207,7 +207,7 @@ static void find_guides(const mesh *m, uint32_t *guide)
 	}
 }
 
-static void draw_mesh(skinner *s, const locator *l, const mesh *m, const gi_vec3d *normals, const uint32_t *guide)
+static void draw_mesh(drawn_builder *s, const locator *l, const mesh *m, const gi_vec3d *normals, const uint32_t *guide)
 {
 	for (uint32_t i = 0; i < m->vertex_count; i++) {
 		const gi_vec3d point = mesh_position(m, i), normal = unit_or(normals[i], (gi_vec3d){0.0, 0.0, 0.0});
@@ -216,23 +216,23 @@ static void draw_mesh(skinner *s, const locator *l, const mesh *m, const gi_vec3
 		gi_draw_vertex v = {0};
 		gi_vec3d_store(v.position, point);
 		gi_vec3d_store(v.normal, unit_or(normal, leaf_normal(s->h, found.leaf)));
-		gi_skin_set_light(s, found.leaf, found.weight, &v);
-		gi_skin_add_vertex(s, &v);
+		gi_drawn_set_light(s, found.leaf, found.weight, &v);
+		gi_drawn_add_vertex(s, &v);
 	}
 	for (uint32_t i = 0; i < m->index_count; i++)
 		s->out->indices[s->out->index_count++] = m->indices[i];
 }
 
-static bool skin_mesh(skinner *s, const mesh *m)
+static bool draw_from_mesh(drawn_builder *s, const mesh *m)
 {
 	locator l = {.h = s->h};
 	const gi_vec3d diagonal = gi_vec3d_sub(gi_vec3d_from(s->h->upper), gi_vec3d_from(s->h->lower));
 	l.farther = PREFER_FARTHER * gi_vec3d_length(diagonal);
-	bool enough = gi_skin_make_lights(s, CAGE_EDGE_COSINE) && build_locator(s->h, &l);
-	gi_vec3d *normals = gi_skin_allocate(m->vertex_count, sizeof *normals, &enough);
-	uint32_t *guide = gi_skin_allocate(m->vertex_count, sizeof *guide, &enough);
-	s->out->vertices = gi_skin_allocate(m->vertex_count, sizeof *s->out->vertices, &enough);
-	s->out->indices = gi_skin_allocate(m->index_count, sizeof *s->out->indices, &enough);
+	bool enough = gi_drawn_make_lights(s, CAGE_EDGE_COSINE) && build_locator(s->h, &l);
+	gi_vec3d *normals = gi_drawn_allocate(m->vertex_count, sizeof *normals, &enough);
+	uint32_t *guide = gi_drawn_allocate(m->vertex_count, sizeof *guide, &enough);
+	s->out->vertices = gi_drawn_allocate(m->vertex_count, sizeof *s->out->vertices, &enough);
+	s->out->indices = gi_drawn_allocate(m->index_count, sizeof *s->out->indices, &enough);
 	if (enough) {
 		sum_normals(m, normals);
 		find_guides(m, guide);
@@ -246,17 +246,17 @@ static bool skin_mesh(skinner *s, const mesh *m)
 }
 
 /* False also for an index out of range or a coordinate that is not finite. */
-bool gi_skin_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
-		       const uint32_t *indices, uint32_t index_count, gi_skin *out)
+bool gi_drawn_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
+			const uint32_t *indices, uint32_t index_count, gi_drawn_surface *out)
 {
-	*out = (gi_skin){0};
+	*out = (gi_drawn_surface){0};
 	const mesh m = {positions, vertex_count, indices, index_count};
 	if (hierarchy->leaf_count == 0 || !is_valid(&m))
 		return false;
-	skinner s = {.h = hierarchy, .out = out};
-	const bool done = skin_mesh(&s, &m);
-	gi_skin_free_skinner(&s);
+	drawn_builder s = {.h = hierarchy, .out = out};
+	const bool done = draw_from_mesh(&s, &m);
+	gi_drawn_free_builder(&s);
 	if (!done)
-		gi_skin_free(out);
+		gi_drawn_free(out);
 	return done;
 }

@@ -1,12 +1,12 @@
-/* Light vertices and drawn vertices of one object (skin.h says what they are).
+/* Light vertices and drawn vertices of one object (drawn_surface.h says what they are).
  *
- *   leaves --join_corners--> groups of corners --store_lights--> light vertices      (skin.c)
- *   finer faces --refine_weights--> weights of the leaf's corners --draw_*--> drawn  (skin_surface.c)
- *   mesh vertices --find_closest--> weights inside a leaf's triangle --> drawn       (skin_mesh.c)
+ *   leaves --join_corners--> groups of corners --store_lights--> light vertices      (drawn_surface.c)
+ *   finer faces --refine_weights--> weights of the leaf's corners --draw_*--> drawn  (drawn_refined.c)
+ *   mesh vertices --find_closest--> weights inside a leaf's triangle --> drawn       (drawn_mesh.c)
  *
  * A "corner" is leaf * 4 + k, k = 0..3; a triangle's fourth stands for its third and is in no group of its own.
  */
-#include "skin_build.h"
+#include "drawn_build.h"
 
 #include "host_memory.h"
 
@@ -15,7 +15,7 @@
 /* Two drawn normals are one when no component differs by more: less than 8 bits could show, more than float rounds. */
 #define SAME_NORMAL 1e-5f
 
-void *gi_skin_allocate(size_t count, size_t size, bool *enough)
+void *gi_drawn_allocate(size_t count, size_t size, bool *enough)
 {
 	void *memory = gi_calloc(count + 1, size);
 	*enough = *enough && memory;
@@ -41,21 +41,21 @@ static void join(uint32_t *group, uint32_t a, uint32_t b)
 	group[a > b ? a : b] = a > b ? b : a;
 }
 
-static uint32_t list_edges(const gi_hierarchy *h, gi_skin_edge *edges)
+static uint32_t list_edges(const gi_hierarchy *h, gi_leaf_edge *edges)
 {
 	uint32_t count = 0;
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
 		const quad q = leaf_quad(h, leaf);
 		for (uint32_t k = 0; k < q.count; k++) {
 			const uint32_t a = q.v[k], b = q.v[(k + 1) % q.count];
-			edges[count++] = (gi_skin_edge){a < b ? a : b, a < b ? b : a, 4 * leaf + k};
+			edges[count++] = (gi_leaf_edge){a < b ? a : b, a < b ? b : a, 4 * leaf + k};
 		}
 	}
 	return count;
 }
 
 /* One pass of a stable counting sort; first by `high`, then by `low`. `offsets` holds vertex_count + 1. */
-static void sort_edges(const gi_skin_edge *from, gi_skin_edge *to, uint32_t count, bool by_low, uint32_t *offsets,
+static void sort_edges(const gi_leaf_edge *from, gi_leaf_edge *to, uint32_t count, bool by_low, uint32_t *offsets,
 		       uint32_t vertex_count)
 {
 	for (uint32_t i = 0; i <= vertex_count; i++)
@@ -69,7 +69,7 @@ static void sort_edges(const gi_skin_edge *from, gi_skin_edge *to, uint32_t coun
 }
 
 /* The corner of an edge's leaf at the edge's lower or higher vertex. */
-static uint32_t end_corner(const gi_hierarchy *h, const gi_skin_edge *e, bool low)
+static uint32_t end_corner(const gi_hierarchy *h, const gi_leaf_edge *e, bool low)
 {
 	const quad q = leaf_quad(h, e->corner / 4);
 	const uint32_t k = e->corner % 4;
@@ -77,12 +77,12 @@ static uint32_t end_corner(const gi_hierarchy *h, const gi_skin_edge *e, bool lo
 	return here ? e->corner : e->corner - k + (k + 1) % q.count;
 }
 
-static bool is_parted(const skinner *s, const gi_skin_edge *e)
+static bool is_parted(const drawn_builder *s, const gi_leaf_edge *e)
 {
 	return s->parted && s->parted[s->h->leaf_face[e->corner / 4]] >> (e->corner % 4) & 1;
 }
 
-static void join_across(skinner *s, const gi_skin_edge *a, const gi_skin_edge *b, double least_cosine)
+static void join_across(drawn_builder *s, const gi_leaf_edge *a, const gi_leaf_edge *b, double least_cosine)
 {
 	const gi_hierarchy *h = s->h;
 	uint32_t *group = s->group;
@@ -95,13 +95,13 @@ static void join_across(skinner *s, const gi_skin_edge *a, const gi_skin_edge *b
 }
 
 /* Joins the corners on both sides of every edge that is not sharp and does not part light. */
-static bool join_corners(skinner *s, double least_cosine)
+static bool join_corners(drawn_builder *s, double least_cosine)
 {
 	const gi_hierarchy *h = s->h;
 	bool enough = true;
-	gi_skin_edge *edges = gi_skin_allocate(4 * (size_t)h->leaf_count, sizeof *edges, &enough);
-	gi_skin_edge *sorted = gi_skin_allocate(4 * (size_t)h->leaf_count, sizeof *sorted, &enough);
-	uint32_t *offsets = gi_skin_allocate(h->vertex_count, sizeof *offsets, &enough);
+	gi_leaf_edge *edges = gi_drawn_allocate(4 * (size_t)h->leaf_count, sizeof *edges, &enough);
+	gi_leaf_edge *sorted = gi_drawn_allocate(4 * (size_t)h->leaf_count, sizeof *sorted, &enough);
+	uint32_t *offsets = gi_drawn_allocate(h->vertex_count, sizeof *offsets, &enough);
 	if (enough) {
 		const uint32_t count = list_edges(h, edges);
 		sort_edges(edges, sorted, count, false, offsets, h->vertex_count);
@@ -112,7 +112,7 @@ static bool join_corners(skinner *s, double least_cosine)
 			for (uint32_t j = i + 1;
 			     j < count && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++)
 				join_across(s, &edges[i], &edges[j], least_cosine);
-		enough = gi_skin_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging);
+		enough = gi_drawn_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging);
 	}
 	gi_free(edges);
 	gi_free(sorted);
@@ -131,9 +131,9 @@ static float corner_angle(const gi_hierarchy *h, const quad *q, uint32_t k)
 }
 
 /* Numbers the groups in the order of their first corners, and counts the leaves of each. */
-static void number_lights(skinner *s)
+static void number_lights(drawn_builder *s)
 {
-	gi_skin *out = s->out;
+	gi_drawn_surface *out = s->out;
 	for (uint32_t leaf = 0; leaf < s->h->leaf_count; leaf++) {
 		const quad q = leaf_quad(s->h, leaf);
 		for (uint32_t k = 0; k < q.count; k++) {
@@ -149,9 +149,9 @@ static void number_lights(skinner *s)
 		out->light_first[light + 1] += out->light_first[light];
 }
 
-static void fill_lights(const skinner *s, uint32_t *filled)
+static void fill_lights(const drawn_builder *s, uint32_t *filled)
 {
-	gi_skin *out = s->out;
+	gi_drawn_surface *out = s->out;
 	for (uint32_t leaf = 0; leaf < s->h->leaf_count; leaf++) {
 		const quad q = leaf_quad(s->h, leaf);
 		for (uint32_t k = 0; k < q.count; k++) {
@@ -170,26 +170,26 @@ static void fill_lights(const skinner *s, uint32_t *filled)
 	}
 }
 
-bool gi_skin_make_lights(skinner *s, double least_cosine)
+bool gi_drawn_make_lights(drawn_builder *s, double least_cosine)
 {
 	const size_t corners = 4 * (size_t)s->h->leaf_count;
 	bool enough = true;
-	s->group = gi_skin_allocate(corners, sizeof *s->group, &enough);
-	s->out->corner_light = gi_skin_allocate(corners, sizeof *s->out->corner_light, &enough);
-	s->out->light_first = gi_skin_allocate(corners, sizeof *s->out->light_first, &enough);
-	s->out->light_leaf = gi_skin_allocate(corners, sizeof *s->out->light_leaf, &enough);
-	s->out->light_weight = gi_skin_allocate(corners, sizeof *s->out->light_weight, &enough);
+	s->group = gi_drawn_allocate(corners, sizeof *s->group, &enough);
+	s->out->corner_light = gi_drawn_allocate(corners, sizeof *s->out->corner_light, &enough);
+	s->out->light_first = gi_drawn_allocate(corners, sizeof *s->out->light_first, &enough);
+	s->out->light_leaf = gi_drawn_allocate(corners, sizeof *s->out->light_leaf, &enough);
+	s->out->light_weight = gi_drawn_allocate(corners, sizeof *s->out->light_weight, &enough);
 	if (!enough || !join_corners(s, least_cosine))
 		return false;
 	number_lights(s);
-	uint32_t *filled = gi_skin_allocate(s->out->light_count, sizeof *filled, &enough);
+	uint32_t *filled = gi_drawn_allocate(s->out->light_count, sizeof *filled, &enough);
 	if (enough)
 		fill_lights(s, filled);
 	gi_free(filled);
-	return enough && gi_skin_hang_lights(&s->hanging, s->out->corner_light, s->h->leaf_count, s->out);
+	return enough && gi_drawn_hang_lights(&s->hanging, s->out->corner_light, s->h->leaf_count, s->out);
 }
 
-void gi_skin_free_skinner(skinner *s)
+void gi_drawn_free_builder(drawn_builder *s)
 {
 	gi_free(s->group);
 	gi_free(s->hanging.items);
@@ -215,7 +215,7 @@ static void add_light(gi_draw_vertex *v, uint32_t *count, uint32_t light, float 
 	v->weight[at] += weight;
 }
 
-void gi_skin_set_light(const skinner *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v)
+void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v)
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < 4; k++)
@@ -228,7 +228,7 @@ void gi_skin_set_light(const skinner *s, uint32_t leaf, const float weight[4], g
 	v->leaf = leaf;
 }
 
-static bool is_same(const skinner *s, const gi_draw_vertex *a, const gi_draw_vertex *b)
+static bool is_same(const drawn_builder *s, const gi_draw_vertex *a, const gi_draw_vertex *b)
 {
 	if (s->h->leaf_material[a->leaf] != s->h->leaf_material[b->leaf])
 		return false;
@@ -241,38 +241,38 @@ static bool is_same(const skinner *s, const gi_draw_vertex *a, const gi_draw_ver
 	return true;
 }
 
-uint32_t gi_skin_add_vertex(skinner *s, const gi_draw_vertex *v)
+uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)
 {
 	s->out->vertices[s->out->vertex_count] = *v;
 	return s->out->vertex_count++;
 }
 
-uint32_t gi_skin_share_vertex(skinner *s, uint32_t place, const gi_draw_vertex *v)
+uint32_t gi_drawn_share_vertex(drawn_builder *s, uint32_t place, const gi_draw_vertex *v)
 {
 	for (uint32_t i = s->first_drawn[place]; i != GI_NONE; i = s->next_drawn[i])
 		if (is_same(s, &s->out->vertices[i], v))
 			return i;
-	const uint32_t added = gi_skin_add_vertex(s, v);
+	const uint32_t added = gi_drawn_add_vertex(s, v);
 	s->next_drawn[added] = s->first_drawn[place];
 	return s->first_drawn[place] = added;
 }
 
-void gi_skin_add_triangle(gi_skin *out, uint32_t a, uint32_t b, uint32_t c)
+void gi_drawn_add_triangle(gi_drawn_surface *out, uint32_t a, uint32_t b, uint32_t c)
 {
 	out->indices[out->index_count++] = a;
 	out->indices[out->index_count++] = b;
 	out->indices[out->index_count++] = c;
 }
 
-void gi_skin_free(gi_skin *skin)
+void gi_drawn_free(gi_drawn_surface *drawn)
 {
-	if (!skin)
+	if (!drawn)
 		return;
-	gi_free(skin->light_first);
-	gi_free(skin->light_leaf);
-	gi_free(skin->light_weight);
-	gi_free(skin->corner_light);
-	gi_free(skin->vertices);
-	gi_free(skin->indices);
-	*skin = (gi_skin){0};
+	gi_free(drawn->light_first);
+	gi_free(drawn->light_leaf);
+	gi_free(drawn->light_weight);
+	gi_free(drawn->corner_light);
+	gi_free(drawn->vertices);
+	gi_free(drawn->indices);
+	*drawn = (gi_drawn_surface){0};
 }

@@ -1,21 +1,21 @@
-/* What both kinds of skin are built with. */
-#ifndef GI_SKIN_BUILD_H
-#define GI_SKIN_BUILD_H
+/* What both kinds of drawn surface are built with. */
+#ifndef GI_DRAWN_BUILD_H
+#define GI_DRAWN_BUILD_H
 
-#include "skin.h"
-#include "skin_hanging.h"
+#include "drawn_surface.h"
+#include "drawn_hanging.h"
 #include "vec3d.h"
 
-/* A skin on its way. */
-typedef struct skinner {
+/* A drawn surface while it is built. */
+typedef struct drawn_builder {
 	const gi_hierarchy *h;
 	const uint8_t *parted; /* as gi_refined has it; NULL: none */
-	gi_skin *out;
+	gi_drawn_surface *out;
 	uint32_t *group; /* per corner: another corner of its group, or itself */
 	gi_hanging_list hanging;
 	uint32_t *first_drawn; /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
 	uint32_t *next_drawn;  /* per drawn vertex: the next one at the same place */
-} skinner;
+} drawn_builder;
 
 typedef struct quad {
 	uint32_t v[4];
@@ -45,16 +45,16 @@ static inline gi_vec3d unit_or(gi_vec3d v, gi_vec3d otherwise)
 }
 
 /* One more than asked for: no size is zero. */
-void *gi_skin_allocate(size_t count, size_t size, bool *enough);
+void *gi_drawn_allocate(size_t count, size_t size, bool *enough);
 /* Light vertices; corners of leaves whose normals have at least this cosine share one. False: out of memory. */
-bool gi_skin_make_lights(skinner *s, double least_cosine);
-void gi_skin_free_skinner(skinner *s);
-void gi_skin_add_triangle(gi_skin *out, uint32_t a, uint32_t b, uint32_t c);
-uint32_t gi_skin_add_vertex(skinner *s, const gi_draw_vertex *v);
+bool gi_drawn_make_lights(drawn_builder *s, double least_cosine);
+void gi_drawn_free_builder(drawn_builder *s);
+void gi_drawn_add_triangle(gi_drawn_surface *out, uint32_t a, uint32_t b, uint32_t c);
+uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v);
 /* The light at a point of a leaf. In order of light vertex and without zeros, so that the two leaves of a smooth edge
  * give their common points the same. */
-void gi_skin_set_light(const skinner *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v);
+void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v);
 /* The drawn vertex that is `v`, a new one where there is none; `place` is the number of its vertex of the surface. */
-uint32_t gi_skin_share_vertex(skinner *s, uint32_t place, const gi_draw_vertex *v);
+uint32_t gi_drawn_share_vertex(drawn_builder *s, uint32_t place, const gi_draw_vertex *v);
 
 #endif
