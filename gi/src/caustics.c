@@ -104,13 +104,13 @@ void caustics_invalidate(gi_context *gi)
 
 /* ---- pairs ---- */
 
-static const scene_object *seen_in(const gi_scene *s, uint32_t slot)
+static const object_record *seen_in(const gi_scene *s, uint32_t slot)
 {
-	const scene_object *o = scene_object_in(s, slot);
+	const object_record *o = scene_object_in(s, slot);
 	return o && object_is_seen(o) ? o : NULL;
 }
 
-static bool changed(const scene_object *o)
+static bool changed(const object_record *o)
 {
 	return o->moved || o->relit || o->material_changed;
 }
@@ -131,7 +131,7 @@ static bool all_are_anew(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	bool moved = false, other = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		moved = moved || (o && o->moved);
 		other = other || (o && o->specular && o->material_changed);
 	}
@@ -163,11 +163,11 @@ static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_p
 		const double power =
 		    pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
 		for (uint32_t to = 0; to < s->slot_count; to++) {
-			const scene_object *smooth = to == from ? NULL : seen_in(s, to);
+			const object_record *smooth = to == from ? NULL : seen_in(s, to);
 			if (!smooth || !object_is_smooth(smooth) || count == MOST_PAIRS)
 				continue;
 			if (pairs) {
-				const scene_object *emitter = &s->objects[s->slots[from]];
+				const object_record *emitter = &s->objects[s->slots[from]];
 				const gi_uvec4 before = gi->caustics->traced[count];
 				const bool anew = !gi->caustics->built || before.z != from || before.w != to ||
 						  changed(smooth) || changed(emitter);

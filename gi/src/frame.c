@@ -139,7 +139,7 @@ static changes changed_objects(const gi_context *gi)
 {
 	changes c = {false, false};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		const scene_object *o = &gi->scene.objects[k];
+		const object_record *o = &gi->scene.objects[k];
 		c.rows = c.rows || (o->committed && (o->moved || o->relit));
 		c.light = c.light || (o->committed && o->material_changed);
 	}
@@ -165,7 +165,7 @@ static void changes_done(gi_context *gi)
 {
 	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
 	}
 }

@@ -21,7 +21,7 @@ static const uint64_t MAX_DRAW_FACES = 200000;
 
 /* ---- building ---- */
 
-void object_free(scene_object *o)
+void object_free(object_record *o)
 {
 	gi_free(o->name);
 	gi_free(o->materials);
@@ -31,11 +31,11 @@ void object_free(scene_object *o)
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
 	gi_drawn_free(&o->drawn);
-	*o = (scene_object){.generation = o->generation,
-			    .leaf_id = o->leaf_id,
-			    .node_id = o->node_id,
-			    .leaf_ids = o->leaf_ids,
-			    .node_ids = o->node_ids};
+	*o = (object_record){.generation = o->generation,
+			     .leaf_id = o->leaf_id,
+			     .node_id = o->node_id,
+			     .leaf_ids = o->leaf_ids,
+			     .node_ids = o->node_ids};
 }
 
 static char *duplicate_text(const char *text)
@@ -47,7 +47,7 @@ static char *duplicate_text(const char *text)
 	return copy;
 }
 
-static bool copy_values(scene_object *o, const gi_object_def *def, const char *name)
+static bool copy_values(object_record *o, const gi_object_def *def, const char *name)
 {
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
@@ -66,7 +66,7 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */
-static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uint32_t levels)
+static uint32_t draw_levels(const gi_object_def *def, const object_record *o, uint32_t levels)
 {
 	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
 	while (extra && (levels + extra > OBJECT_MAX_LEVELS ||
@@ -76,7 +76,7 @@ static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uin
 }
 
 static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
-			      scene_object *o)
+			      object_record *o)
 {
 	gi_refined fine;
 	char message[256];
@@ -89,7 +89,7 @@ static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coar
 
 /* What is drawn finer than it is lit yields to what memory there is. */
 static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
-			scene_object *o)
+			object_record *o)
 {
 	if (def->draw_index_count) {
 		float *scaled = gi_malloc(sizeof(float) * 3 * def->draw_vertex_count);
@@ -272,7 +272,7 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 }
 
 static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-		       scene_object *o)
+		       object_record *o)
 {
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
@@ -307,7 +307,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 }
 
 /* The same, of a definition that may hold faces twice. */
-static gi_result make(const object_builder *b, const gi_object_def *def, const char *name, scene_object *o)
+static gi_result make(const object_builder *b, const gi_object_def *def, const char *name, object_record *o)
 {
 	const gi_log *log = b->log;
 	gi_unique_faces unique;
@@ -340,10 +340,10 @@ static void clip_name(const char *name, char out[NAME_BYTES])
 	out[length] = '\0';
 }
 
-gi_result object_build(const object_builder *b, const gi_object_def *def, scene_object *out)
+gi_result object_build(const object_builder *b, const gi_object_def *def, object_record *out)
 {
 	char name[NAME_BYTES];
-	*out = (scene_object){0};
+	*out = (object_record){0};
 	clip_name(def->name ? def->name : "unnamed", name);
 	gi_result result = object_check_named(b->log, def, name);
 	if (result)

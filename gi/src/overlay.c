@@ -21,7 +21,7 @@ typedef struct overlay_vertex {
 	uint32_t leaf;
 } overlay_vertex;
 
-static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
+static void add_leaves(const object_record *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {

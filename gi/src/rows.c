@@ -137,7 +137,7 @@ static double mean_refinement(const gi_context *gi)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
-		const scene_object *o = &s->objects[s->slots[slot]];
+		const object_record *o = &s->objects[s->slots[slot]];
 		for (uint32_t m = 0; m < o->material_count; m++) {
 			const double finer = exp2((double)o->emission[m].steps);
 			sum += o->emission[m].area * fmin(finer, (double)gi->def.emitter_refinement);
@@ -300,7 +300,7 @@ static void number_changes(gi_context *gi)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
-		scene_object *o = &s->objects[s->slots[slot]];
+		object_record *o = &s->objects[s->slots[slot]];
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
@@ -353,7 +353,7 @@ static bool plan_cuts(gi_context *gi, plan *p)
 	return true;
 }
 
-static bool boxes_overlap(const scene_object *a, const scene_object *b)
+static bool boxes_overlap(const object_record *a, const object_record *b)
 {
 	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
 	for (int k = 0; k < 3; k++)
@@ -436,7 +436,7 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 		ok = append(list, 0);
 	p->first_swept = list->count / 4;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (!o || !slot_moved(gi, slot))
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
@@ -542,7 +542,7 @@ static uint32_t static_primitives(const gi_scene *s)
 {
 	if (!s->first_source)
 		return 0;
-	const scene_object *last = &s->objects[s->slots[s->first_source - 1]];
+	const object_record *last = &s->objects[s->slots[s->first_source - 1]];
 	return last->primitive_base + last->bvh.primitive_count;
 }
 
@@ -655,7 +655,7 @@ static uint32_t count_candidates(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	uint32_t movers = 0, most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (!o || !(o->moved || o->moved_update > gi->rows.current))
 			continue;
 		const uint32_t neighbours = count_neighbours(s, slot);
@@ -773,7 +773,7 @@ static void forget_trails(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		o->trails = o->trails && o->moved_update > r->current;
 	}
 	if (r->lost_update > r->current)

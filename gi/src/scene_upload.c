@@ -29,7 +29,7 @@ static bool one_encloses_all(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
-		const scene_object *room = &s->objects[k];
+		const object_record *room = &s->objects[k];
 		if (!object_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
 			continue;
 		/* Rounding of the boxes and what stands in a wall by a hair. Of the room's size, not of where it is. */
@@ -38,7 +38,7 @@ static bool one_encloses_all(const gi_context *gi)
 			slack = fmaxf(slack, 1e-4f * ((&room->world_upper.x)[c] - (&room->world_lower.x)[c]));
 		bool all = true;
 		for (uint32_t j = 0; j < s->object_count && all; j++) {
-			const scene_object *o = &s->objects[j];
+			const object_record *o = &s->objects[j];
 			for (int c = 0; c < 3 && object_is_alive(o); c++)
 				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - slack &&
 				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + slack;
@@ -96,7 +96,7 @@ static void count_all(const gi_context *gi, gathered *g)
 {
 	gi_scene *n = &g->next;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		if (!object_is_alive(o))
 			continue;
 		n->slot_count++;
@@ -196,7 +196,7 @@ static float add_bits(float value, uint32_t base)
 	return gi_float_from_bits(bits == GI_NONE ? bits : bits + base);
 }
 
-static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data)
+static void gather_rays(gathered *g, const object_record *o, gi_object_data *data)
 {
 	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
 	for (uint32_t k = 0; k < o->bvh.node_count; k++)
@@ -210,7 +210,7 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 }
 
 /* Their areas are summed up along the object, so that rays can end on its leaves by area. */
-static void gather_leaves(gathered *g, const scene_object *o)
+static void gather_leaves(gathered *g, const object_record *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	double area = 0;
@@ -226,7 +226,7 @@ static void gather_leaves(gathered *g, const scene_object *o)
 	}
 }
 
-static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
+static void gather_light(gathered *g, const object_record *o, uint32_t link_base)
 {
 	const gi_drawn_surface *drawn = &o->drawn;
 	uint32_t *links = (uint32_t *)g->light_links;
@@ -239,12 +239,12 @@ static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
 }
 
 /* Is it where the scene before has it? */
-static bool is_placed(const scene_object *o)
+static bool is_placed(const object_record *o)
 {
 	return o->committed && !o->moved;
 }
 
-static void place(scene_object *o, const gi_object_data *before, gi_object_data *data)
+static void place(object_record *o, const gi_object_data *before, gi_object_data *data)
 {
 	if (!before) {
 		object_place(o, data);
@@ -301,7 +301,7 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 	uint32_t along = 0; /* the tree of the static ones */
 	for (uint32_t number = 0; number < g->order_count; number++) {
 		const uint32_t k = g->order[number];
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		if (o->committed)
 			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
 		for (; number < statics && g->statics.nodes[along].top; along++)
@@ -410,12 +410,12 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 {
 	gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
-		scene_object *o = &s->objects[k];
+		object_record *o = &s->objects[k];
 		if (object_is_alive(o) && (!o->committed || o->material_changed))
 			scene_update_exitance(gi, o);
 	}
 	for (uint32_t k = 0; k < old_count; k++) {
-		const scene_object *o = &s->objects[old[k].index];
+		const object_record *o = &s->objects[old[k].index];
 		if (o->material_changed)
 			continue;
 		memcpy(s->node_exitance + o->node_base, before->node_exitance + old[k].node_base,

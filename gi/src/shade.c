@@ -81,7 +81,7 @@ static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
 	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
 }
 
-static void add_drawn(const scene_object *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
 {
 	const gi_drawn_surface *drawn = &o->drawn;
 	for (uint32_t k = 0; k < drawn->vertex_count; k++) {
@@ -138,7 +138,7 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	vertex_count = index_count = 0;
 	for (uint32_t k = 0; !result && k < count; k++) {
-		const scene_object *o = &s->objects[s->slots[order[k].slot]];
+		const object_record *o = &s->objects[s->slots[order[k].slot]];
 		add_drawn(o, vertices, (uint32_t)vertex_count, indices + index_count);
 		vertex_count += o->drawn.vertex_count;
 		index_count += o->drawn.index_count;

@@ -155,7 +155,7 @@ static bool same(const void *a, const void *b, size_t count, size_t size)
 
 #define SAME(part, array, count) same(a->part.array, b->part.array, a->part.count, sizeof *a->part.array)
 
-static bool same_objects(const scene_object *a, const scene_object *b)
+static bool same_objects(const object_record *a, const object_record *b)
 {
 	return a->hierarchy.node_count == b->hierarchy.node_count &&
 	       a->hierarchy.leaf_count == b->hierarchy.leaf_count &&
