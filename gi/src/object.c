@@ -7,7 +7,7 @@
 #include "faces.h"
 #include "host_memory.h"
 #include "overlap.h"
-#include "scene_limits.h"
+#include "limits.h"
 #include "split.h"
 
 #include <float.h>

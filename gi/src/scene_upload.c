@@ -13,7 +13,7 @@
 #include "frames.h"
 #include "host_memory.h"
 #include "rank.h"
-#include "scene_limits.h"
+#include "limits.h"
 #include "sky.h"
 #include "statics.h"
 
