@@ -537,7 +537,7 @@ gi_caustic_pair load_caustic_pair(uint n)
 #ifdef READ_CAUSTIC_PATHS
 TEXELS(GI_BIND_CAUSTIC_PATHS) caustic_path_texels;
 // Of a pair, how many there are.
-uint load_packets(uint pair)
+uint load_photon_count(uint pair)
 {
 	return word(caustic_path_texels, GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_NOW);
 }

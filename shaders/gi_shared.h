@@ -569,13 +569,13 @@ GI_STRUCT(gi_caustic_pair) {
 	GI_UVEC4 lights;
 } GI_END(gi_caustic_pair)
 
-/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many packets were there before this update, and
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many photons were there before this update, and
  * how many are now: the first ones. */
 #define GI_CAUSTIC_BEFORE 6u
 #define GI_CAUSTIC_NOW 7u
 #define GI_CAUSTIC_PATH_WORDS 8u
 
-/* Where a packet of light arrived.
+/* Where a photon arrived.
  *
  *   //--------------- 16B ---------------
  *   place.xyz world position    place.w leaf, as uint bits; GI_NONE: it was absorbed, or lost

@@ -52,7 +52,7 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 		result = gpu_target_create(&gi->gpu, &r->layer, "layer of reflections", formats, false, view->width,
 					   view->height);
 	if (!result && !r->square.array)
-		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a packet", attributes, sizeof *corners, 4,
+		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a photon", attributes, sizeof *corners, 4,
 					 corners, 6, indices);
 	if (!result)
 		find_rect(gi, r, view);
