@@ -50,9 +50,9 @@ static bool lies_below(const char *folder, const char *file)
 	return strncmp(folder, file, length) == 0 && (file[length] == '/' || folder[length - 1] == '/');
 }
 
-static FILE *open_if_below(const char *import_path, const char *joined, char *message, size_t message_size)
+static FILE *open_if_below(const char *scene_path, const char *joined, char *message, size_t message_size)
 {
-	char *folder_name = join(import_path, ".");
+	char *folder_name = join(scene_path, ".");
 	char *folder = folder_name ? realpath(folder_name, NULL) : NULL;
 	char *file = folder ? realpath(joined, NULL) : NULL;
 	FILE *opened = NULL;
@@ -77,7 +77,7 @@ static void mend_slashes(char *joined, size_t folder)
 		*c = *c == '\\' ? '/' : *c;
 }
 
-FILE *import_open_below(const char *import_path, const char *name, char *message, size_t message_size)
+FILE *import_open_below(const char *scene_path, const char *name, char *message, size_t message_size)
 {
 	if (name[0] == '/') {
 		snprintf(message, message_size, "is an absolute path; only files of the scene's folder are read");
@@ -87,13 +87,13 @@ FILE *import_open_below(const char *import_path, const char *name, char *message
 		snprintf(message, message_size, "lies elsewhere; only files of the scene's folder are read");
 		return NULL;
 	}
-	char *joined = join(import_path, name);
+	char *joined = join(scene_path, name);
 	if (!joined) {
 		snprintf(message, message_size, "out of memory");
 		return NULL;
 	}
 	mend_slashes(joined, strlen(joined) - strlen(name));
-	FILE *file = open_if_below(import_path, joined, message, message_size);
+	FILE *file = open_if_below(scene_path, joined, message, message_size);
 	free(joined);
 	return file;
 }

@@ -21,11 +21,11 @@ extern "C" {
  */
 FILE *import_open(const char *path, char *message, size_t message_size);
 
-/* Opens the file `name` beside or below the file import_path; where there is none of that name, backslashes are slashes.
+/* Opens the file `name` beside or below the file scene_path; where there is none of that name, backslashes are slashes.
  * NULL with the reason in message for an absolute name, an address of another place (http://), one that leads out of
  * that folder (by "..", by a link), or what import_open() refuses.
  */
-FILE *import_open_below(const char *import_path, const char *name, char *message, size_t message_size);
+FILE *import_open_below(const char *scene_path, const char *name, char *message, size_t message_size);
 
 /* The bytes of an open file from its start, and a zero after the last; the caller frees them. Closes the file, which
  * may be NULL. NULL with the reason in message (kept where file is NULL) for an empty file, one of more than `limit`

@@ -5,7 +5,7 @@
 
 #include "context.h"
 #include "host_memory.h"
-#include "limits.h"
+#include "scene_limits.h"
 
 /* Doubled when full: there is room for the next power of two. */
 static bool add_place(gi_scene *s)

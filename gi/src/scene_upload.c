@@ -13,7 +13,7 @@
 #include "frames.h"
 #include "host_memory.h"
 #include "rank.h"
-#include "limits.h"
+#include "scene_limits.h"
 #include "sky.h"
 #include "statics.h"
 
@@ -63,7 +63,7 @@ typedef struct gathered {
 	gi_material_data *materials;
 	gi_uvec4 *bvh; /* packed */
 	gi_primitive *primitives;
-	uint32_t *wide;
+	uint32_t *large;
 	gi_uvec4 *light_links; /* two uint pairs each */
 	uint32_t *light_first;
 	uint32_t bvh_count, primitive_count, material_count, light_link_count;

@@ -1,4 +1,4 @@
-#include "limits.h"
+#include "scene_limits.h"
 
 /* Entries of a row that there must at least be room for, on average: any closed scene of some detail has more. A commit
  * that fails for lack of them fails before anything is built. */
