@@ -13,7 +13,7 @@ enum { CHUNK = 4096, MOST_STEPS = 64, MOST_PHOTONS = 65536, UNSEEN = -1 };
 /* Of the first pass, metres: as wide as the finest that is asked for. */
 static const float FIRST_RADIUS = 0.05f;
 
-/* Where a packet ended, and what it adds to the pixel that shows that place. */
+/* Where a photon ended, and what it adds to the pixel that shows that place. */
 typedef struct landing {
 	caustic_photon photon;
 	vec3 radiance;
@@ -36,12 +36,12 @@ struct caustic_splats {
 	target targets[TRACE_MOST_OBJECTS];
 	uint32_t target_count;
 	/* Of the pass being traced. */
-	uint32_t first, packets;
+	uint32_t first, pass_photons;
 	landing *landings; /* CHUNK of each chunk, so that they are added in one order whatever the threads do */
 	uint32_t *counts;  /* of each chunk */
 	uint32_t chunk_room;
 	caustic_map map;
-	caustic_photon *photons; /* MOST_PHOTONS, before they are sorted */
+	caustic_photon *kept; /* MOST_PHOTONS, before they are sorted */
 };
 
 static void find_sphere(target *t)
@@ -67,8 +67,8 @@ caustic_splats *caustic_splats_create(const trace_scene *scene, const trace_embr
 	if (!s)
 		return NULL;
 	*s = (caustic_splats){.scene = scene, .embree = embree, .lights = lights, .camera = camera, .seed = seed};
-	s->photons = malloc(MOST_PHOTONS * sizeof *s->photons);
-	if (!s->photons) {
+	s->kept = malloc(MOST_PHOTONS * sizeof *s->kept);
+	if (!s->kept) {
 		free(s);
 		return NULL;
 	}
@@ -81,7 +81,7 @@ void caustic_splats_destroy(caustic_splats *splats)
 	if (!splats)
 		return;
 	caustic_map_free(&splats->map);
-	free(splats->photons);
+	free(splats->kept);
 	free(splats->landings);
 	free(splats->counts);
 	free(splats);
@@ -98,13 +98,13 @@ void caustic_splats_update(caustic_splats *s)
 		}
 }
 
-/* A packet on its way. */
-typedef struct packet {
+/* A photon on its way. */
+typedef struct photon {
 	uint32_t number, pairs, seed;
 	vec3 origin, direction, flux;
-} packet;
+} photon;
 
-static void next_numbers(packet *p, float out[2])
+static void next_numbers(photon *p, float out[2])
 {
 	low_discrepancy_point(p->number, hash_pair(p->seed, p->pairs++), out);
 }
@@ -130,7 +130,7 @@ static float aim(const target *t, const vec3 from, const float numbers[2], vec3 
 }
 
 /* False where the lamp does not shine that way. */
-static bool emit(const caustic_splats *s, const target *t, packet *p)
+static bool emit(const caustic_splats *s, const target *t, photon *p)
 {
 	float place[2], way[2];
 	next_numbers(p, place);
@@ -140,13 +140,13 @@ static bool emit(const caustic_splats *s, const target *t, packet *p)
 	glm_vec3_muladds((float *)l.light->normal, trace_embree_lift(s->embree), p->origin);
 	const float solid_angle = aim(t, p->origin, way, p->direction);
 	const float cosine = glm_vec3_dot(p->direction, (float *)l.light->normal);
-	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->packets;
+	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->pass_photons;
 	glm_vec3_scale((float *)l.light->exitance, share / l.density, p->flux);
 	return cosine > 0;
 }
 
-/* The pixel that shows where a packet ended. */
-static void find_pixel(const caustic_splats *s, const packet *p, const trace_hit *hit, landing *out)
+/* The pixel that shows where a photon ended. */
+static void find_pixel(const caustic_splats *s, const photon *p, const trace_hit *hit, landing *out)
 {
 	int x, y;
 	vec3 from, to_eye;
@@ -170,7 +170,7 @@ static void find_pixel(const caustic_splats *s, const packet *p, const trace_hit
 
 /* False at a back. Shading by the smooth normal counts each way as it does for paths from the eye (Veach, 1997,
  * 5.3.2). */
-static bool land(const caustic_splats *s, const packet *p, const trace_hit *hit, landing *out)
+static bool land(const caustic_splats *s, const photon *p, const trace_hit *hit, landing *out)
 {
 	const float arrives = -glm_vec3_dot((float *)p->direction, (float *)hit->flat);
 	const float shaded = -glm_vec3_dot((float *)p->direction, (float *)hit->normal);
@@ -184,10 +184,10 @@ static bool land(const caustic_splats *s, const packet *p, const trace_hit *hit,
 }
 
 /* False where it lands nowhere. What meets another object first is that one's. */
-static bool trace_packet(const caustic_splats *s, uint32_t number, landing *out)
+static bool trace_photon(const caustic_splats *s, uint32_t number, landing *out)
 {
 	const target *t = &s->targets[number % s->target_count];
-	packet p = {.number = number / s->target_count,
+	photon p = {.number = number / s->target_count,
 		    .seed = hash_pair(s->seed ^ 0x5bd1e995u, number % s->target_count)};
 	if (!emit(s, t, &p))
 		return false;
@@ -208,10 +208,10 @@ static bool trace_packet(const caustic_splats *s, uint32_t number, landing *out)
 static void trace_chunk(void *user, uint32_t chunk)
 {
 	caustic_splats *s = user;
-	const uint32_t first = chunk * CHUNK, left = s->packets - first;
+	const uint32_t first = chunk * CHUNK, left = s->pass_photons - first;
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < CHUNK && k < left; k++)
-		count += trace_packet(s, s->first + first + k, &s->landings[first + count]);
+		count += trace_photon(s, s->first + first + k, &s->landings[first + count]);
 	s->counts[chunk] = count;
 }
 
@@ -244,23 +244,23 @@ static bool build_map(caustic_splats *s, uint32_t pass, uint32_t chunks)
 	uint32_t count = 0, traced = 0;
 	for (uint32_t chunk = 0; chunk < chunks && count + s->counts[chunk] <= MOST_PHOTONS; chunk++) {
 		for (uint32_t k = 0; k < s->counts[chunk]; k++)
-			s->photons[count++] = s->landings[(size_t)chunk * CHUNK + k].photon;
-		traced += s->packets - traced < CHUNK ? s->packets - traced : CHUNK;
+			s->kept[count++] = s->landings[(size_t)chunk * CHUNK + k].photon;
+		traced += s->pass_photons - traced < CHUNK ? s->pass_photons - traced : CHUNK;
 	}
 	for (uint32_t k = 0; k < count; k++)
-		glm_vec3_scale(s->photons[k].flux, (float)s->packets / (float)traced, s->photons[k].flux);
+		glm_vec3_scale(s->kept[k].flux, (float)s->pass_photons / (float)traced, s->kept[k].flux);
 	/* So the radius goes where two thirds of a pass's photons stay within it. */
-	return caustic_map_build(&s->map, s->photons, count, FIRST_RADIUS * powf((float)(pass + 1), -1 / 6.0f));
+	return caustic_map_build(&s->map, s->kept, count, FIRST_RADIUS * powf((float)(pass + 1), -1 / 6.0f));
 }
 
-bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t packets, uint32_t threads, double *sums)
+bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t photons, uint32_t threads, double *sums)
 {
-	packets -= packets % s->target_count; /* each target's share is the same */
-	const uint32_t chunks = (packets + CHUNK - 1) / CHUNK;
+	photons -= photons % s->target_count; /* each target's share is the same */
+	const uint32_t chunks = (photons + CHUNK - 1) / CHUNK;
 	if (!make_room(s, chunks))
 		return false;
-	s->packets = packets;
-	s->first = pass * packets;
+	s->pass_photons = photons;
+	s->first = pass * photons;
 	parallel_for(threads, chunks, trace_chunk, s);
 	for (uint32_t chunk = 0; chunk < chunks; chunk++)
 		add_splats(s, chunk, sums);

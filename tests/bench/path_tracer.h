@@ -2,7 +2,7 @@
  *
  * Light is the sum over paths from the eye (Kajiya, "The rendering equation", 1986), each diffuse vertex lit by a point
  * of light drawn and by the direction its path goes on, joined by multiple importance sampling (Veach and Guibas,
- * 1995); mirrors and glass take a path on, by Fresnel's equations; Russian roulette ends it. Caustics come from packets
+ * 1995); mirrors and glass take a path on, by Fresnel's equations; Russian roulette ends it. Caustics come from photons
  * of light traced forward (caustic_splats.h). Numbers are scrambled Sobol points (low_discrepancy.h). Unbiased, but for
  * caustics that are not seen straight, which only tend to the truth; the same bits for the same seed whatever the
  * number of threads.

@@ -105,29 +105,6 @@ static void test_ssim_of_a_negative(void **state)
 	CHECK_NEAR(image_ssim(a, b, SIDE, SIDE), (c - 2 * v) / (c + 2 * v), 1e-4);
 }
 
-/* What is written is read, bit for bit, and rows stay where they are. */
-static void test_pfm(void **state)
-{
-	(void)state;
-	char path[] = "/tmp/relume_test_XXXXXX", message[256];
-	const int file = mkstemp(path);
-	assert_true(file >= 0);
-	linear_image image, read;
-	assert_true(linear_image_create(3, 2, &image));
-	for (int k = 0; k < 18; k++)
-		image.rgb[k] = 0.1f * (float)k - 0.3f;
-	if (!linear_image_write_pfm(&image, path, message, sizeof message) ||
-	    !linear_image_read_pfm(path, &read, message, sizeof message))
-		fail_msg("%s", message);
-	assert_int_equal(read.width, 3);
-	assert_int_equal(read.height, 2);
-	assert_memory_equal(read.rgb, image.rgb, 18 * sizeof *image.rgb);
-	linear_image_free(&image);
-	linear_image_free(&read);
-	remove(path);
-	assert_false(linear_image_read_pfm(path, &read, message, sizeof message));
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -135,7 +112,6 @@ int main(void)
 	    cmocka_unit_test(test_noise_of_the_truth_drops_out),
 	    cmocka_unit_test(test_ssim_of_even_pictures),
 	    cmocka_unit_test(test_ssim_of_a_negative),
-	    cmocka_unit_test(test_pfm),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
