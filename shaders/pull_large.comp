@@ -33,8 +33,8 @@ void main()
 	barrier();
 	if (local > 0u)
 		return;
-	// One thread adds them up: halving takes a barrier a step, each of which llvmpipe compiles into a function's end and
-	// beginning (Mesa 25.0: 0.1 s for six).
+	// One thread adds them up: halving takes a barrier a step, and llvmpipe compiles each barrier into the end of
+	// one function and the beginning of another (Mesa 25.0: 0.1 s for six).
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++) {
 		sum += partial[k];
 		area += partial_area[k];

@@ -1,5 +1,6 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and drawn surface built. All on the CPU
- * and without a word about any context but what its renderer holds: several threads may build objects at once.
+/* Builds one object from its definition: checks it, refines its cage, builds its hierarchy, the tree for rays and what
+ * is drawn of it. All on the CPU; of a context only what its renderer can hold is asked, so several threads may build
+ * objects at once.
  */
 #include "object_build.h"
 

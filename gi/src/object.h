@@ -1,5 +1,5 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and drawn surface built; where it is and
- * what it is made of. Building it writes to nothing that threads share. */
+/* One object: how it is built from its definition (patches, tree for rays, what is drawn), where it is and what it is
+ * made of. Building it writes to nothing that threads share. */
 #ifndef GI_OBJECT_H
 #define GI_OBJECT_H
 

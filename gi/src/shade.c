@@ -6,7 +6,8 @@
  * Surfaces first, so that what is expensive is done once a pixel: on a software renderer a triangle of a few pixels
  * costs whole blocks of 4 x 4.
  *
- * One mesh holds the drawn surfaces of all objects, small objects first: what they hide of the walls behind them is not shaded.
+ * One mesh holds the drawn surfaces of all objects, small objects first: what they hide of the walls behind them is not
+ * shaded.
  *
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
