@@ -69,6 +69,9 @@ static bool open_gi(player *p)
 		def.solve_tolerance = p->o->solve_tolerance;
 	def.shader_directory = p->o->shaders;
 	def.pixel_lamps = p->o->pixel_lamps;
+	def.fine_shadows = p->o->fine_shadows;
+	if (p->o->shadow_map)
+		def.shadow_map_size = p->o->shadow_map;
 	def.estimate_leaves = estimate_leaves(p);
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;

@@ -3,9 +3,9 @@
  *     figure_numbers four OURS TRUTH CSV     folders with direct.pfm, indirect.pfm, global.pfm
  *     figure_numbers five OURS TRUTH CSV     linear pictures of the two balls
  *     figure_numbers crop IN.png LEFT,TOP,RIGHT,BOTTOM TIMES OUT.png
- *                                            a part in shares of the picture, pixels enlarged
+ *                                            a part in shares of the picture, enlarged
  *     figure_numbers difference OURS TRUTH OUT.png
- *                                            of two linear pictures: red where ours is brighter, blue where it is darker
+ *                                            of two linear pictures: red where ours is brighter, blue darker
  *
  * CSV: figure,measure,place,unit,ours,truth. TRUTH "-" is none: numbers of ours alone.
  */
@@ -98,8 +98,10 @@ static const struct {
 	const char *place;
 	picture_part part;
 } SIDES[] = {
-    {"red side of the Buddha", {0.414, 0.64, 0.434, 0.70}},
-    {"green side of the Buddha", {0.566, 0.64, 0.586, 0.70}},
+    {"sleeve in shade on the red side", {0.438, 0.66, 0.452, 0.68}},
+    {"sleeve in shade on the green side", {0.548, 0.66, 0.562, 0.68}},
+    {"knee in light on the red side", {0.372, 0.755, 0.392, 0.768}},
+    {"knee in light on the green side", {0.608, 0.755, 0.628, 0.768}},
 };
 enum { FLOOR_COUNT = sizeof FLOORS / sizeof *FLOORS, PLACES = FLOOR_COUNT + sizeof SIDES / sizeof *SIDES };
 
@@ -286,7 +288,7 @@ static const double FULL = 0.05;
 
 static uint8_t shade(double share)
 {
-	return (uint8_t)lround(255 * sqrt(fmin(fmax(share, 0), 1)));
+	return (uint8_t)lround(255 * fmin(fmax(share, 0), 1));
 }
 
 static void difference(const char *ours_path, const char *truth_path, const char *to)

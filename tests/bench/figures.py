@@ -2,9 +2,9 @@
 
     figures.py PROGRAMS [--quick] [--size WxH] [--context KIND] [--out FOLDER] [--docs FILE] [--only 4,5,6]
 
-Runs the programs of the folder PROGRAMS, each step with a line that says what it is and what it took; what they say goes
-to FOLDER/log.txt. Then the page: FOLDER/index.html (figures_page.py). A step that cannot run is told, stands on the page as
-missing, and the others go on. Exit code 0 when the page is there.
+Runs the programs of the folder PROGRAMS, each step with a line that says what it is and what it took; what they say
+goes to FOLDER/log.txt. Then the page: FOLDER/index.html (figures_page.py). A step that cannot run is told, stands on
+the page as missing, and the others go on. Exit code 0 when the page is there.
 """
 import argparse
 import datetime
@@ -25,6 +25,10 @@ CROPS = {"shadow": ("0.63,0.80,0.91,0.94", 3), "bleeding": ("0.20,0.64,0.56,0.94
 CAUSTIC_CROP = ("0.54,0.71,0.76,0.94", 4)
 
 
+# Figure 4 is about how right pictures can be: leaves as fine as folds, shadows of what is drawn.
+FINE = ["--levels", "1", "--fine-shadows", "--shadow-map", "2048"]
+
+
 class Amount:
     """How much of everything: of a whole run, of --quick, and of the test's."""
 
@@ -37,6 +41,7 @@ class Amount:
         self.tests = not tiny
         self.quick = quick or bool(tiny)
         self.options = ["--row-tolerance", "0.2"] if tiny else []
+        self.fine = [] if tiny else FINE
 
 
 class Run:
@@ -80,11 +85,12 @@ def size_text(size):
     return "%dx%d" % size
 
 
-def render_ours(run, amount, scene, mode, name):
+def render_ours(run, amount, scene, mode, name, *more):
     """NAME.png and .pfm of the demo's first frame."""
     done = run.step(f"our picture, {scene}, {mode} light", scene, "--context", run.context, "--frames", 1, "--size",
                     size_text(amount.size), "--mode", mode, "--estimate", 0, "--images", run.path(name + "%d.png"),
-                    "--linear", run.path(name + "%d.pfm"), "--report", run.path(name + ".csv"), *amount.options)
+                    "--linear", run.path(name + "%d.pfm"), "--report", run.path(name + ".csv"), *amount.options,
+                    *more)
     for ending in (".png", ".pfm") if done else ():
         run.path(f"{name}0{ending}").rename(run.path(name + ending))
     return done
@@ -92,8 +98,8 @@ def render_ours(run, amount, scene, mode, name):
 
 def render_truth(run, amount, scene, mode, samples, name):
     return run.step(f"path-traced truth, {scene}, {mode} light, {samples} paths a pixel", "offline_trace", "--context",
-                    run.context, "--scene", scene, "--light", mode, "--size", size_text(amount.size), "--samples", samples,
-                    "--out", run.path(name + ".png"), "--linear", run.path(name + ".pfm"))
+                    run.context, "--scene", scene, "--light", mode, "--size", size_text(amount.size), "--samples",
+                    samples, "--out", run.path(name + ".png"), "--linear", run.path(name + ".pfm"))
 
 
 def crop(run, name, part, times, to):
@@ -110,7 +116,7 @@ def compare(run, ours, truth, to):
 def figure_four(run, amount):
     for folder in ("ours", "truth"):
         run.path(folder).mkdir(exist_ok=True)
-    ours = all([render_ours(run, amount, "moving_buddha", mode, f"ours/{mode}") for mode in MODES])
+    ours = all([render_ours(run, amount, "moving_buddha", mode, f"ours/{mode}", *amount.fine) for mode in MODES])
     truth = all([render_truth(run, amount, "buddha", mode, amount.direct if mode == "direct" else amount.paths,
                               f"truth/{mode}") for mode in MODES])
     for what, (part, times) in CROPS.items():
@@ -119,8 +125,8 @@ def figure_four(run, amount):
         crop(run, "truth/global.png", part, times, f"{what}_truth.png")
     compare(run, "ours/global.pfm", "truth/global.pfm", "difference4.png")
     if ours:
-        run.step("numbers of figure 4", "figure_numbers", "four", run.path("ours"), run.path("truth") if truth else "-",
-                 run.path("figure4.csv"))
+        run.step("numbers of figure 4", "figure_numbers", "four", run.path("ours"),
+                 run.path("truth") if truth else "-", run.path("figure4.csv"))
     if amount.tests:
         run.step("soft shadow against a closed form", "test_draw", environment={"RELUME_TEST": "test_soft_shadow"})
 
@@ -136,8 +142,8 @@ def figure_five(run, amount):
                  run.path("balls_truth.pfm") if truth else "-", run.path("figure5.csv"))
     if amount.tests:
         run.step("energy of caustics against light tracing", "test_caustics", environment={"RELUME_TEST": "*_flux"})
-    frames = ["--context", run.context, "--frames", amount.frames, "--size", size_text(amount.rate_size), "--estimate", 0,
-              "--images", run.path("moving%03d.png"), *amount.options]
+    frames = ["--context", run.context, "--frames", amount.frames, "--size", size_text(amount.rate_size), "--estimate",
+              0, "--images", run.path("moving%03d.png"), *amount.options]
     run.step("both balls move, exact", "two_balls", *frames, "--report", run.path("exact_frames.csv"))
     run.step("both balls move, 10 frames a second asked for", "two_balls", *frames, "--budget-fps", 10, "--report",
              run.path("budget_frames.csv"))
@@ -152,17 +158,19 @@ def figure_five(run, amount):
 
 def figure_six(run, amount):
     more = ["--quick"] if amount.quick else []
-    run.step("frames a second by mesh, three methods", "figure_six", "--out", run.folder, "--context", run.context, *more)
+    run.step("frames a second by mesh, three methods", "figure_six", "--out", run.folder, "--context", run.context,
+             *more)
 
 
 def describe_machine(run, amount):
-    processor = next((line.split(":", 1)[1].strip() for line in open("/proc/cpuinfo", encoding="utf-8", errors="replace")
-                      if line.startswith("model name")), platform.machine()) if os.path.exists("/proc/cpuinfo") else ""
+    about = pathlib.Path("/proc/cpuinfo")
+    lines = about.read_text(encoding="utf-8", errors="replace").splitlines() if about.exists() else []
+    processor = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "")
     printed = "\n".join(run.outputs.values()).splitlines()
     renderer = next((line.split(",", 1)[1].strip() for line in printed if " frames of " in line and "OpenGL" in line),
                     "not known")
-    git = subprocess.run(["git", "-C", str(run.programs.parent), "describe", "--always", "--dirty"], capture_output=True,
-                         text=True, check=False)
+    git = subprocess.run(["git", "-C", str(run.programs.parent), "describe", "--always", "--dirty"], text=True,
+                         capture_output=True, check=False)
     return {"processor": f"{os.cpu_count()} x {processor or platform.machine()}", "renderer": renderer,
             "commit": git.stdout.strip() or "not known", "date": datetime.date.today().isoformat(),
             "pictures": size_text(amount.size), "run": "--quick" if amount.quick else "whole",
@@ -187,7 +195,8 @@ def parse():
     parser.add_argument("--context", default="auto", help="auto, egl, osmesa or glfw (auto, without a window)")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/figures"), metavar="FOLDER")
     parser.add_argument("--only", default="4,5,6", metavar="N,N", help="these figures alone")
-    parser.add_argument("--docs", type=pathlib.Path, metavar="FILE", help="the page as Markdown too, pictures beside it")
+    parser.add_argument("--docs", type=pathlib.Path, metavar="FILE", help="the page as Markdown too, pictures beside "
+                                                                          "it")
     return parser.parse_args()
 
 

@@ -1,7 +1,7 @@
-"""The page of scripts/figures: what the paper claims, our pictures and numbers with the truth beside them, and a verdict.
+"""The page of scripts/figures: what the paper claims, our pictures and numbers beside the truth, and a verdict.
 
-Everything is read from the folder of a run; verdicts are computed from its numbers. The same sections become HTML and, for
-docs/figures.md, Markdown.
+Everything is read from the folder of a run; verdicts are computed from its numbers. The same sections become HTML and,
+for docs/figures.md, Markdown.
 """
 import csv
 import dataclasses
@@ -11,8 +11,8 @@ import shutil
 import statistics
 import struct
 
-PAPER = ("W. Song, J. Fu, Y. Zhang, GPU-based rendering of global illumination using discretization of radiosity equation "
-         "(2016)")
+PAPER = ("W. Song, J. Fu, Y. Zhang, GPU-based rendering of global illumination using discretization of radiosity "
+         "equation (2016)")
 HOLDS, FAILS, UNKNOWN = "holds", "does not hold", "not measured"
 LIMIT = 0.05  # of what is measured in pictures, relative
 
@@ -102,8 +102,9 @@ def judge_bleeding(measures):
     state = HOLDS if max(abs(off), abs(share)) <= LIMIT and at_red[0] > 1.05 else FAILS
     return (state, "global light shows colour bleeding",
             f"before the red wall the floor is {100 * (at_red[0] - 1):.0f} % redder than in direct light, "
-            f"{100 * (at_red[1] - 1):.0f} % in the truth; red over green is off by {percent(off)} where it is worst ({place}), "
-            f"over that of direct light by {percent(share)} ({share_place}); the limit is {100 * LIMIT:.0f} %")
+            f"{100 * (at_red[1] - 1):.0f} % in the truth; red over green is off by {percent(off)} where it is worst "
+            f"({place}), over that of direct light by {percent(share)} ({share_place}); the limit is "
+            f"{100 * LIMIT:.0f} %")
 
 
 def judge_shadows(measures):
@@ -111,7 +112,8 @@ def judge_shadows(measures):
     if off is None:
         return (UNKNOWN, "soft shadows are right", "the truth, or our picture, is missing")
     return (HOLDS if abs(off) <= LIMIT else FAILS, "soft shadows are right",
-            f"the width of penumbrae is off by {percent(off)} where it is worst ({place}); the limit is {100 * LIMIT:.0f} %")
+            f"the width of penumbrae is off by {percent(off)} where it is worst ({place}); the limit is "
+            f"{100 * LIMIT:.0f} %")
 
 
 def judge_direct(measures):
@@ -121,34 +123,38 @@ def judge_direct(measures):
     if not widths or any(w != w for w in widths):
         return (UNKNOWN, claim, "no penumbra was measured")
     return (FAILS if min(widths) > 0.01 else HOLDS, claim,
-            f"the penumbrae measured here, {100 * min(widths):.0f} to {100 * max(widths):.0f} cm wide, are those of the picture "
-            "of direct light: they come from the lamp's size. What global light adds is light inside the shadow, and the "
-            "colours of the walls")
+            f"the penumbrae measured here, {100 * min(widths):.0f} to {100 * max(widths):.0f} cm wide, are those of "
+            f"the picture of direct light: they come from the lamp's size. What global light adds is light inside the "
+            f"shadow, and the colours of the walls")
 
 
 def closed_form(outputs):
     text = "\n".join(outputs.values())
     found = re.search(r"soft shadow: off by ([\d.]+) of the brightest pixel \(RMS\), ([\d.]+) at most", text)
-    return [f"Against a closed form, the soft shadow of a plate under a lamp is off by {100 * float(found[1]):.2f} % of the "
-            f"brightest pixel (RMS), {100 * float(found[2]):.1f} % at most (test_draw)."] if found else []
+    return [f"Against a closed form, the soft shadow of a plate under a lamp is off by {100 * float(found[1]):.2f} % "
+            f"of the brightest pixel (RMS), {100 * float(found[2]):.1f} % at most (test_draw)."] if found else []
 
 
 def figure_four(folder, outputs):
     measures = read_measures(folder / "figure4.csv")
     s = Section("Figure 4: direct, indirect and global illumination",
-                f"In the Cornell box the picture of global illumination shows soft shadows and colour bleeding, which direct or "
-                f"indirect illumination alone cannot give ({PAPER}, section 4, figure 4).")
-    modes = ("direct", "indirect", "global")
-    s.pictures = [[(f"ours/{m}.png", f"ours, {m}") for m in modes], [(f"truth/{m}.png", f"path-traced, {m}") for m in modes],
-                  [(f"shadow_{m}.png", f"soft shadow: ours, {m}") for m in modes] + [("shadow_truth.png", "path-traced, global")],
-                  [(f"bleeding_{m}.png", f"colours: ours, {m}") for m in modes] + [("bleeding_truth.png", "path-traced, global")],
-                  [("difference4.png", "ours less truth, global: red is brighter, blue darker, full colour at 0.05 W/(m² sr), "
-                                       "about half of what the floor has")]]
+                f"In the Cornell box the picture of global illumination shows soft shadows and colour bleeding, which "
+                f"direct or indirect illumination alone cannot give ({PAPER}, section 4, figure 4).")
+
+    def by_mode(file, caption):
+        return [(file % mode, f"{caption}, {mode}") for mode in ("direct", "indirect", "global")]
+    s.pictures = [by_mode("ours/%s.png", "ours"), by_mode("truth/%s.png", "path-traced"),
+                  by_mode("shadow_%s.png", "soft shadow: ours") + [("shadow_truth.png", "path-traced, global")],
+                  by_mode("bleeding_%s.png", "colours: ours") + [("bleeding_truth.png", "path-traced, global")],
+                  [("difference4.png", "ours less truth, global: red is brighter, blue darker, full colour at 0.05 "
+                                       "W/(m² sr), about half of what the floor has")]]
     s.verdicts = [judge_shadows(measures), judge_bleeding(measures), judge_direct(measures)]
-    s.tables = [("Soft shadows: metres of floor on which the lamp's visible share rises from a tenth to nine tenths, along one "
-                 "line each; share: radiance of direct light over the closed form of the lamp without anything in the way",
+    s.tables = [("Soft shadows: metres of floor on which the lamp's visible share rises from a tenth to nine tenths, "
+                 "along one line each; share: radiance of direct light over the closed form of the lamp without "
+                 "anything in the way",
                  HEAD, listed(measures, ["penumbra"])),
-                ("Colour: red over green of radiance, and over that of direct light (bleeding: 1 where no wall lends its colour)",
+                ("Colour: red over green of radiance, and over that of direct light (bleeding: 1 where no wall lends "
+                 "its colour)",
                  HEAD, listed(measures, ["red over green global", "bleeding"])),
                 ("Radiance, W/(m² sr), luminance", HEAD, listed(measures, ["radiance"])),
                 ("Whole pictures without the lamp", ["measure", "light", "value"],
@@ -174,7 +180,8 @@ def judge_energy(energy):
     good = all(abs(total) <= 0.02 and rms <= 0.10 for _, total, rms in energy)
     return (HOLDS if good else FAILS, claim,
             "alone in a black box, against light traced forward: " +
-            ", ".join(f"{ball} ball {percent(total)} of the energy, {100 * rms:.1f} % RMS by leaf" for ball, total, rms in energy)
+            ", ".join(f"{ball} ball {percent(total)} of the energy, {100 * rms:.1f} % RMS by leaf"
+                      for ball, total, rms in energy)
             + "; limits 2 % and 10 %")
 
 
@@ -187,7 +194,8 @@ def judge_caustic_picture(measures):
     good = abs(deviation(light)) <= LIMIT and cells[0] <= 0.10
     return (HOLDS if good else FAILS, claim,
             f"under the glass ball the floor has {digits(light[0])} W/(m² sr), {digits(light[1])} in the truth "
-            f"({percent(deviation(light))}), {100 * cells[0]:.1f} % RMS over cells of 10 cm; limits {100 * LIMIT:.0f} % and 10 %")
+            f"({percent(deviation(light))}), {100 * cells[0]:.1f} % RMS over cells of 10 cm; limits {100 * LIMIT:.0f} "
+            f"% and 10 %")
 
 
 def median_ms(path):
@@ -208,19 +216,20 @@ def judge_rate(folder):
 def figure_five(folder, outputs):
     measures, energy = read_measures(folder / "figure5.csv"), read_caustic_energy(outputs)
     s = Section("Figure 5: a mirror ball and a glass ball",
-                f"Caustics, colour bleeding and soft shadows are more obvious in global illumination by radiosity than in real-time "
-                f"ray tracing, which is not physically correct ({PAPER}, section 4, figure 5).")
+                f"Caustics, colour bleeding and soft shadows are more obvious in global illumination by radiosity "
+                f"than in real-time ray tracing, which is not physically correct ({PAPER}, section 4, figure 5).")
     s.pictures = [[("balls.png", "ours"), ("balls_truth.png", "path-traced, caustics by light paths"),
                    ("difference5.png", "ours less truth: red is brighter, blue darker")],
                   [("figure5_realtime.png", "real-time ray tracing"), ("caustic.png", "ours, under the glass ball"),
-                   ("caustic_truth.png", "path-traced"), ("balls_moving.png", "ours while both move, 10 frames a second asked for")]]
+                   ("caustic_truth.png", "path-traced"), ("balls_moving.png", "ours while both move, 10 frames a "
+                                                                              "second asked for")]]
     s.verdicts = [judge_energy(energy), judge_caustic_picture(measures), judge_rate(folder)]
     s.tables = [("Radiance in the picture, W/(m² sr)", HEAD, listed(measures, ["radiance"])),
                 ("Distances to the truth", ["measure", "place", "value"],
                  [[m, p, digits(v[0])] for (m, p), v in measures.items() if not m.startswith("radiance")])]
-    s.notes = ["Plain radiosity has no caustics: here packets of light go from the lamp through mirrors and glass, by Fresnel's and "
-               "Snell's laws, and the floor shows them pixel by pixel (docs/architecture.md). The paper does not say how its own "
-               "method makes them."]
+    s.notes = ["Plain radiosity has no caustics: here packets of light go from the lamp through mirrors and glass, by "
+               "Fresnel's and Snell's laws, and the floor shows them pixel by pixel (docs/architecture.md). The paper "
+               "does not say how its own method makes them."]
     return s
 
 
@@ -284,10 +293,10 @@ def judge_growth(rates, other):
 def figure_six(folder):
     rates = read_rates(folder)
     s = Section("Figure 6: frames a second against mesh size",
-                f"With meshes of 30 to 80 KB the method renders at a higher frame rate than off-line ray tracing and real-time ray "
-                f"tracing, the more so the larger the mesh ({PAPER}, section 4, figure 6).")
+                f"With meshes of 30 to 80 KB the method renders at a higher frame rate than off-line ray tracing and "
+                f"real-time ray tracing, the more so the larger the mesh ({PAPER}, section 4, figure 6).")
     s.pictures = [[("figure6.png", "frames a second by triangles drawn")]]
-    shown = sorted(folder.glob("figure6_*_*.png"), key=lambda p: (int(re.sub(r"\D", "", p.stem.split("_")[-1]) or 0), p.name))
+    shown = sorted(folder.glob("figure6_*_*.png"), key=lambda p: (int("0" + re.sub(r"\D", "", p.stem)[1:]), p.name))
     sizes = list(dict.fromkeys(p.stem.split("_")[-1] for p in shown))
     s.pictures += [[(p.name, p.stem.replace("figure6_", "").rsplit("_", 1)[0] + f", {size} triangles") for p in shown
                     if p.stem.split("_")[-1] == size] for size in sizes]
@@ -319,8 +328,8 @@ def read_sections(folder, outputs):
 
 
 STYLE = """
-:root { color-scheme: light; --ink: #1d2126; --soft: #5b646e; --line: #d9dde2; --paper: #fff; --good: #1b6b3a; --bad: #9b2c1c;
-	--open: #6b5a1b; }
+:root { color-scheme: light; --ink: #1d2126; --soft: #5b646e; --line: #d9dde2; --paper: #fff; --good: #1b6b3a;
+	--bad: #9b2c1c; --open: #6b5a1b; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 76rem; padding: 2rem 1.5rem 4rem; font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif;
 	color: var(--ink); background: var(--paper); }
@@ -359,11 +368,11 @@ def is_number(text):
 def html_table(caption, head, rows):
     numeric = [all(is_number(row[k]) for row in rows) for k in range(len(head))]
 
-    def cells(tag, row):
-        return "".join(f"<{tag}{' class=n' if n else ''}>{escape.escape(text)}</{tag}>" for text, n in zip(row, numeric))
-    lines = "".join(f"<tr>{cells('td', row)}</tr>\n" for row in rows)
-    return (f"<div class=wide><table><caption>{escape.escape(caption)}</caption>\n<thead><tr>{cells('th', head)}</tr></thead>\n"
-            f"<tbody>{lines}</tbody></table></div>\n")
+    def line(tag, row):
+        cells = (f"<{tag}{' class=n' if n else ''}>{escape.escape(text)}</{tag}>" for text, n in zip(row, numeric))
+        return "<tr>" + "".join(cells) + "</tr>\n"
+    return (f"<div class=wide><table><caption>{escape.escape(caption)}</caption>\n<thead>{line('th', head)}</thead>\n"
+            f"<tbody>{''.join(line('td', row) for row in rows)}</tbody></table></div>\n")
 
 
 def html_pictures(row):
@@ -389,22 +398,26 @@ def html_section(s):
 
 
 def about(machine):
-    return (f"{machine['processor']}; {machine['renderer']}; commit {machine['commit']}, {machine['date']}; pictures of "
-            f"{machine['pictures']}, {machine['run']} run, {machine['took']}. Wall times are this machine's, with whatever else "
-            "ran on it.")
+    return (f"{machine['processor']}; {machine['renderer']}; commit {machine['commit']}, {machine['date']}; pictures "
+            f"of {machine['pictures']}, {machine['run']} run, {machine['took']}. Wall times are this machine's, with "
+            f"whatever else ran on it.")
 
 
 def html(sections, machine, missing):
-    told = "".join(f"<li class=unknown><b>Missing: {escape.escape(what)}</b>{escape.escape(why)}</li>\n" for what, why in missing)
-    return (f"<!DOCTYPE html>\n<html lang=en>\n<meta charset=utf-8>\n<meta name=viewport content='width=device-width'>\n"
+    told = "".join(f"<li class=unknown><b>Missing: {escape.escape(what)}</b>{escape.escape(why)}</li>\n"
+                   for what, why in missing)
+    return ("<!DOCTYPE html>\n<html lang=en>\n<meta charset=utf-8>\n<meta name=viewport content='width=device-width'>\n"
             f"<title>Figures 4, 5 and 6, reproduced</title>\n<style>{STYLE}</style>\n"
-            f"<h1>Figures 4, 5 and 6 of Song et al., reproduced or refuted</h1>\n<p class=about>{escape.escape(about(machine))}</p>\n"
-            + (f"<ul class=verdicts>{told}</ul>\n" if told else "") + "".join(html_section(s) for s in sections) + "</html>\n")
+            "<h1>Figures 4, 5 and 6 of Song et al., reproduced or refuted</h1>\n"
+            f"<p class=about>{escape.escape(about(machine))}</p>\n"
+            + (f"<ul class=verdicts>{told}</ul>\n" if told else "") + "".join(html_section(s) for s in sections)
+            + "</html>\n")
 
 
 def markdown(sections, machine, missing, folder):
     lines = ["# Figures 4, 5 and 6 of Song et al.", "",
-             "Made by `scripts/figures --docs`, which renders and measures all of it and writes `out/figures/index.html`.",
+             "Made by `scripts/figures --docs`, which renders and measures all of it and writes "
+             "`out/figures/index.html`.",
              wrapped(about(machine))]
     lines += [f"- Missing: {what}: {why}" for what, why in missing]
     for s in sections:

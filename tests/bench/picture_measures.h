@@ -51,7 +51,8 @@ void picture_shadow(const picture *p, const floor_line *line, double share[SHADO
  * 0.1 to the first after it of at least 0.9, between samples linearly, metres. NAN where it does not. */
 double penumbra_width(const floor_line *line, const double share[SHADOW_SAMPLES]);
 
-/* Two pictures of one size. Pixels of which a channel of either exceeds `bright` are left out: lamps, and their edges. */
+/* Two pictures of one size. Pixels of which a channel of either exceeds `bright` are left out: lamps, and their edges.
+ */
 typedef struct picture_distance {
 	double relative_mse; /* mean over pixels and channels of (a - b)^2 / (b^2 + (a tenth of the mean of b)^2) */
 	double rms_of_mean;  /* root of the mean of (a - b)^2 over the mean of b */
