@@ -41,6 +41,7 @@ typedef struct player {
 	uint32_t pose_count;
 
 	double update_ms, frame_ms;
+	double exact_ms;    /* a frame without a budget, after a recording under one; 0: not measured */
 	double shown_ms;    /* the whole frame, until it was shown; of a recorded one frame_ms */
 	double interval_ms; /* from frame to frame, smoothed; 0: not known yet */
 	double last_clock_ms;
