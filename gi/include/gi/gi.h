@@ -498,12 +498,18 @@ GI_API gi_result gi_commit(gi_context *gi);
  * the square of their age and their cost: none waits for ever. It takes some ten updates to learn what things take.
  * Where an update commits, because a static object moved or was hidden, that takes what it takes; rows and solve get
  * what is left of ms, a tenth of it at least. */
+typedef struct gi_view gi_view;
+
 typedef struct gi_budget {
 	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
 	uint64_t rays; /* > 0: about so many rays */
 	/* > 0: rows wait whose part in stale_relative is at most this, if B changes about as much as in the update
 	 * before; they wait even when nothing moves, until an update asks for less. [0, 1] */
 	float error;
+
+	/* The camera whose picture counts: rows of leaves that it does not see wait longer, but not for ever; what rows
+	 * become is the same. Only the matrices are read, by this call. NULL: all of the scene counts alike. */
+	const gi_view *view;
 } gi_budget;
 
 /* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing
@@ -644,7 +650,7 @@ typedef enum gi_overlay {
 	GI_OVERLAY_RESIDUAL, /* last |R_k+1 - R_k| of each leaf over the largest R, logarithmic: 1e-8 to 0.1 */
 } gi_overlay;
 
-typedef struct gi_view {
+struct gi_view {
 	float view_from_world[16];
 	float clip_from_view[16];
 	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
@@ -658,7 +664,7 @@ typedef struct gi_view {
 	/* The nearer of two depths is the larger one: cleared to 0, compared with GL_GREATER. Depths are written as
 	 * with glDepthRange(0, 1): a host that reverses that negates z instead */
 	bool depth_reversed;
-} gi_view;
+};
 
 GI_API gi_view gi_view_default(void);
 
