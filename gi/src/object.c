@@ -28,6 +28,7 @@ void object_free(scene_object *o)
 	gi_free(o->specular);
 	gi_free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
+	gi_subsurface_free(&o->subsurface);
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
 	gi_skin_free(&o->skin);
@@ -62,6 +63,10 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 	else
 		o->materials[0] = OBJECT_GREY;
 	o->pose = def->pose;
+	if (def->subsurface && !gi_subsurface_build(&o->hierarchy, def->subsurface, &o->subsurface))
+		return false;
+	for (uint32_t m = 0; m < o->material_count; m++)
+		object_take_albedo(o, &o->materials[m]);
 	return object_measure_materials(o);
 }
 

@@ -38,6 +38,7 @@ typedef struct gi_scene {
 	bool shown_changed;      /* since the last update others are seen than before it, or fewer */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
 	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
+	uint32_t translucent_leaves;
 
 	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */
