@@ -6,7 +6,7 @@
 #include "figure.h"
 #include "player.h"
 #include "progress.h"
-#include "scene_file.h"
+#include "import_file.h"
 #include "scenes/cornell.h"
 
 #include <cglm/cglm.h>
@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_MESH = 'm', CAGE_FACES = 900, OBJECTS = 9 };
+enum { KEY_MESH = 'm', KEY_TRANSLUCENT = 't', CAGE_FACES = 900, OBJECTS = 9 };
 
 /* The back wall in the middle of the tones, its bright top below white. */
 static const float EXPOSURE = 1.6f;
@@ -26,6 +26,7 @@ static const float REACH = 1.7f;
 typedef struct moving_buddha {
 	options options;
 	const char *mesh_path;
+	bool translucent;
 	engine_mesh figure, cage;
 	cornell box;
 	gi_object handles[OBJECTS];
@@ -39,6 +40,7 @@ typedef struct moving_buddha {
 
 static const struct argp_option table[] = {
     {"mesh", KEY_MESH, "FILE", 0, "a figure in the Buddha's place: OBJ, PLY or glTF, y up, facing +z", 0},
+    {"translucent", KEY_TRANSLUCENT, NULL, 0, "light is scattered below the figure's surface, as in jade", 0},
     {0},
 };
 
@@ -51,6 +53,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_MESH:
 		b->mesh_path = text;
+		return 0;
+	case KEY_TRANSLUCENT:
+		b->translucent = true;
 		return 0;
 	case ARGP_KEY_ARG:
 		options_fail(b->options.program, "%s: takes options only; see --help", text);
@@ -125,6 +130,7 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	moving_buddha *b = user;
 	cornell_def def = cornell_def_default();
 	def.leaf_size = b->options.leaf_size;
+	def.buddha_subsurface = b->translucent ? &cornell_jade : NULL;
 	if (b->mesh_path) {
 		def.figure = &b->figure;
 		def.figure_cage = &b->cage;

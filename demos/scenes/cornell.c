@@ -21,11 +21,13 @@ static const float BLACK[3] = {0, 0, 0};
 const float cornell_white[3] = {.73f, .73f, .73f};
 static const float RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
 
-/* The Buddha glides this far above the floor: bodies that touch suspect each other of hiding everything. */
+/* The Buddha glides this far above the floor, metres. Where boxes of bodies overlap, each is asked whether it hides
+ * rays of the other whenever one of them moves. */
 static const float CLEARANCE = .003f;
 
 /* Warm stone, not gold: gold is no diffuse colour. */
 const float cornell_stone[3] = {.72f, .62f, .47f};
+const gi_subsurface cornell_jade = {{12, 14, 12}, {.5f, .06f, .3f}, 1.6f};
 
 cornell_def cornell_def_default(void)
 {
@@ -166,8 +168,12 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const scene_body b = {
-	    .name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = cornell_stone, .draw = &drawn};
+	const scene_body b = {.name = "figure",
+			      .moves = true,
+			      .leaf_size = def->leaf_size,
+			      .rho = cornell_stone,
+			      .subsurface = def->buddha_subsurface,
+			      .draw = &drawn};
 	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -183,6 +189,7 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
 			      .leaf_size = def->leaf_size,
 			      .rho = cornell_stone,
+			      .subsurface = def->buddha_subsurface,
 			      .scale = def->buddha_height};
 	return scene_add_body(gi, &b, &mesh, &out->buddha);
 }

@@ -39,7 +39,7 @@ static gi_result out_of_memory(const gi_context *gi)
 
 static const gi_subsurface_links *links_in(const gi_scene *s, uint32_t slot)
 {
-	const scene_object *o = scene_object_in(s, slot);
+	const object_record *o = scene_object_in(s, slot);
 	return o && object_is_translucent(o) ? &o->subsurface : NULL;
 }
 

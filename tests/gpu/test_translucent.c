@@ -29,7 +29,7 @@ typedef struct made {
 
 /* What the library builds of the two, as the test sees it. */
 typedef struct copies {
-	scene_object ball, block;
+	object_record ball, block;
 } copies;
 
 static gi_object_def translucent_def(engine_mesh *mesh, const gi_subsurface *medium, const float position[3])
@@ -94,13 +94,13 @@ static made open_room(const gi_context_def *def, const gi_subsurface *medium)
 /* ---- a dense solution ---- */
 
 /* The object that the library built of the same definition. */
-static scene_object build_copy(void (*make)(engine_mesh *))
+static object_record build_copy(void (*make)(engine_mesh *))
 {
 	engine_mesh mesh;
 	make(&mesh);
 	const gi_object_def def = translucent_def(&mesh, &WAX, AT_BALL);
 	const gi_log log = {NULL, NULL, NULL};
-	scene_object copy;
+	object_record copy;
 	assert_gi(object_build(&(object_builder){&log, NULL, 0}, &def, &copy));
 	engine_mesh_free(&mesh);
 	return copy;
