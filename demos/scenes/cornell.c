@@ -27,7 +27,7 @@ static const float CLEARANCE = .003f;
 
 /* Warm stone, not gold: gold is no diffuse colour. */
 const float cornell_stone[3] = {.72f, .62f, .47f};
-const gi_subsurface cornell_jade = {{12, 14, 12}, {.5f, .06f, .3f}, 1.6f};
+const gi_subsurface cornell_jade = {{30, 36, 30}, {.5f, .03f, .25f}, 1.6f};
 
 cornell_def cornell_def_default(void)
 {
@@ -184,9 +184,11 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	engine_mesh mesh;
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
+	/* Finer where no pixel is lit by itself. */
 	const scene_body b = {.name = "buddha",
 			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
+			      .levels = def->buddha_subsurface ? 1 : 0,
 			      .leaf_size = def->leaf_size,
 			      .rho = cornell_stone,
 			      .subsurface = def->buddha_subsurface,

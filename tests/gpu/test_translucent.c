@@ -280,7 +280,7 @@ static void a_half_space_is_the_closed_form(void **state)
 	add_body(gi, "lamp", ok, &mesh, (const float[]){0, 0, 0}, (const float[]){100, 100, 100});
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
-	const snapshot s = snapshot_take(gi);
+	snapshot s = snapshot_take(gi);
 	for (int c = 0; c < 3; c++) {
 		const gi_dipole d = gi_dipole_of((double)medium.scattering[c], (double)medium.absorption[c], 1.3);
 		double in = 0, out = 0, largest = 0, worst = 0, dark = 0;
@@ -300,8 +300,7 @@ static void a_half_space_is_the_closed_form(void **state)
 		assert_true(worst <= .05 && dark <= 1e-3);
 		assert_true(out <= gi_dipole_albedo(&d) * in && out >= .9 * gi_dipole_albedo(&d) * in);
 	}
-	snapshot closing = s;
-	snapshot_free(&closing);
+	snapshot_free(&s);
 	gi_context_destroy(gi);
 }
 
@@ -356,18 +355,9 @@ static void extremes_are_diffuse_or_black(void **state)
 	snapshot_free(&a);
 	gi_context_destroy(s.gi);
 	s = open_room(&def, &clear);
+	/* Without absorption 0.9999 comes back of a half space; the bound is small, if not relative to where it is darkest. */
 	const gi_report r = harness_update(s.gi);
-	print_message("outcome %d, relative %g, A %g, q %g, sweeps %u, bound %g, rounding %g\n", r.outcome,
-		      r.solve_relative, r.amplification, r.contraction, r.sweeps, r.solve_bound, r.rounding_bound);
-	gi_context_destroy(s.gi);
-	s = open_room(&def, NULL);
-	const gi_material bright = {.rho = {.9999f, .9f, .8f}};
-	assert_gi(gi_set_material(s.gi, s.ball, 0, bright));
-	assert_gi(gi_set_material(s.gi, s.block, 0, bright));
-	const gi_report r2 = harness_update(s.gi);
-	print_message("outcome %d, relative %g, A %g, q %g, sweeps %u, bound %g, rounding %g\n", r2.outcome,
-		      r2.solve_relative, r2.amplification, r2.contraction, r2.sweeps, r2.solve_bound,
-		      r2.rounding_bound);
+	assert_true(r.outcome > 0 && r.contraction < 1 && r.solve_bound < 1e-4f * r.radiosity_max);
 	gi_context_destroy(s.gi);
 }
 
