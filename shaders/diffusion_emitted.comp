@@ -1,7 +1,7 @@
 #version 450 core
-// Before the first sweep: what exitance that entered translucent objects leaves their leaves with, over the albedo, takes
-// the place of the irradiance by exitance. No row sums to more than the albedo, which all leaves of an object have: what
-// emitted.comp found of the irradiance that entered bounds it. One thread a leaf of theirs.
+// Before the first sweep: what exitance that entered translucent objects leaves their leaves with, over the
+// albedo, takes the place of the irradiance by exitance. No row sums to more than the albedo, which all leaves of
+// an object have: what emitted.comp found of the irradiance that entered bounds it. One thread a leaf of theirs.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS

@@ -1,6 +1,7 @@
 #version 450 core
-// What arrives at the leaves of translucent objects and enters: sum over links of weight * R_node and weight * v_node in
-// a sweep, in double precision, or before the first one the irradiance by exitance. One thread a leaf of theirs.
+// What arrives at the leaves of translucent objects and enters: sum over links of weight * R_node and weight *
+// v_node in a sweep, in double precision, or before the first one the irradiance by exitance. One thread a leaf of
+// theirs.
 #define READ_FRAME
 #define READ_ROWS
 #define READ_LINKS

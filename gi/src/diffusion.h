@@ -1,5 +1,5 @@
-/* Translucent objects in the solve: the links of subsurface.h on the GPU, and what a sweep does with them. Nothing of it is
- * there in a scene without any. */
+/* Translucent objects in the solve: the links of subsurface.h on the GPU, and what a sweep does with them. Nothing of
+ * it is there in a scene without any. */
 #ifndef GI_DIFFUSION_H
 #define GI_DIFFUSION_H
 

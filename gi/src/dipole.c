@@ -7,8 +7,8 @@ static const double PI = 3.14159265358979323846;
 /* A medium that neither scatters nor absorbs has its source nowhere; so far away it counts as that. */
 static const double FARTHEST = 1e30;
 
-/* A of the boundary condition: the ratio that inner reflection makes, by the mean Fresnel reflectance that Jensen and others
- * give (Egan and Hilgeman 1979). At an index of 1 that fit is a hair above 0. */
+/* A of the boundary condition: the ratio that inner reflection makes, by the mean Fresnel reflectance that Jensen and
+ * others give (Egan and Hilgeman 1979). At an index of 1 that fit is a hair above 0. */
 static double boundary(double index)
 {
 	const double reflected = -1.440 / (index * index) + 0.710 / index + 0.668 + 0.0636 * index;

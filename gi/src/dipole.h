@@ -2,8 +2,8 @@
  *
  *     H. W. Jensen, S. R. Marschner, M. Levoy and P. Hanrahan, A Practical Model for Subsurface Light Transport, 2001
  *
- * One source of light below the surface, at the depth of a mean free path, and a negative one above, so that the fluence is 0
- * where the boundary's inner reflection says. In double precision, one colour at a time.
+ * One source of light below the surface, at the depth of a mean free path, and a negative one above, so that the
+ * fluence is 0 where the boundary's inner reflection says. In double precision, one colour at a time.
  */
 #ifndef GI_DIPOLE_H
 #define GI_DIPOLE_H
@@ -20,8 +20,8 @@ gi_dipole gi_dipole_of(double scattering, double absorption, double index);
 /* R_d, 1/m2: radiant exitance at a squared distance, m2, from where a flux of 1 W enters. */
 double gi_dipole_exitance(const gi_dipole *dipole, double squared);
 
-/* Integral from that distance on of R_d r dr; of two pi times it is how much leaves farther out. With a height h over the
- * plane of integration, squared = r2 + h2, likewise. */
+/* Integral from that distance on of R_d r dr; of two pi times it is how much leaves farther out. With a height h over
+ * the plane of integration, squared = r2 + h2, likewise. */
 double gi_dipole_beyond(const gi_dipole *dipole, double squared);
 
 /* All that leaves, of 1: the diffuse reflectance of the half space, in [0,1]. */

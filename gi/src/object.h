@@ -35,7 +35,7 @@ typedef struct object_record {
 	gi_material *materials;
 	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
 	gi_subsurface_links subsurface; /* of a translucent object */
-	object_emission *emission;       /* of each */
+	object_emission *emission;      /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
@@ -90,7 +90,7 @@ bool object_is_alive(const object_record *object);
 bool object_is_seen(const object_record *object);
 uint32_t object_flags(const object_record *object); /* GI_OBJECT_ */
 void object_place(object_record *object, gi_object_data *data);
-void object_leave_trail(object_record *object);                                       /* before it is placed elsewhere */
+void object_leave_trail(object_record *object); /* before it is placed elsewhere */
 void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */
 bool object_has_glass(const object_record *object);

@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What one point a side may be off by: of what the link carries, and as a share of the albedo. What is no more than LEAST of
- * that may be off by all of it. */
+/* What one point a side may be off by: of what the link carries, and as a share of the albedo. What is no more than
+ * LEAST of that may be off by all of it. */
 static const double TOLERANCE = 0.08, TOLERANCE_OF_ALL = 1e-4, LEAST = 1e-5;
 
 /* Below this |dR_d| / R_d from end to end a few points a side do. */
@@ -33,8 +33,8 @@ typedef struct patch {
 	double radius, area;
 } patch;
 
-/* R_d and its integral from a distance on, by s = 1 + squared distance / z_r2: linear between STEPS values an octave. They
- * are asked for some thousand times a leaf. */
+/* R_d and its integral from a distance on, by s = 1 + squared distance / z_r2: linear between STEPS values an octave.
+ * They are asked for some thousand times a leaf. */
 enum { STEP_BITS = 7, STEPS = 1 << STEP_BITS };
 typedef struct curve {
 	gi_dipole dipole;
@@ -169,8 +169,8 @@ static const double GAUSS_AT[4] = {0.01985507175123188, 0.10166676129318664, 0.2
 static const double GAUSS_WEIGHT[4] = {0.05061426814518813, 0.11119051722668724, 0.15685332293894364,
 				       0.18134189168918100};
 
-/* Of an edge, as seen from the foot of x on the triangle's plane: the integral over the angle of what lies before it. In the
- * plane R_d r dr has a primitive, so that only the angle is left to sum up, however narrow R_d is. */
+/* Of an edge, as seen from the foot of x on the triangle's plane: the integral over the angle of what lies before it.
+ * In the plane R_d r dr has a primitive, so that only the angle is left to sum up, however narrow R_d is. */
 static void add_edge(const builder *b, gi_vec3d from, gi_vec3d to, gi_vec3d normal, double height2, double out[3])
 {
 	const gi_vec3d edge = gi_vec3d_sub(to, from);
@@ -192,8 +192,8 @@ static void add_edge(const builder *b, gi_vec3d from, gi_vec3d to, gi_vec3d norm
 	}
 }
 
-/* Integral of R_d over a leaf, from one point, which may be its own: then it lies in its triangles' planes, though the leaf be
- * bent by more than a mean free path. */
+/* Integral of R_d over a leaf, from one point, which may be its own: then it lies in its triangles' planes, though
+ * the leaf be bent by more than a mean free path. */
 static void add_over_patch(const builder *b, gi_vec3d x, const patch *p, bool own, double weight, double out[3])
 {
 	double sum[3] = {0};
@@ -245,8 +245,9 @@ static void integrate_narrow(const builder *b, const patch *to, const patch *fro
 		out[c] += sum[c] / whole;
 }
 
-/* Does one point a side do, or of what lies within `whole` one for each piece of radius `other`? The mean of R_d over a square of half diagonal r is off from its centre's by r2 / 12 times the
- * Laplacian, about R_d times its steepness squared. */
+/* Does one point a side do, or of what lies within `whole` one for each piece of radius `other`? The mean of R_d over
+ * a square of half diagonal r is off from its centre's by r2 / 12 times the Laplacian, about R_d times its steepness
+ * squared. */
 static bool one_point_does(const builder *b, double distance, double radius, double whole, double other, double area)
 {
 	const double nearest = fmax(distance - radius - whole, 0);

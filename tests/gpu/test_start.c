@@ -167,7 +167,8 @@ static void take_away_translucent(const folder *f, const char *name)
 		take_away(f, name);
 }
 
-/* Nothing of light below surfaces is compiled, or read, in a scene without; with it the first update says what is missing. */
+/* Nothing of light below surfaces is compiled, or read, in a scene without; with it the first update says what is
+ * missing. */
 static void translucent_objects_alone_want_their_shaders(void **state)
 {
 	(void)state;

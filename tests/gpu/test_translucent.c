@@ -1,6 +1,5 @@
-/* Light below the surface of objects, in the solve: against a dense solution with the same links, against the closed form
- * of a half space under a light, what moves, and scenes that have none of it.
- */
+/* Light below the surface of objects, in the solve: against a dense solution with the same links, against the closed
+ * form of a half space under a light, what moves, and scenes that have none of it. */
 #include "harness.h"
 #include "scenes/body.h"
 #include "scenes/shapes.h"
@@ -233,8 +232,8 @@ static void bounds_hold_against_a_dense_solution(void **state)
 
 enum { SIDE = 40 };
 
-/* Mean over a leaf of Jensen's R_d, summed up over the others' irradiance by brute force: four points that receive, a grid of
- * those that give. */
+/* Mean over a leaf of Jensen's R_d, summed up over the others' irradiance by brute force: four points that receive, a
+ * grid of those that give. */
 static double closed_form(const snapshot *s, uint32_t to, const gi_dipole *d, int channel)
 {
 	enum { GRID = 4 };
@@ -257,8 +256,8 @@ static double closed_form(const snapshot *s, uint32_t to, const gi_dipole *d, in
 	return sum;
 }
 
-/* A plate of 1 m in the dark, a lamp of 2 cm close above its middle: what leaves around it against the closed form of the
- * half space, no more than entered, and most of what a half space gives back. */
+/* A plate of 1 m in the dark, a lamp of 2 cm close above its middle: what leaves around it against the closed form of
+ * the half space, no more than entered, and most of what a half space gives back. */
 static void a_half_space_is_the_closed_form(void **state)
 {
 	(void)state;
@@ -355,7 +354,8 @@ static void extremes_are_diffuse_or_black(void **state)
 	snapshot_free(&a);
 	gi_context_destroy(s.gi);
 	s = open_room(&def, &clear);
-	/* Without absorption 0.9999 comes back of a half space; the bound is small, if not relative to where it is darkest. */
+	/* Without absorption 0.9999 comes back of a half space; the bound is small, if not relative to where it is
+	 * darkest. */
 	const gi_report r = harness_update(s.gi);
 	assert_true(r.outcome > 0 && r.contraction < 1 && r.solve_bound < 1e-4f * r.radiosity_max);
 	gi_context_destroy(s.gi);

@@ -1,6 +1,5 @@
-/* Subsurface scattering of one object, on the CPU: the dipole against the formulas of the paper, links against the closed
- * forms of a half space that is lit in part, and no more light out than in.
- */
+/* Subsurface scattering of one object, on the CPU: the dipole against the formulas of the paper, links against the
+ * closed forms of a half space that is lit in part, and no more light out than in. */
 #include "cages.h"
 
 #include "bits.h"
@@ -37,8 +36,8 @@ static double paper_albedo(paper m)
 	return share / 2 * (1 + exp(-4.0 / 3 * boundary * root)) * exp(-root);
 }
 
-/* Integral of R_d from r on over whole circles, or over the part of them beyond a line at distance `line`; in steps that
- * grow with r. */
+/* Integral of R_d from r on over whole circles, or over the part of them beyond a line at distance `line`; in steps
+ * that grow with r. */
 static double paper_beyond(paper m, double from, double line)
 {
 	const double mean_free_path = 1 / (m.s + m.a);
@@ -293,7 +292,8 @@ static double diagonal_of(const lit *l, uint32_t leaf)
 	return sum;
 }
 
-/* Mean free paths far below leaves: each leaf gives back its own light, as a diffuse surface of the half space's albedo. */
+/* Mean free paths far below leaves: each leaf gives back its own light, as a diffuse surface of the half space's
+ * albedo. */
 static void dense_media_are_diffuse(void **state)
 {
 	(void)state;
@@ -310,7 +310,8 @@ static void dense_media_are_diffuse(void **state)
 	}
 }
 
-/* Mean free paths far above the object, or a colour that nothing scatters: nothing comes back, and all numbers are numbers. */
+/* Mean free paths far above the object, or a colour that nothing scatters: nothing comes back, and all numbers are
+ * numbers. */
 static void thin_media_are_black(void **state)
 {
 	(void)state;

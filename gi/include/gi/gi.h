@@ -742,7 +742,8 @@ GI_API gi_path_options gi_path_options_default(void);
  *
  * `options` NULL: the defaults. irradiance: 3 * capacity floats; *count is how many leaves there are, and of those the
  * first `capacity` are traced. The scene is that of the last gi_update(): poses and materials set since then are not in
- * it; without an update since the last gi_commit() the result is GI_ERROR_NOT_COMMITTED. What lies beyond all objects
+ * it; without an update since the last gi_commit() the result is GI_ERROR_NOT_COMMITTED. Paths do not go below surfaces:
+ * GI_ERROR_INVALID_ARGUMENT in a scene with gi_subsurface. What lies beyond all objects
  * is sky_exitance where the rows have a sky (gi_sky), else black. Changes nothing of rows and light.
  *
  * For loading screens and tests, not for frames: waits for the GPU, after dispatches short enough for a desktop to stay
