@@ -1,5 +1,6 @@
 /* What it is worth that visibility rays go where light comes from: error of the irradiance at equal rays, with and
- * without, in the four scenes of the benchmarks.
+ * without, in four scenes: those of the benchmarks but for the furnace, where all places are alike, and a room full of
+ * boxes.
  *
  * Two things are left out, one at a time and both: that an entry has the more rays the more light it may carry
  * (sampling_of in trace.glsl), and that its segments are drawn by what they carry (CANDIDATES). Without the first each
@@ -11,9 +12,12 @@
 #include "bench_options.h"
 #include "bench_scene.h"
 #include "gi/gi.h"
+#include "scenes/body.h"
 #include "scenes/scenes.h"
+#include "scenes/shapes.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,6 +29,48 @@ typedef struct options {
 	uint32_t paths;    /* a leaf, of each half of the truth */
 	float row_tolerance;
 } options;
+
+/* ---- scenes ---- */
+
+/* A closed room of 4 m, 27 boxes hanging in it, a lamp of 0.4 m below its ceiling. */
+static gi_result create_boxes(gi_context *gi, gi_object *mover)
+{
+	static const float walls[3] = {.7f, .6f, .5f}, box[3] = {.3f, .5f, .7f}, black[3] = {0, 0, 0},
+			   lamp[3] = {50, 50, 50};
+	engine_mesh mesh;
+	gi_object object;
+	if (!shape_box((const float[]){-2, 0, -2}, (const float[]){2, 4, 2}, 10, true, &mesh))
+		return GI_ERROR_OUT_OF_MEMORY;
+	gi_result result = scene_add_body(gi, &(scene_body){.name = "room", .rho = walls}, &mesh, &object);
+	for (int k = 0; !result && k < 27; k++) {
+		const float x = (float)(k % 3) - 1, y = (float)(k / 3 % 3) + .7f, z = (float)(k / 9) - 1;
+		if (!shape_box((const float[]){-.2f, -.2f, -.2f}, (const float[]){.2f, .2f, .2f}, 3, false, &mesh))
+			return GI_ERROR_OUT_OF_MEMORY;
+		result =
+		    scene_add_body(gi, &(scene_body){.name = "box", .rho = box, .position = {x, y, z}}, &mesh, mover);
+	}
+	if (!result && !shape_quad((const float[]){-.2f, 3.9f, -.2f}, (const float[]){.4f, 0, 0},
+				   (const float[]){0, 0, .4f}, 2, 2, &mesh))
+		return GI_ERROR_OUT_OF_MEMORY;
+	return result
+		   ? result
+		   : scene_add_body(gi, &(scene_body){.name = "lamp", .rho = black, .exitance = lamp}, &mesh, &object);
+}
+
+static const scene_kind BOXES = {.name = "boxes", .sky = GI_SKY_OFF, .create = create_boxes};
+
+enum { SCENES = 4 };
+
+static const scene_kind *scene_of(int k)
+{
+	static const char *const names[SCENES - 1] = {"cornell", "rooms", "corridor"};
+	return k < SCENES - 1 ? scene_kind_find(names[k]) : &BOXES;
+}
+
+static bool is_wanted(const options *o, int k)
+{
+	return !o->scene || strcmp(o->scene, scene_of(k)->name) == 0;
+}
 
 /* ---- shaders ---- */
 
@@ -235,10 +281,12 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case 'n':
-		if (!scene_kind_find(argument))
-			argp_error(state, "there is no scene '%s'", argument);
 		o->scene = argument;
-		return 0;
+		for (int k = 0; k < SCENES; k++)
+			if (is_wanted(o, k))
+				return 0;
+		argp_error(state, "there is no scene '%s'", argument);
+		return EINVAL;
 	case 'p':
 		o->paths = bench_parse_count(argument, 1, 1 << 20, "paths", state);
 		return 0;
@@ -253,7 +301,7 @@ static error_t parse_option(int key, char *argument, struct argp_state *state)
 int main(int argc, char **argv)
 {
 	static const struct argp_option list[] = {
-	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, furnace; default all", 0},
+	    {"scene", 'n', "NAME", 0, "one of cornell, rooms, corridor, boxes; default all", 0},
 	    {"paths", 'p', "N", 0, "of each leaf, for each half of the truth; default 256", 0},
 	    {"row-tolerance", 't', "T", 0, "default 0.1", 0},
 	    {0},
@@ -265,21 +313,21 @@ int main(int argc, char **argv)
 	options o = {.paths = 256, .row_tolerance = 0.1f};
 	const engine_context_kind kind = bench_parse(&command, argc, argv, &o);
 	session s = {.options = &o, .context = bench_open_window(kind, 64)};
-	double at_equal[SCENE_KINDS][VARIANT_COUNT], rays[SCENE_KINDS];
+	double at_equal[SCENES][VARIANT_COUNT], rays[SCENES];
 	printf("| scene | rays | near samples, of emitters | rays taken | error, %% |\n|---|---|---|---|---|\n");
-	for (int k = 0; k < SCENE_KINDS; k++) {
-		s.kind = &scene_kinds[k];
-		if (!o.scene || strcmp(o.scene, s.kind->name) == 0)
+	for (int k = 0; k < SCENES; k++) {
+		s.kind = scene_of(k);
+		if (is_wanted(&o, k))
 			run_scene(&s, at_equal[k], &rays[k]);
 	}
 	printf("\n| scene | rays |");
 	for (int v = 0; v < VARIANT_COUNT; v++)
 		printf(" %s |", VARIANTS[v].name);
 	printf("\n|---|---|---|---|---|---|\n");
-	for (int k = 0; k < SCENE_KINDS; k++) {
-		if (o.scene && strcmp(o.scene, scene_kinds[k].name) != 0)
+	for (int k = 0; k < SCENES; k++) {
+		if (!is_wanted(&o, k))
 			continue;
-		printf("| %s | %.0f |", scene_kinds[k].name, rays[k]);
+		printf("| %s | %.0f |", scene_of(k)->name, rays[k]);
 		for (int v = 0; v < VARIANT_COUNT; v++)
 			printf(" %.2f |", 100 * at_equal[k][v]);
 		printf("\n");
