@@ -1,7 +1,7 @@
 #version 450 core
-// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and to
-// refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken, so
-// every update gets on. Stages 1 and 3: group counts for the rows that were listed.
+// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and
+// to refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken,
+// so every update gets on. Stages 1 and 3: group counts for the rows that were listed.
 #define READ_FRAME
 #define READ_CHOICES
 #define WRITE_STATE

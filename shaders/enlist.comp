@@ -1,6 +1,6 @@
 #version 450 core
-// Under a budget: lists rows. STAGE 0: those to assess; 1: those to refresh, and counts those that wait. One thread a leaf.
-// Whichever order a list comes in, the rows are the same.
+// Under a budget: lists rows. STAGE 0: those to assess; 1: those to refresh, and counts those that wait. One thread a
+// leaf. Whichever order a list comes in, the rows are the same.
 #define READ_FRAME
 #define READ_PENDING
 #define WRITE_CHOICES

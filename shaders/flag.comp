@@ -1,5 +1,6 @@
 #version 450 core
-// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current afterwards.
+// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current
+// afterwards.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -64,11 +65,13 @@ candidate load_candidate(watch w, gi_node_geometry p, uint k, bool covered)
 	s.in_trail = place_in(p.sphere.xyz, load_swept_corner(k, 0u).xyz, load_swept_corner(k, 1u).xyz);
 	s.in_hull = place_in(p.sphere.xyz, lower.xyz, upper.xyz);
 	s.hull = w.moved ? s.box.ball : ball_about(lower, upper);
-	s.counts = w.moved ? there || k == 0u : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
+	s.counts = w.moved ? there || k == 0u
+			   : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
 	return s;
 }
 
-// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what is seen in part.
+// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what
+// is seen in part.
 bool crosses(candidate s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
 	vec4 ball = load_sphere(node);
@@ -107,7 +110,8 @@ void main()
 				uvec4 block = load_segment(segment_of(leaf, source));
 				sky = (object_bvh(source).z & GI_OBJECT_SKY) != 0u;
 				at = block.x;
-				bool cut_anew = pair_is_dirty(w.mine, source, w.since) && !pair_keeps_nodes(w.mine, source, w.since);
+				bool cut_anew = pair_is_dirty(w.mine, source, w.since) &&
+						!pair_keeps_nodes(w.mine, source, w.since);
 				end = at + (cut_anew ? 0u : block.y & GI_BLOCK_COUNT_MASK);
 				source++;
 				continue;
@@ -115,7 +119,8 @@ void main()
 			uvec4 entry = load_entry(at);
 			at++;
 			// An entry that another candidate of the row was flagged for bears a mark (unmark.comp).
-			if (!is_flagged_for(w, p, s, entry, sky) || (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
+			if (!is_flagged_for(w, p, s, entry, sky) ||
+			    (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
 				continue;
 			if (frame.inner.w != 0u)
 				entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;

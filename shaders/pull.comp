@@ -1,5 +1,6 @@
 #version 450 core
-// After a solve: R and B of every node that covers few leaves, R as their area mean in double precision. One thread a node.
+// After a solve: R and B of every node that covers few leaves, R as their area mean in double precision. One thread a
+// node.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE

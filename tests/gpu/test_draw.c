@@ -433,7 +433,8 @@ static void test_overlays(void **state)
 
 /* ---- mirrors and glass ---- */
 
-/* Every pixel is the lamp's radiance times `share` within [lower, upper] of the plane, dark beyond; edges are no matter. */
+/* Every pixel is the lamp's radiance times `share` within [lower, upper] of the plane, dark beyond; edges are no
+ * matter. */
 static void check_seen(const target *t, double exitance, double share, const float lower[2], const float upper[2])
 {
 	for (int y = 0; y < SIZE; y++)
@@ -595,7 +596,7 @@ static void test_closed_door_keeps_light_out(void **state)
 	gi_context_destroy(gi);
 }
 
-/* A floor of a dense medium is as bright as a diffuse one of its albedo, and lamps do not light it once more per pixel. */
+/* A floor of a dense medium is as bright as a diffuse one of its albedo; lamps do not light it once more per pixel. */
 static void test_translucent(void **state)
 {
 	(void)state;
