@@ -496,6 +496,30 @@ uint load_sobol(uint n)
 }
 #endif
 
+#ifdef READ_DIFFUSION_ROWS
+TEXELS(GI_BIND_DIFFUSION_ROWS) diffusion_row_texels;
+uvec4 load_diffusion_row(uint n)
+{
+	return texel(diffusion_row_texels, n);
+}
+#endif
+
+#ifdef READ_DIFFUSION_LINKS
+TEXELS(GI_BIND_DIFFUSION_LINKS) diffusion_link_texels;
+uvec4 load_diffusion_link(uint n)
+{
+	return texel(diffusion_link_texels, n);
+}
+#endif
+
+#ifdef READ_DIFFUSION_VALUES
+TEXELS(GI_BIND_DIFFUSION_VALUES) diffusion_value_texels;
+vec4 load_diffusion_value(uint n)
+{
+	return float_texel(diffusion_value_texels, n);
+}
+#endif
+
 #ifdef READ_SMOOTH
 TEXELS(GI_BIND_SMOOTH) smooth_texels;
 uvec4 load_smooth_normals(uint n)
@@ -674,6 +698,9 @@ STORAGE(GI_BIND_PATH_SLOTS) path_slots_block { gi_path_slot slots[]; };
 
 #ifdef WRITE_PHOTONS
 STORAGE(GI_BIND_PHOTONS) photons_block { gi_photon photons[]; };
+#endif
+#ifdef WRITE_DIFFUSION_VALUES
+STORAGE(GI_BIND_DIFFUSION_VALUES) diffusion_values_block { vec4 diffusion_values[]; };
 #endif
 #ifdef WRITE_CAUSTIC_PATHS
 STORAGE(GI_BIND_CAUSTIC_PATHS) caustic_paths_block { uint caustic_paths[]; };

@@ -166,7 +166,8 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
 
 /* A leaf: x node, y object slot, z material, w rank of its primitive.
- * A material: rho, then exitance. */
+ * A material: rho, then exitance; exitance.w of a translucent object's is what is added to its number for the one that pixels
+ * are lit by, which is black. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
 	GI_VEC4 exitance;
@@ -236,6 +237,7 @@ GI_STRUCT(gi_frame) {
 #define GI_UPDATE_TIMED 4u     /* no more than fits, however old rows become */
 #define GI_UPDATE_MATERIAL 8u  /* some material has other values than in the solve before */
 #define GI_UPDATE_VIEWED 16u    /* a camera says which rows count */
+#define GI_UPDATE_BY_ROWS 32u    /* R / rho of some leaves is not what arrives: light scattered below surfaces */
 
 /* A row under a budget (survey.comp, assess.comp).
  *
@@ -552,6 +554,12 @@ GI_STRUCT(gi_path_slot) {
 #define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
 #define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
 #define GI_BIND_CAUSTIC_CELLS GI_BIND_TARGETS    /* uint: photons per cell of a hashed grid, level by level */
+
+/* Translucent objects, of scenes that have any (diffusion.c): in places of what a solve does not read. Rows: those of leaves, of
+ * small clusters, of large ones; x first link, y links, of a leaf z its number. */
+#define GI_BIND_DIFFUSION_ROWS GI_BIND_SPREAD    /* uvec4 per value */
+#define GI_BIND_DIFFUSION_LINKS GI_BIND_CHOICES  /* uvec4: value, bits of three weights (subsurface.h) */
+#define GI_BIND_DIFFUSION_VALUES GI_BIND_PENDING /* vec4 per value: what enters there, W/m2; the same of v */
 
 /* The smooth part of a material: specular, and in w the index of refraction; transmittance. */
 GI_STRUCT(gi_smooth_material) {

@@ -30,6 +30,7 @@ gi_result scene_add_body(gi_context *gi, const scene_body *b, engine_mesh *mesh,
 	def.leaf_size = b->leaf_size;
 	def.materials = &material;
 	def.material_count = 1;
+	def.subsurface = b->subsurface;
 	memcpy(def.pose.position, b->position, sizeof def.pose.position);
 	def.mobility = b->moves ? GI_MOBILITY_MOVABLE : GI_MOBILITY_AUTOMATIC;
 	for (int c = 0; c < 3 && b->scale > 0; c++)

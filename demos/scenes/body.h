@@ -15,9 +15,10 @@ typedef struct scene_body {
 	const float *rho;      /* 3 */
 	const float *exitance; /* 3; NULL: dark */
 	float position[3];
-	float scale;             /* 0: 1 */
-	bool moves;              /* GI_MOBILITY_MOVABLE, else automatic */
-	const engine_mesh *draw; /* drawn in the cage's place; NULL: the cage's surface */
+	float scale;                     /* 0: 1 */
+	const gi_subsurface *subsurface; /* NULL: none */
+	bool moves;                      /* GI_MOBILITY_MOVABLE, else automatic */
+	const engine_mesh *draw;         /* drawn in the cage's place; NULL: the cage's surface */
 } scene_body;
 
 /* The defaults, of the cage's points and faces: arrays are the mesh's, neither its materials nor its creases. */

@@ -27,6 +27,7 @@ static const float CLEARANCE = .003f;
 
 /* Warm stone, not gold: gold is no diffuse colour. */
 const float cornell_stone[3] = {.72f, .62f, .47f};
+const gi_subsurface cornell_jade = {{30, 36, 30}, {.5f, .03f, .25f}, 1.6f};
 
 cornell_def cornell_def_default(void)
 {
@@ -167,8 +168,12 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		engine_mesh_free(&cage);
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
-	const scene_body b = {
-	    .name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = cornell_stone, .draw = &drawn};
+	const scene_body b = {.name = "figure",
+			      .moves = true,
+			      .leaf_size = def->leaf_size,
+			      .rho = cornell_stone,
+			      .subsurface = def->buddha_subsurface,
+			      .draw = &drawn};
 	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -179,12 +184,15 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	engine_mesh mesh;
 	if (!buddha_cage(&mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
+	/* Finer where no pixel is lit by itself. */
 	const scene_body b = {.name = "buddha",
 			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
-			      .levels = def->smooth_levels,
+			      /* Light below the surface falls off within a leaf of the cage. */
+			      .levels = def->smooth_levels ? def->smooth_levels : def->buddha_subsurface ? 1 : 0,
 			      .leaf_size = def->leaf_size,
 			      .rho = cornell_stone,
+			      .subsurface = def->buddha_subsurface,
 			      .scale = def->buddha_height};
 	return scene_add_body(gi, &b, &mesh, &out->buddha);
 }

@@ -10,11 +10,12 @@
 #include "mesh.h"
 
 typedef struct cornell_def {
-	uint32_t wall_faces;            /* base faces of a wall a side; default 3 */
-	uint32_t wall_levels;           /* refinement of the walls; default 3: 24 x 24 leaves each */
-	uint32_t light_levels;          /* refinement of the light, one face at first; default 2 */
-	bool buddha;                    /* a leaf for each face of its cage; default true */
-	float buddha_height;            /* metres, default 2.8 */
+	uint32_t wall_faces;                    /* base faces of a wall a side; default 3 */
+	uint32_t wall_levels;                   /* refinement of the walls; default 3: 24 x 24 leaves each */
+	uint32_t light_levels;                  /* refinement of the light, one face at first; default 2 */
+	bool buddha;                            /* a leaf for each face of its cage; default true */
+	float buddha_height;                    /* metres, default 2.8 */
+	const gi_subsurface *buddha_subsurface; /* of the Buddha or the figure; NULL: it is diffuse */
 	const engine_mesh *figure;      /* drawn in the Buddha's place, fitted to its height; NULL: the project's own */
 	const engine_mesh *figure_cage; /* what lights it (triangles); required with figure */
 	uint32_t smooth_levels;         /* refinement of the Buddha and the balls where leaf_size is 0; default 0 */
@@ -49,6 +50,8 @@ void cornell_sides(cornell_side out[CORNELL_SIDES]);
 /* What stands in it: the reflectance of the Buddha and that of balls which are neither mirror nor glass; where ball
  * k (0 or 1) stands beside the Buddha, and its radius, metres. */
 extern const float cornell_stone[3], cornell_white[3];
+/* For cornell_def.buddha_subsurface: green light comes some half a metre through it, red and blue 0.2 m. */
+extern const gi_subsurface cornell_jade;
 float cornell_ball(int k, float centre[3]);
 
 /* Where the demo's Buddha is at time t (seconds): a loop of 8 s over the floor, turning to face its way. Closed and

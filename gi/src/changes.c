@@ -8,7 +8,7 @@
 static void upload_material(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
-	for (uint32_t m = 0; m < o->material_count; m++) {
+	for (uint32_t m = 0; m < object_material_slots(o); m++) {
 		const gi_material_data data = object_material_data(o, m);
 		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data,
 				  &data);

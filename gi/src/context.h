@@ -6,6 +6,7 @@
 #include "arena.h"
 #include "budget.h"
 #include "caustics.h"
+#include "diffusion.h"
 #include "estimate.h"
 #include "gpu.h"
 #include "lamp.h"
@@ -31,11 +32,12 @@ struct gi_context {
 	gi_arena tree_arena;   /* scratch of every frame: building the trees over the objects */
 	gi_lamps lamps;
 	gi_estimate estimate;
-	gi_shade *shade;       /* made by the first gi_draw */
-	gi_paths *paths;       /* made by the first gi_trace_paths */
-	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
-	gi_arena light_arena;  /* scratch of every frame: the emitters that send photons */
-	gi_caustics *caustics; /* made by the same, where something emits */
+	gi_shade *shade;         /* made by the first gi_draw */
+	gi_paths *paths;         /* made by the first gi_trace_paths */
+	gi_smooth *smooth;       /* made by the first update of a scene with mirrors or glass */
+	gi_arena light_arena;    /* scratch of every frame: the emitters that send photons */
+	gi_caustics *caustics;   /* made by the same, where something emits */
+	gi_diffusion *diffusion; /* made by the first update of a scene with translucent objects */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];

@@ -180,10 +180,13 @@ static void forget_what_was_shown(gi_context *gi)
 	gi->scene.shown_changed = false;
 }
 
-/* Through mirrors and glass. Rows know by now what changed: where it fails the next update must begin it again. */
-static gi_result light_by_smooth(gi_context *gi, const gi_budget *budget)
+/* Through mirrors and glass, and below surfaces. Rows know by now what changed: where it fails the next update must
+ * begin it again. */
+static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
 {
-	gi_result result = specular_update(gi);
+	gi_result result = diffusion_update(gi);
+	if (!result)
+		result = specular_update(gi);
 	if (!result)
 		result = caustics_update(gi, budget);
 	if (result) {
@@ -207,7 +210,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		rows_clear_counts(gi);
 	}
 	if (!result && (c.rows || c.light))
-		result = light_by_smooth(gi, budget);
+		result = light_by_media(gi, budget);
 	if (result)
 		return result;
 	if (c.rows)

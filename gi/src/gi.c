@@ -216,6 +216,7 @@ void gi_context_destroy(gi_context *gi)
 	paths_free(gi);
 	caustics_free(gi);
 	specular_free(gi);
+	diffusion_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
@@ -547,6 +548,10 @@ gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, g
 		return no_material(gi, o, material);
 	if (!material_specular_is_valid(&gi->gpu.log, &value, &o->materials[material], o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
+	if (object_is_translucent(o) && (material_is_mirror(&value) || material_is_glass(&value)))
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_MATERIAL,
+			       "object '%s' has subsurface scattering: no material of it can be a mirror or glass",
+			       o->name);
 	if (memcmp(specular_of(o, material), &value, sizeof value) == 0)
 		return GI_OK;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
@@ -577,6 +582,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 	    !material_specular_is_valid(&gi->gpu.log, specular_of(o, material), &value, o->name, material))
 		return GI_ERROR_INVALID_MATERIAL;
 	gi_material *m = &o->materials[material];
+	object_take_albedo(o, &value);
 	if (memcmp(m, &value, sizeof value) == 0)
 		return GI_OK;
 	if (material_emits(m) != material_emits(&value) || reflects(m) != reflects(&value))

@@ -29,6 +29,7 @@ void object_free(object_record *o)
 	gi_free(o->specular);
 	gi_free(o->emission);
 	gi_hierarchy_free(&o->hierarchy);
+	gi_subsurface_free(&o->subsurface);
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
 	gi_drawn_free(&o->drawn);
@@ -63,6 +64,10 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 	else
 		o->materials[0] = OBJECT_GREY;
 	o->pose = def->pose;
+	if (def->subsurface && !gi_subsurface_build(&o->hierarchy, def->subsurface, &o->subsurface))
+		return false;
+	for (uint32_t m = 0; m < o->material_count; m++)
+		object_take_albedo(o, &o->materials[m]);
 	return object_measure_materials(o);
 }
 

@@ -8,6 +8,7 @@
 #include "hierarchy.h"
 #include "material.h"
 #include "drawn_surface.h"
+#include "subsurface.h"
 
 /* Of a material of an object (emitters.c). */
 typedef struct object_emission {
@@ -32,8 +33,9 @@ typedef struct object_record {
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
-	gi_specular *specular;     /* of each; NULL: none is a mirror or glass */
-	object_emission *emission; /* of each */
+	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
+	gi_subsurface_links subsurface; /* of a translucent object */
+	object_emission *emission;      /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
@@ -92,6 +94,11 @@ void object_leave_trail(object_record *object); /* before it is placed elsewhere
 void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */
 bool object_has_glass(const object_record *object);
-gi_material_data object_material_data(const object_record *object, uint32_t material);
+bool object_is_translucent(const object_record *object);
+/* As shaders see them: of a translucent object each twice, and pixels are lit by the second, which is black. */
+uint32_t object_material_slots(const object_record *object);
+gi_material_data object_material_data(const object_record *object, uint32_t slot);
+/* rho of a translucent object's is its medium's albedo. */
+void object_take_albedo(const object_record *object, gi_material *material);
 
 #endif

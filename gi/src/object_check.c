@@ -88,6 +88,21 @@ static const char *broken_geometry(const gi_object_def *def)
 	return NULL;
 }
 
+static gi_result check_subsurface(const gi_log *log, const gi_object_def *def, const char *name)
+{
+	const char *fault = def->subsurface ? gi_subsurface_fault(def->subsurface) : NULL;
+	if (fault)
+		return gi_fail(log, GI_ERROR_INVALID_MATERIAL, "object '%s': subsurface scattering: %s", name, fault);
+	bool smooth = false;
+	for (uint32_t k = 0; def->subsurface && def->specular && k < (def->material_count ? def->material_count : 1);
+	     k++)
+		smooth = smooth || material_is_mirror(&def->specular[k]) || material_is_glass(&def->specular[k]);
+	return smooth
+		   ? gi_fail(log, GI_ERROR_INVALID_MATERIAL,
+			     "object '%s' has subsurface scattering: no material of it can be a mirror or glass", name)
+		   : GI_OK;
+}
+
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name)
 {
 	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
@@ -110,7 +125,7 @@ gi_result object_check_named(const gi_log *log, const gi_object_def *def, const 
 		if (!material_specular_is_valid(log, &def->specular[k],
 						def->material_count ? &def->materials[k] : &OBJECT_GREY, name, k))
 			return GI_ERROR_INVALID_MATERIAL;
-	return GI_OK;
+	return check_subsurface(log, def, name);
 }
 
 gi_result object_check_def(const gi_log *log, const gi_object_def *def)

@@ -34,12 +34,29 @@ bool object_measure_materials(object_record *o)
 	return true;
 }
 
-gi_material_data object_material_data(const object_record *o, uint32_t material)
+bool object_is_translucent(const object_record *o)
 {
-	const gi_material *m = &o->materials[material];
-	const float e = object_is_seen(o) ? 1 : 0;
-	return (gi_material_data){{m->rho[0], m->rho[1], m->rho[2], 0},
-				  {e * m->exitance[0], e * m->exitance[1], e * m->exitance[2], 0}};
+	return o->subsurface.leaf_count > 0;
+}
+
+uint32_t object_material_slots(const object_record *o)
+{
+	return (object_is_translucent(o) ? 2 : 1) * o->material_count;
+}
+
+gi_material_data object_material_data(const object_record *o, uint32_t slot)
+{
+	const gi_material *m = &o->materials[slot % o->material_count];
+	const float e = object_is_seen(o) ? 1 : 0, rho = slot < o->material_count ? 1 : 0;
+	const float other = object_is_translucent(o) && slot < o->material_count ? (float)o->material_count : 0;
+	return (gi_material_data){{rho * m->rho[0], rho * m->rho[1], rho * m->rho[2], 0},
+				  {e * m->exitance[0], e * m->exitance[1], e * m->exitance[2], other}};
+}
+
+void object_take_albedo(const object_record *o, gi_material *material)
+{
+	if (object_is_translucent(o))
+		memcpy(material->rho, o->subsurface.albedo, sizeof material->rho);
 }
 
 /* ---- poses ---- */

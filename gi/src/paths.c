@@ -260,6 +260,9 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 		return gi_fail(
 		    &gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 		    "call gi_commit() and gi_update() before gi_trace_paths(): it traces the scene of the last update");
+	if (gi->scene.translucent_leaves)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "gi_trace_paths knows no subsurface scattering, and the scene has objects with it");
 	if (gpu_check_current(&gi->gpu, "gi_trace_paths"))
 		return GI_ERROR_WRONG_CONTEXT;
 	const uint32_t leaves = gi->scene.leaf_count;

@@ -10,6 +10,8 @@
 enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5 };
 enum { CORNER = 0, LIT = 1 };
 
+static const char *const TRACES[2] = {"mirror.frag", "mirror_translucent.frag"};
+
 /* specular.glsl */
 static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
 
@@ -37,13 +39,19 @@ static gi_result want_program(gi_context *gi, const char *vertex, const char *fr
 	return *program ? GI_OK : gpu_program_draw(&gi->gpu, vertex, fragment, program);
 }
 
+static uint32_t is_translucent(const gi_context *gi)
+{
+	return gi->scene.translucent_leaves > 0;
+}
+
 gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
 {
 	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
 	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
 	static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-	gi_result result = want_program(gi, "screen.vert", "mirror.frag", &r->trace_program);
+	const uint32_t which = is_translucent(gi);
+	gi_result result = want_program(gi, "screen.vert", TRACES[which], &r->trace_program[which]);
 	if (!result)
 		result = want_program(gi, "screen.vert", "mirror_add.frag", &r->add_program);
 	if (!result)
@@ -62,7 +70,7 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen)
 {
 	const gpu *g = &gi->gpu;
-	const uint32_t program = r->trace_program;
+	const uint32_t program = r->trace_program[is_translucent(gi)];
 	const float lift = scene_ray_lift(&gi->scene), farthest = view_farthest(view);
 	const float *exitance = gi->def.sky_exitance, beyond = gi->scene.sky_slot != GI_NONE ? 1 : 0;
 	const float sky[4] = {beyond * exitance[0], beyond * exitance[1], beyond * exitance[2], 0};
@@ -118,7 +126,8 @@ bool reflections_splat(gi_context *gi, gi_reflections *r, const float clip_from_
 
 void reflections_free(gi_context *gi, gi_reflections *r)
 {
-	gpu_program_free(&gi->gpu, &r->trace_program);
+	for (int k = 0; k < 2; k++)
+		gpu_program_free(&gi->gpu, &r->trace_program[k]);
 	gpu_program_free(&gi->gpu, &r->add_program);
 	gpu_program_free(&gi->gpu, &r->splat_program);
 	gpu_target_free(&gi->gpu, &r->layer);

@@ -9,7 +9,8 @@
 struct gi_context;
 
 typedef struct gi_reflections {
-	uint32_t trace_program, add_program, splat_program;
+	uint32_t trace_program[2]; /* without and with translucent objects */
+	uint32_t add_program, splat_program;
 	gpu_target layer; /* of the last view's size */
 	gpu_mesh square;
 	bool glass;       /* there is a second layer */

@@ -569,6 +569,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
+	gi->frame.update.w |= s->translucent_leaves ? GI_UPDATE_BY_ROWS : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
 		gi->frame.budget = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};

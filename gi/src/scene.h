@@ -38,6 +38,7 @@ typedef struct gi_scene {
 	bool shown_changed;      /* since the last update an object was hidden, shown or destroyed */
 	bool regroup;            /* a static object moved or was hidden: the next update begins with a commit */
 	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
+	uint32_t translucent_leaves;
 
 	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */

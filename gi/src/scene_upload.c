@@ -106,7 +106,8 @@ static void count_all(const gi_context *gi, gathered *g)
 		n->light_count += o->drawn.light_count;
 		g->bvh_count += o->bvh.node_count;
 		g->primitive_count += o->bvh.primitive_count;
-		g->material_count += o->material_count;
+		g->material_count += object_material_slots(o);
+		n->translucent_leaves += o->subsurface.leaf_count;
 		g->light_link_count += o->drawn.light_first[o->drawn.light_count];
 	}
 	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
@@ -320,7 +321,7 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		n->slots[slot] = k;
 		gather_hierarchy(g, &o->hierarchy, node, vertex, leaf);
 		gather_light(g, o, link);
-		for (uint32_t m = 0; m < o->material_count; m++)
+		for (uint32_t m = 0; m < object_material_slots(o); m++)
 			g->materials[material + m] = object_material_data(o, m);
 		gather_leaves(g, o);
 		gi_object_data *data = &n->object_data[slot];
@@ -336,7 +337,7 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		node += o->hierarchy.node_count;
 		vertex += o->hierarchy.vertex_count;
 		leaf += o->hierarchy.leaf_count;
-		material += o->material_count;
+		material += object_material_slots(o);
 		bvh += o->bvh.node_count;
 		primitive += o->bvh.primitive_count;
 		light += o->drawn.light_count;

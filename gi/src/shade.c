@@ -44,6 +44,7 @@ typedef struct draw_vertex {
 typedef enum program {
 	PROGRAM_OWN,
 	PROGRAM_SURFACE,
+	PROGRAM_SURFACE_TRANSLUCENT, /* the same in a scene with translucent objects */
 	PROGRAM_MORE,
 	PROGRAM_MORE_SHADOWS,
 	PROGRAM_LAST,
@@ -51,11 +52,14 @@ typedef enum program {
 	PROGRAM_SURFACE_LAST, /* no lamp at all */
 	PROGRAM_COUNT
 } program;
-static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {
-    {"draw.vert", "draw_none.frag"},     {"draw.vert", "surface.frag"},
-    {"screen.vert", "light_more.frag"},  {"screen.vert", "light_more_shadows.frag"},
-    {"screen.vert", "light_last.frag"},  {"screen.vert", "light_last_shadows.frag"},
-    {"screen.vert", "surface_last.frag"}};
+static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_none.frag"},
+							    {"draw.vert", "surface.frag"},
+							    {"draw_translucent.vert", "surface.frag"},
+							    {"screen.vert", "light_more.frag"},
+							    {"screen.vert", "light_more_shadows.frag"},
+							    {"screen.vert", "light_last.frag"},
+							    {"screen.vert", "light_last_shadows.frag"},
+							    {"screen.vert", "surface_last.frag"}};
 
 struct gi_shade {
 	bool built;                       /* for the scene as committed */
@@ -214,6 +218,11 @@ static bool is_heat_map(const gi_view *view)
 	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
 }
 
+static program surface_program(const gi_context *gi)
+{
+	return gi->scene.translucent_leaves ? PROGRAM_SURFACE_TRANSLUCENT : PROGRAM_SURFACE;
+}
+
 static gi_result want_program(gi_context *gi, program which)
 {
 	uint32_t *program = &gi->shade->programs[which];
@@ -347,7 +356,7 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
 	const bool more = lamps > 1 || specular_is_ready(gi);
-	gi_result result = want_program(gi, PROGRAM_SURFACE);
+	gi_result result = want_program(gi, surface_program(gi));
 	if (!result && !lamps)
 		result = want_program(gi, PROGRAM_SURFACE_LAST);
 	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
@@ -385,7 +394,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 		return result;
 	const int corner[2] = {(int)floorf(state->viewport[0]), (int)floorf(state->viewport[1])};
 	gpu_draw_to_target(&gi->gpu, &shade->surfaces, view_convention(view));
-	draw_surfaces(gi, PROGRAM_SURFACE, view, clip_from_world);
+	draw_surfaces(gi, surface_program(gi), view, clip_from_world);
 	bind_surfaces(gi, &shade->surfaces);
 	add_others(gi, lamps, view, clip_from_world);
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);

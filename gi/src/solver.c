@@ -100,8 +100,12 @@ static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
-	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
+	uint32_t in_single = s->gather_program, in_double = s->double_program;
+	const bool diffuses = diffusion_gathers(gi, &in_single, &in_double);
+	gpu_dispatch_indirect(&gi->gpu, in_single, &gi->state, word * GI_STATE_ARGS_GATHER);
+	gpu_dispatch_indirect(&gi->gpu, in_double, &gi->state, word * GI_STATE_ARGS_DOUBLE);
+	if (diffuses)
+		diffusion_sweep(gi);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
 	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
@@ -141,8 +145,10 @@ static void gather_emitted(gi_context *gi)
 		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
 	}
 	gpu_set_uint(&gi->gpu, program, 0,
-		     through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+		     through || gi->diffusion || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);
+	if (gi->diffusion)
+		diffusion_emitted(gi);
 }
 
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
@@ -172,8 +178,12 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	const bool timed = budget_times_solve(gi, budget);
 	const bool begin = anew || s->cold || !is_lit(&gi->scene);
 	bind_all(gi);
+	if (gi->diffusion)
+		diffusion_bind(gi);
 	solve(gi, begin ? STAGE_BEGIN : STAGE_GO_ON, timed ? budget_sweeps(gi, budget) : gi->def.max_sweeps);
 	s->cold = false;
+	if (gi->diffusion)
+		bind_all(gi);
 
 	rows_progress(gi, GI_PASS_LIGHT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);

@@ -34,7 +34,7 @@ static specular_sizes sizes_of(const gi_scene *s)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		const object_record *o = scene_object_in(s, slot);
 		const uint32_t primitives = o ? o->primitive_base + o->bvh.primitive_count : 0,
-			       materials = o ? o->material_base + o->material_count : 0;
+			       materials = o ? o->material_base + object_material_slots(o) : 0;
 		sizes.primitives = primitives > sizes.primitives ? primitives : sizes.primitives;
 		sizes.materials = materials > sizes.materials ? materials : sizes.materials;
 	}

@@ -1,6 +1,7 @@
 /* The picture: direct light against closed forms, shadows, modes that add up, nothing drawn twice. */
 #include "harness.h"
 
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <glad/gl.h>
@@ -595,6 +596,43 @@ static void test_closed_door_keeps_light_out(void **state)
 	gi_context_destroy(gi);
 }
 
+/* A floor of a dense medium is as bright as a diffuse one of its albedo; lamps do not light it once more per pixel. */
+static void test_translucent(void **state)
+{
+	(void)state;
+	harness_require_context();
+	const gi_subsurface medium = {{1e5f, 1e5f, 1e5f}, {1e3f, 1e3f, 1e3f}, 1.3f};
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	engine_mesh mesh;
+	assert_true(shape_quad((float[]){-2, 0, -2}, (float[]){0, 0, 4}, (float[]){4, 0, 0}, 32, 32, &mesh));
+	gi_object_def floor = scene_mesh_def(&mesh);
+	gi_object object;
+	gi_material material;
+	floor.subsurface = &medium;
+	assert_gi(gi_create_object(gi, &floor, &object));
+	assert_gi(gi_get_material(gi, object, 0, &material));
+	engine_mesh_free(&mesh);
+	add_lamp(gi, 10, 1);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	draw(gi, &t, &view);
+	for (int y = 6; y < SIZE - 6; y += 7)
+		for (int x = 6; x < SIZE - 6; x += 7) {
+			const double factor =
+			    rectangle_factor(pixel_x(x), pixel_z(y), LAMP_LOWER, LAMP_UPPER, LAMP_HEIGHT);
+			/* Of leaves of 1/8 m, interpolated, from rays. */
+			assert_float_equal(pixel(&t, x, y)[0], (double)material.rho[0] * 10 * factor / PI,
+					   .03 * 10 * factor / PI);
+		}
+	view.mode = GI_MODE_DIRECT;
+	draw(gi, &t, &view);
+	assert_float_equal(pixel(&t, SIZE / 2, SIZE / 2)[0], 0, 0);
+	free_target(&t);
+	gi_context_destroy(gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -608,6 +646,7 @@ int main(void)
 	    cmocka_unit_test(test_lamps_beyond_the_cap),
 	    cmocka_unit_test(test_mirror),
 	    cmocka_unit_test(test_glass),
+	    cmocka_unit_test(test_translucent),
 	    cmocka_unit_test(test_overlays),
 	    cmocka_unit_test(test_closed_door_keeps_light_out),
 	};

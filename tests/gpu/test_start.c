@@ -3,6 +3,7 @@
 #include "snapshot.h"
 
 #include "hud.h"
+#include "scenes/body.h"
 #include "scenes/shapes.h"
 
 #include <dirent.h>
@@ -160,6 +161,47 @@ static void broken_later_shaders_fail_when_wanted(void **state)
 	close_folder(&f);
 }
 
+static void take_away_translucent(const folder *f, const char *name)
+{
+	if (strstr(name, "translucent") || strstr(name, "diffusion"))
+		take_away(f, name);
+}
+
+/* Nothing of light below surfaces is compiled, or read, in a scene without; with it the first update says what is
+ * missing. */
+static void translucent_objects_alone_want_their_shaders(void **state)
+{
+	(void)state;
+	const folder f = open_folder();
+	for_each_shader(&f, take_away_translucent);
+	gi_context_def def = harness_def();
+	def.shader_directory = f.path;
+	gi_context *gi = harness_context(&def);
+	const gi_object floor = add_floor(gi);
+	add_light(gi);
+	assert_gi(gi_commit(gi));
+	assert_int_equal(harness_update(gi).outcome, GI_OUTCOME_CONVERGED);
+	assert_gi(gi_set_pose(gi, floor, (gi_pose){{.1f, 0, 0}, {0, 0, 0, 1}}));
+	assert_gi(gi_update(gi, &(gi_budget){.rays = 100}));
+	const gi_subsurface medium = {{100, 100, 100}, {1, 1, 1}, 1.3f};
+	engine_mesh mesh;
+	assert_true(shape_sphere(.3f, 2, &mesh));
+	gi_object_def ball = scene_mesh_def(&mesh);
+	ball.subsurface = &medium;
+	gi_object object;
+	assert_gi(gi_create_object(gi, &ball, &object));
+	engine_mesh_free(&mesh);
+	assert_gi(gi_commit(gi));
+	assert_int_equal(gi_update(gi, NULL), GI_ERROR_SHADER);
+	expect_line_about("translucent");
+	assert_gi(gi_destroy_object(gi, object));
+	assert_gi(gi_commit(gi));
+	assert_int_equal(harness_update(gi).outcome, GI_OUTCOME_CONVERGED);
+	gi_context_destroy(gi);
+	for_each_shader(&f, take_away);
+	assert_int_equal(rmdir(f.path), 0);
+}
+
 /* What was computed by shaders that do something else is gone with them; those that do not compile change nothing. */
 static void reloaded_shaders_take_over(void **state)
 {
@@ -309,6 +351,7 @@ int main(void)
 	    cmocka_unit_test(missing_shaders_fail_at_once),
 	    cmocka_unit_test(broken_shaders_fail_in_commit),
 	    cmocka_unit_test(broken_later_shaders_fail_when_wanted),
+	    cmocka_unit_test(translucent_objects_alone_want_their_shaders),
 	    cmocka_unit_test(the_way_to_first_light_is_told),
 	    cmocka_unit_test(reloaded_shaders_take_over),
 	    cmocka_unit_test(drawing_progress_changes_nothing),
