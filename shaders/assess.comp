@@ -1,18 +1,18 @@
 #version 450 core
-// Under a budget: what has to be refreshed of a row, what that takes, and a bound on what it changes, entry by entry. One
-// thread a row in the list that enlist.comp made.
+// Under a budget: what has to be refreshed of a row, what that takes, and a bound on what it changes, entry by entry.
+// One thread a row in the list that enlist.comp made.
 //
 // A closed row shares out a weight of 1. Let T be the sum of F V of its entries, T' what it becomes. Closing gives what
-// is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry, beta
-// and beta' the means of those that get it, and delta what each touched entry gains or loses of F V,
+// is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry,
+// beta and beta' the means of those that get it, and delta what each touched entry gains or loses of F V,
 //
 //     H' - H = sum of delta (b - beta') + (1 - T) (beta' - beta),   darkest <= beta, beta' <= brightest of the row
 //
-// An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from another
-// leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as
-// much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
-// raised or lowered by counts on its own. Black sky gets its part where no ray saw it, too. A row that may not close may
-// become anything.
+// An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from
+// another leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as much
+// comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be raised or
+// lowered by counts on its own. Black sky gets its part where no ray saw it, too. A row that may not close may become
+// anything.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -22,12 +22,12 @@
 #define READ_SEGMENTS
 #define READ_ENTRIES
 #define READ_TARGETS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_ROWS
 #define WRITE_CHOICES
 #define WRITE_PENDING
@@ -41,16 +41,17 @@
 #include "facing.glsl"
 #include "reach.glsl"
 #include "sampling.glsl"
+#include "view.glsl"
 #include "priority.glsl"
 #include "row_light.glsl"
 #include "received.glsl"
 #include "whole_row.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// As closing has them (close.comp): no entry more than doubles, and rows that lack a fifth when all have doubled stay open;
-// above this weight none does. Sums end this close to 1.
-const float CLOSE_RAISE = 2.0;
+// As closing has them (close.comp): rows that lack a fifth when all entries have doubled (CLOSE_RAISE) stay open; above
+// this weight none does. Sums end this close to 1.
 const float CLOSES_ABOVE = 0.5;
 const float CLOSE_SLACK = 4e-5;
 
@@ -117,10 +118,11 @@ source_part load_source(uint object)
 		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits);
 	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false);
 	for (uint c = 0u; c < 3u; c++) {
-		uint at = GI_SHINE_WORDS * object + c;
-		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
-		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
-		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
+		uint at = GI_LIGHT_BOUND_WORDS * object + c;
+		from.others.most[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_OTHERS));
+		from.brightest[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_ALL));
+		from.others.least[c] =
+		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_light_bound(at + GI_LIGHT_BOUND_LEAST));
 	}
 	return from;
 }
@@ -217,20 +219,23 @@ vec4 bound_of(sums s, received r, bool open)
 	if (open || firm < CLOSES_ABOVE)
 		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
-	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor; together
-	// they gain no more than the row lacks.
+	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor;
+	// together they gain no more than the row lacks.
 	float raise_old = min((CLOSE_RAISE - 1.0) * lost + s.unseen, max(0.0, 1.0 - firm - lost));
 	float raise_new = min((CLOSE_RAISE - 1.0) * s.kept, max(0.0, 1.0 - firm));
 	float moved = min(1.0, max(lost, s.kept) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
-	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
+	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the
+	// row.
 	float raised = min(emitters, max(0.0, 1.0 - CLOSE_RAISE * s.firm_others - s.firm_emitters));
 	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
 	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
-	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * whole.most;
+	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) +
+		      CLOSE_SLACK * whole.most;
 	either += s.exchanged;
 	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low +
 		    s.lost.emitters * dim_emitters;
-	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
+	vec3 fall =
+	    s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
 	return vec4(max(min(max(rise, 0.0) + either, whole.rise), min(max(fall, 0.0) + either, whole.fall)), moved);
 }
 

@@ -130,11 +130,11 @@ static bool share_spheres(const gi_scene *s, gi_casters *casters)
 
 /* Flat surfaces are drawn where they are. Others: each drawn vertex lies so far from its leaf's middle, which is
  * inside; twice, because points are moved along their normals when they look for their shadows. */
-static double off_of(const scene_object *o, bool flat)
+static double off_of(const object_record *o, bool flat)
 {
 	double far = 0, outside = 0;
-	for (uint32_t k = 0; k < o->skin.vertex_count; k++) {
-		const gi_draw_vertex *v = &o->skin.vertices[k];
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
 		const gi_vec4 s = o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]].sphere;
 		const double d = gi_vec3d_length(gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(s)));
 		far = fmax(far, d);
@@ -170,16 +170,16 @@ static uint32_t add_polygons(const gi_hierarchy *h, uint32_t slot, caster_mesh *
 }
 
 /* What is drawn. */
-static void add_skin(const gi_skin *skin, uint32_t slot, caster_mesh *mesh)
+static void add_drawn(const gi_drawn_surface *drawn, uint32_t slot, caster_mesh *mesh)
 {
 	const uint32_t base = mesh->vertex_count;
-	for (uint32_t v = 0; v < skin->vertex_count; v++)
-		add_vertex(mesh, skin->vertices[v].position, slot);
-	for (uint32_t k = 0; k < skin->index_count; k++)
-		mesh->indices[mesh->index_count++] = base + skin->indices[k];
+	for (uint32_t v = 0; v < drawn->vertex_count; v++)
+		add_vertex(mesh, drawn->vertices[v].position, slot);
+	for (uint32_t k = 0; k < drawn->index_count; k++)
+		mesh->indices[mesh->index_count++] = base + drawn->indices[k];
 }
 
-static bool add_caster(const scene_object *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
+static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	const uint32_t first_vertex = mesh->vertex_count;
@@ -190,7 +190,7 @@ static bool add_caster(const scene_object *o, uint32_t slot, bool fine, gi_caste
 		c->solid = false; /* a detailed mesh may be open where its cage is not */
 		mesh->vertex_count = first_vertex;
 		mesh->index_count = c->range.first;
-		add_skin(&o->skin, slot, mesh);
+		add_drawn(&o->drawn, slot, mesh);
 	}
 	c->range.count = mesh->index_count - c->range.first;
 	c->off = off_of(o, polygons <= WALL_POLYGONS);
@@ -202,8 +202,8 @@ static bool allocate_mesh(const gi_scene *s, bool fine, caster_mesh *mesh)
 	size_t vertices = s->vertex_count, indices = 6 * (size_t)s->leaf_count;
 	for (uint32_t slot = 0; fine && slot < s->slot_count; slot++)
 		if (scene_slot_is_seen(s, slot)) {
-			vertices += s->objects[s->slots[slot]].skin.vertex_count;
-			indices += s->objects[s->slots[slot]].skin.index_count;
+			vertices += s->objects[s->slots[slot]].drawn.vertex_count;
+			indices += s->objects[s->slots[slot]].drawn.index_count;
 		}
 	mesh->vertices = gi_calloc(vertices + 1, sizeof *mesh->vertices);
 	mesh->indices = gi_calloc(indices + 1, sizeof *mesh->indices);
