@@ -154,7 +154,9 @@ static bool light(player *p)
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
-	const gi_budget budget = player_budget_next(p);
+	gi_budget budget = player_budget_next(p);
+	const gi_view view = player_view(p);
+	budget.view = &view;
 	return player_succeeded(p, gi_update(p->gi, &budget)) && (!waits(p) || player_succeeded(p, gi_finish(p->gi)));
 }
 

@@ -79,6 +79,7 @@ bool player_wants_picture(const player *p);
 bool player_succeeded(player *p, gi_result result);
 
 /* Draws the scene in a mode into the target's picture. */
+gi_view player_view(const player *p); /* what the camera sees */
 bool player_draw(player *p, gi_mode mode);
 
 /* As asked for, or from the light of the first frame. */

@@ -1,4 +1,4 @@
 #version 450 core
-// With what comes through mirrors and glass.
+// The irradiance of each leaf by exitance (emitted.glsl), and what photons bring through mirrors and glass.
 #define CAUSTICS
 #include "emitted.glsl"

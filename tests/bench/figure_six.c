@@ -1,6 +1,6 @@
-/* Figure 6 of Song et al. (docs/figures.md): frames a second against the fineness of the mesh, for radiosity, real-time ray
- * tracing and off-line ray tracing, at rest and while the Buddha moves; how far each picture is from the truth, and how
- * long the rivals take to be as good as radiosity. Prints figures, never passes or fails on one.
+/* Figure 6 of Song et al. (docs/figures.md): frames a second against the fineness of the mesh, for radiosity, real-time
+ * ray tracing and off-line ray tracing, at rest and while the Buddha moves; how far each picture is from the truth, and
+ * how long the rivals take to be as good as radiosity. Prints figures, never passes or fails on one.
  */
 #include "bench_options.h"
 #include "bench_scene.h"

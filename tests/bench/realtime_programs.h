@@ -4,8 +4,15 @@
 
 #include "gl.h"
 
-enum { REALTIME_SURFACE, REALTIME_TRACE, REALTIME_ACCUMULATE, REALTIME_VARIANCE, REALTIME_FILTER, REALTIME_PICTURE,
-       REALTIME_PROGRAMS };
+enum {
+	REALTIME_SURFACE,
+	REALTIME_TRACE,
+	REALTIME_ACCUMULATE,
+	REALTIME_VARIANCE,
+	REALTIME_FILTER,
+	REALTIME_PICTURE,
+	REALTIME_PROGRAMS
+};
 
 /* False with the first line of the driver's log in message; those made so far are there then, the others 0. */
 bool realtime_programs_create(GLuint programs[REALTIME_PROGRAMS], char *message, size_t message_size);

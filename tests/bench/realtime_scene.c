@@ -139,8 +139,8 @@ static bool upload_triangles(assembly *a)
 	for (uint32_t k = 0; triangles && normals && k < a->out->block.counts[0]; k++)
 		for (uint32_t t = 0; t < a->trees[k].triangle_count; t++) {
 			const size_t to = 12 * (size_t)(a->first[k] + t);
-			write_triangle(a->vertices + 3 * (size_t)(a->first[k] + a->trees[k].triangles[t]), triangles + to,
-				       normals + to);
+			write_triangle(a->vertices + 3 * (size_t)(a->first[k] + a->trees[k].triangles[t]),
+				       triangles + to, normals + to);
 		}
 	const bool ok = triangles && normals;
 	if (ok) {

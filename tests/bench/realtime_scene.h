@@ -38,11 +38,11 @@ typedef struct realtime_block {
 
 typedef struct realtime_scene {
 	const trace_scene *scene;
-	realtime_block block; /* cameras, flags and settings are the caller's */
+	realtime_block block;                    /* cameras, flags and settings are the caller's */
 	uint32_t mover[REALTIME_MOST_INSTANCES]; /* the object whose pose an instance has; instance 0 stays */
 	uint32_t index_first[REALTIME_MOST_INSTANCES + 1];
 	GLuint vertices, indices, vertex_array;
-	GLuint buffers[3], textures[3]; /* nodes, triangles, corner normals */
+	GLuint buffers[3], textures[3];     /* nodes, triangles, corner normals */
 	mat4 before[REALTIME_MOST_OBJECTS]; /* poses of the frame before */
 	bool has_before;
 	double build_ms;

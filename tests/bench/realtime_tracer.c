@@ -44,11 +44,11 @@ realtime_settings realtime_settings_tuned(void)
 				   .bounces = 3,
 				   .filter_steps = 3,
 				   .reuse = true,
-				   .moving_frames = 16,
+				   .moving_frames = 8,
 				   .rest_frames = 65536,
-				   .hold = 3,
+				   .hold = 5,
 				   .depth_edge = 1,
-				   .normal_edge = 32,
+				   .normal_edge = 16,
 				   .light_edge = 3,
 				   .largest = 200};
 }
@@ -197,7 +197,8 @@ static void dispatch(const realtime_tracer *t, int program, const GLuint *reads,
 	for (int k = 0; k < write_count; k++)
 		glBindImageTexture((GLuint)k, writes[k], 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
 	glDispatchCompute((GLuint)(t->width + 7) / 8, (GLuint)(t->height + 7) / 8, 1);
-	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+			GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
 static void trace(realtime_tracer *t)

@@ -2,7 +2,6 @@
 #include "six.h"
 
 #include "bench_scene.h"
-#include "gl.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,19 +55,6 @@ static void frame(session *r, float time, bool timed)
 		r->passes[k] += (double)report.pass_ms[k];
 }
 
-/* Rows from the top. */
-static void read_picture(session *r, linear_image *out)
-{
-	GLint texture = 0;
-	glGetNamedFramebufferAttachmentParameteriv(engine_target_hdr_framebuffer(r->target), GL_COLOR_ATTACHMENT0,
-						   GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME, &texture);
-	glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-	for (int y = 0; y < out->height; y++)
-		glGetTextureSubImage((GLuint)texture, 0, 0, out->height - 1 - y, 0, out->width, 1, 1, GL_RGB, GL_FLOAT,
-				     (GLsizei)(3 * sizeof(float) * (size_t)out->width),
-				     out->rgb + 3 * (size_t)out->width * (size_t)y);
-}
-
 static double pass_sum(const session *r, gi_pass first, gi_pass last)
 {
 	double sum = 0;
@@ -83,7 +69,7 @@ static void fill_row(session *r, const char *folder, double build_ms, six_row *r
 	linear_image picture;
 	if (!linear_image_create(r->s->effort->width, r->s->effort->height, &picture))
 		fail("out of memory");
-	read_picture(r, &picture);
+	engine_target_read_radiance(r->target, picture.rgb);
 	snprintf(path, sizeof path, "%s/figure6_%s_%u.png", folder, six_method_names[row->method], row->triangles);
 	six_judge(r->s, &picture, row, row->motion == SIX_MOVING ? path : NULL);
 	linear_image_free(&picture);

@@ -97,8 +97,8 @@ void six_scene_open(six_scene *s, const six_effort *effort, engine_context *cont
 	    !linear_image_create(effort->width, effort->height, &s->truth_mean))
 		fail("out of memory, or Embree fails");
 	trace_box_buddha_at(s->scene, SIX_TIME);
-	/* The demos' camera, but for a fraction of a pixel: the box's edges run through the middles of pixels else, where
-	 * a rounding decides what each method shows. */
+	/* The demos' camera, but for a fraction of a pixel: the box's edges run through the middles of pixels else,
+	 * where a rounding decides what each method shows. */
 	cornell_camera((float)effort->width / (float)effort->height, s->view_from_world, s->clip_from_view);
 	s->view_from_world[12] += 0.007f;
 	s->view_from_world[13] += 0.004f;

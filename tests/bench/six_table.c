@@ -62,8 +62,9 @@ static void print_cell(FILE *out, const char *format, double x)
 
 static void print_figures(FILE *out, const six_table *table)
 {
-	fprintf(out, "| triangles | KB | method | motion | frames a second | ms | relative MSE | SSIM | ms to the error of "
-		     "radiosity |\n|---|---|---|---|---|---|---|---|---|\n");
+	fprintf(out,
+		"| triangles | KB | method | motion | frames a second | ms | relative MSE | SSIM | ms to the error of "
+		"radiosity |\n|---|---|---|---|---|---|---|---|---|\n");
 	for (uint32_t k = 0; k < table->count; k++) {
 		const six_row *r = &table->rows[k];
 		fprintf(out, "| %u | %.0f | %s | %s |", r->triangles, r->mesh_kb, six_method_names[r->method],
@@ -79,13 +80,16 @@ static void print_figures(FILE *out, const six_table *table)
 
 static void print_parts(FILE *out, const six_table *table)
 {
-	fprintf(out, "\nWhat a frame's time goes to, ms (build: once, before the first):\n\n| triangles | method | motion |");
+	fprintf(
+	    out,
+	    "\nWhat a frame's time goes to, ms (build: once, before the first):\n\n| triangles | method | motion |");
 	for (int k = 0; k < SIX_PARTS; k++)
 		fprintf(out, " %s |", six_part_names[k]);
 	fprintf(out, "\n|---|---|---|---|---|---|---|---|---|---|---|\n");
 	for (uint32_t k = 0; k < table->count; k++) {
 		const six_row *r = &table->rows[k];
-		fprintf(out, "| %u | %s | %s |", r->triangles, six_method_names[r->method], six_motion_names[r->motion]);
+		fprintf(out, "| %u | %s | %s |", r->triangles, six_method_names[r->method],
+			six_motion_names[r->motion]);
 		for (int part = 0; part < SIX_PARTS; part++)
 			print_cell(out, " %.1f |", r->parts[part]);
 		fprintf(out, "\n");

@@ -1,6 +1,6 @@
-/* How real-time ray tracing was tuned: what a frame costs and how far its picture is from the truth, while the Buddha moves
- * and after some frames at rest, with the settings in use and with each of them changed (docs/figures.md). Prints figures,
- * never passes or fails on one.
+/* How real-time ray tracing was tuned: what a frame costs and how far its picture is from the truth, while the Buddha
+ * moves and after some frames at rest, with the settings in use and with each of them changed (docs/figures.md). Prints
+ * figures, never passes or fails on one.
  */
 #include "bench_options.h"
 #include "bench_scene.h"
@@ -152,8 +152,9 @@ int main(int argc, char **argv)
 		fail(message);
 	if (!linear_image_create(o.width, o.height, &picture))
 		fail("out of memory");
-	printf("| setting | processor ms a frame | relative MSE, moving | at rest after %u frames |\n|---|---|---|---|\n",
-	       o.frames);
+	printf(
+	    "| setting | processor ms a frame | relative MSE, moving | at rest after %u frames |\n|---|---|---|---|\n",
+	    o.frames);
 	for (uint32_t k = 0; k < count; k++)
 		measure(&scene, tracer, &variants[k], o.frames, &picture);
 	realtime_tracer_destroy(tracer);

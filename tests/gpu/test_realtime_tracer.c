@@ -1,5 +1,5 @@
-/* Real-time ray tracing (tests/bench/realtime_tracer.h) against off-line ray tracing, which has its own tests, and against
- * itself. */
+/* Real-time ray tracing (tests/bench/realtime_tracer.h) against off-line ray tracing, which has its own tests, and
+ * against itself. */
 #include "harness.h"
 #include "scenes/cornell.h"
 
@@ -63,7 +63,8 @@ static realtime_tracer *open_tracer(const views *v, const realtime_settings *set
 {
 	char message[512];
 	double build_ms;
-	realtime_tracer *t = realtime_tracer_create(&v->scene, settings, SIDE, SIDE, &build_ms, message, sizeof message);
+	realtime_tracer *t =
+	    realtime_tracer_create(&v->scene, settings, SIDE, SIDE, &build_ms, message, sizeof message);
 	if (!t)
 		fail_msg("%s", message);
 	return t;
@@ -137,7 +138,8 @@ typedef struct limits {
 static void judge(const char *what, const linear_image *got, const linear_image *wanted, limits most, int line)
 {
 	const double rms = relative_rms(got, wanted), mean = mean_ratio(got, wanted) - 1;
-	printf("%s: relative RMS %.4f, at most %g; mean off by %+.4f, at most %g\n", what, rms, most.rms, mean, most.mean);
+	printf("%s: relative RMS %.4f, at most %g; mean off by %+.4f, at most %g\n", what, rms, most.rms, mean,
+	       most.mean);
 	if (!(rms <= most.rms && fabs(mean) <= most.mean))
 		_fail(__FILE__, line);
 }
@@ -151,11 +153,11 @@ static void check(const char *what, views *v, const realtime_settings *settings,
 	linear_image_free(&got);
 }
 
-#define CHECK(what, v, settings, light, frames, rms, mean)                                                              \
+#define CHECK(what, v, settings, light, frames, rms, mean)                                                             \
 	check(what, v, settings, light, frames, (limits){rms, mean}, __LINE__)
 
-/* At rest paths alone converge to off-line ray tracing: what is left is noise of both, and edges that the rasteriser puts
- * a rounding beside those of rays. */
+/* At rest paths alone converge to off-line ray tracing: what is left is noise of both, and edges that the rasteriser
+ * puts a rounding beside those of rays. */
 static void test_paths_alone(void **state)
 {
 	(void)state;

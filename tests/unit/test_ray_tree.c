@@ -1,4 +1,5 @@
-/* The tree of real-time ray tracing (tests/bench/ray_tree.h): every order visits what a ray meets, and nothing twice. */
+/* The tree of real-time ray tracing (tests/bench/ray_tree.h): every order visits what a ray meets, and nothing
+ * twice. */
 #include "../bench/ray_tree.h"
 
 #include <setjmp.h>
@@ -29,7 +30,8 @@ static void random_triangles(float *corners, uint32_t count, float size)
 
 /* Goes through an order from node `at` to `end`; counts how often each triangle comes up in a leaf, and sees that each
  * node holds what is below it. */
-static uint32_t visit(const ray_tree *tree, const ray_tree_node *nodes, uint32_t at, const float *corners, uint32_t *seen)
+static uint32_t visit(const ray_tree *tree, const ray_tree_node *nodes, uint32_t at, const float *corners,
+		      uint32_t *seen)
 {
 	const ray_tree_node *node = &nodes[at];
 	assert_true(node->skip > at && node->skip <= tree->node_count);

@@ -30,7 +30,7 @@ layout(std140, binding = 0) uniform scene_block {
 	rt_camera camera, camera_before;
 	uvec4 counts;  // instances, lights, frame, bounces
 	uvec4 flags;   // something moves, light is reused, mode, paths a pixel
-	vec4 settings; // lift, metres; frames that count where something moves; how far history may differ; largest sample
+	vec4 settings; // lift, metres; frames that count in motion; how far history may differ; largest sample
 	vec4 edges;    // of the filter: depth, normal, light; largest history at rest
 };
 
@@ -63,6 +63,7 @@ vec3 find_pixel(rt_camera c, vec3 p, vec2 size)
 {
 	vec3 to = p - c.eye.xyz;
 	float depth = dot(to, c.forward.xyz);
-	vec2 at = vec2(dot(to, c.right.xyz) / dot(c.right.xyz, c.right.xyz), dot(to, c.up.xyz) / dot(c.up.xyz, c.up.xyz)) / depth;
+	vec2 widths = vec2(dot(c.right.xyz, c.right.xyz), dot(c.up.xyz, c.up.xyz));
+	vec2 at = vec2(dot(to, c.right.xyz), dot(to, c.up.xyz)) / (widths * depth);
 	return vec3((at * 0.5 + 0.5) * size, depth);
 }

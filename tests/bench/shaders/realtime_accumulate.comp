@@ -1,8 +1,9 @@
 #version 450 core
 #include "realtime.glsl"
-// Temporal accumulation: what a pixel's place had before is found again and averaged with the new sample (Schied et al.,
-// "Spatiotemporal variance-guided filtering", 2017, section 4.1). Where something moves history is held to the range of the
-// samples around (Salvi, "An excursion in temporal supersampling", 2016), and forgotten after some frames; at rest it grows.
+// Temporal accumulation: what a pixel's place had before is found again and averaged with the new sample (Schied et
+// al., "Spatiotemporal variance-guided filtering", 2017, section 4.1). Where something moves history is held to the
+// range of the samples around (Salvi, "An excursion in temporal supersampling", 2016), and forgotten after some frames;
+// at rest it grows.
 //
 // Out: mean of the light, and of its squared luminance; w of the direct light: how many samples; w of the indirect: 0.
 
@@ -39,7 +40,8 @@ history find_history(vec3 p, vec3 n, uint object, ivec2 size)
 		vec4 place = texelFetch(places_before, pixel, 0);
 		vec3 normal = texelFetch(normals_before, pixel, 0).xyz;
 		vec2 w = mix(1.0 - part, part, vec2(step));
-		bool same = object_of(place) == object && dot(normal, was) > 0.9 && abs(dot(place.xyz - before, was)) < width;
+		bool same = object_of(place) == object && dot(normal, was) > 0.9 &&
+			    abs(dot(place.xyz - before, was)) < width;
 		float weight = same ? w.x * w.y : 0.0;
 		h.direct += weight * texelFetch(old_direct, pixel, 0);
 		h.indirect += weight * texelFetch(old_indirect, pixel, 0).xyz;

@@ -1,7 +1,7 @@
 #version 450 core
 #include "realtime.glsl"
-// One step of the edge-avoiding a-trous filter (Dammertz et al., 2010), led by the variance of the light (Schied et al.,
-// 2017, section 4.3): nine pixels, `spacing` apart. Irradiance, not radiance: colours of surfaces are not blurred.
+// One step of the edge-avoiding a-trous filter (Dammertz et al., 2010), led by the variance of the light (Schied et
+// al., 2017, section 4.3): nine pixels, `spacing` apart. Irradiance, not radiance: colours of surfaces are not blurred.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -18,7 +18,8 @@ void main()
 	ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(places, 0);
 	if (any(greaterThanEqual(pixel, size)))
 		return;
-	vec4 place = texelFetch(places, pixel, 0), direct = texelFetch(directs, pixel, 0), indirect = texelFetch(indirects, pixel, 0);
+	vec4 place = texelFetch(places, pixel, 0);
+	vec4 direct = texelFetch(directs, pixel, 0), indirect = texelFetch(indirects, pixel, 0);
 	vec3 n = texelFetch(normals, pixel, 0).xyz;
 	uint object = object_of(place);
 	vec2 light = vec2(luminance(direct.xyz), luminance(indirect.xyz)), all = vec2(1.0);

@@ -1,7 +1,8 @@
 #version 450 core
 #include "realtime.glsl"
-// One path a pixel: a thread each. Direct light of what is seen by one shadow ray, indirect light by one ray onwards, which
-// takes the light that the last frame found where it ends, if that was on screen; else it is lit by a shadow ray, and goes on.
+// One path a pixel: a thread each. Direct light of what is seen by one shadow ray, indirect light by one ray onwards,
+// which takes the light that the last frame found where it ends, if that was on screen; else it is lit by a shadow ray,
+// and goes on.
 //
 // The rays' tree is ray_tree.h's. Radiance of mirrors and glass counts as indirect light.
 
@@ -60,11 +61,12 @@ uint pixel_number; // along a Z curve over tiles of 64 x 64
 uint tile_seed;
 uint pairs;
 
-// Neighbours in a frame take neighbouring points of Sobol's sequence along a Z curve, so that the filter averages points
-// that lie evenly (after Ahmed and Wonka, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical
-// ordering of pixels", 2020). From frame to frame the points of each pixel move by a step of golden ratio's kind in all
-// dimensions (Roberts' R sequence, of eight here), so that what accumulates lies evenly too.
-const vec2 STEPS[4] = vec2[](vec2(0.92159932, 0.84934531), vec2(0.78275606, 0.72138745), vec2(0.66483018, 0.61270704), vec2(0.56467039, 0.52039985));
+// Neighbours in a frame take neighbouring points of Sobol's sequence along a Z curve, so that the filter averages
+// points that lie evenly (after Ahmed and Wonka, "Screen-space blue-noise diffusion of Monte Carlo sampling error via
+// hierarchical ordering of pixels", 2020). From frame to frame the points of each pixel move by a step of golden
+// ratio's kind in all dimensions (Roberts' R sequence, of eight here), so that what accumulates lies evenly too.
+const vec2 STEPS[4] = vec2[](vec2(0.92159932, 0.84934531), vec2(0.78275606, 0.72138745), vec2(0.66483018, 0.61270704),
+			     vec2(0.56467039, 0.52039985));
 
 vec2 next_numbers()
 {
@@ -105,7 +107,8 @@ void trace_instance(uint number, vec3 world_origin, vec3 world_direction, bool a
 		uvec4 a = texelFetch(nodes, int(2u * (base + n))), b = texelFetch(nodes, int(2u * (base + n) + 1u));
 		vec3 t0 = uintBitsToFloat(a.xyz) * inverse + shift, t1 = uintBitsToFloat(b.xyz) * inverse + shift;
 		vec3 low = min(t0, t1), high = max(t0, t1);
-		bool met = max(max(low.x, low.y), max(low.z, 0.0)) <= min(min(high.x, high.y), min(high.z, best.distance)) * 1.0000004;
+		float enters = max(max(low.x, low.y), max(low.z, 0.0));
+		bool met = enters <= min(min(high.x, high.y), min(high.z, best.distance)) * 1.0000004;
 		uint count = met ? b.w >> 28u : 0u, first = range.z + (b.w & 0x0fffffffu);
 		n = met ? n + 1u : a.w;
 		for (uint k = 0u; k < count; k++) {
@@ -140,8 +143,9 @@ bool is_free(vec3 from, vec3 to)
 
 vec3 normal_at(ray_hit h)
 {
-	vec3 a = texelFetch(corner_normals, int(3u * h.triangle)).xyz, b = texelFetch(corner_normals, int(3u * h.triangle + 1u)).xyz,
-	     c = texelFetch(corner_normals, int(3u * h.triangle + 2u)).xyz;
+	int first = int(3u * h.triangle);
+	vec3 a = texelFetch(corner_normals, first).xyz, b = texelFetch(corner_normals, first + 1).xyz;
+	vec3 c = texelFetch(corner_normals, first + 2).xyz;
 	vec3 n = a + (b - a) * h.barycentric.x + (c - a) * h.barycentric.y;
 	return normalize(mat3(instances[h.instance].world_from_object) * n);
 }
@@ -167,8 +171,10 @@ vec3 light_at(vec3 p, vec3 n, vec2 numbers)
 
 vec3 cosine_direction(vec3 n, vec2 numbers)
 {
-	float sign_z = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign_z + n.z), b = n.x * n.y * a; // Duff et al., JCGT 6 (1), 2017
-	vec3 s = vec3(1.0 + sign_z * n.x * n.x * a, sign_z * b, -sign_z * n.x), t = vec3(b, sign_z + n.y * n.y * a, -n.y);
+	// Duff et al., JCGT 6 (1), 2017.
+	float sign_z = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign_z + n.z), b = n.x * n.y * a;
+	vec3 s = vec3(1.0 + sign_z * n.x * n.x * a, sign_z * b, -sign_z * n.x);
+	vec3 t = vec3(b, sign_z + n.y * n.y * a, -n.y);
 	float radius = sqrt(numbers.y), angle = 2.0 * PI * numbers.x;
 	return normalize(n * sqrt(max(1.0 - numbers.y, 0.0)) + s * (radius * cos(angle)) + t * (radius * sin(angle)));
 }
@@ -185,13 +191,15 @@ float fresnel(float cosine, float index) // Born and Wolf, Principles of Optics,
 }
 
 // A ray at a mirror or glass; false where it ends. n: against it.
-bool go_on(rt_object o, vec3 p, vec3 n, bool front, float chance, inout vec3 origin, inout vec3 direction, inout vec3 weight)
+bool go_on(rt_object o, vec3 p, vec3 n, bool front, float chance, inout vec3 origin, inout vec3 direction,
+	   inout vec3 weight)
 {
 	bool glass = o.transmittance.xyz != vec3(0.0);
 	float cosine = clamp(-dot(direction, n), 0.0, 1.0), index = front ? o.reflectance.w : 1.0 / o.reflectance.w;
 	bool reflected = !glass || chance < fresnel(cosine, index);
 	float inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
-	direction = normalize(reflected ? direction + 2.0 * cosine * n : direction / index + n * (cosine / index - inside));
+	vec3 refracted = direction / index + n * (cosine / index - inside);
+	direction = normalize(reflected ? direction + 2.0 * cosine * n : refracted);
 	weight *= glass ? (reflected ? vec3(1.0) : o.transmittance.xyz) : o.reflectance.xyz;
 	origin = p + n * (reflected ? settings.x : -settings.x);
 	return glass || front;
@@ -232,7 +240,8 @@ void trace_path(uint object, vec3 p, vec3 n, inout vec3 direct, inout vec3 all_i
 		direction = cosine_direction(n, next_numbers());
 	} else {
 		weight = vec3(PI);
-		on = go_on(objects[object], p, dot(n, direction) < 0.0 ? n : -n, true, next_numbers().x, origin, direction, weight);
+		vec3 against = dot(n, direction) < 0.0 ? n : -n;
+		on = go_on(objects[object], p, against, true, next_numbers().x, origin, direction, weight);
 	}
 	uint bounces = diffuse ? 1u : 0u; // diffuse vertices
 	for (uint step = 0u; step < 16u && on; step++) {

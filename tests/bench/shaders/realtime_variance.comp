@@ -1,8 +1,8 @@
 #version 450 core
 #include "realtime.glsl"
-// The variance of the accumulated light, for the filter: of its samples over time, or over the pixels around where there are
-// few (Schied et al., 2017, section 4.2); over the number of samples, for that of their mean, so that the filter fades as a
-// picture at rest converges. It becomes w.
+// The variance of the accumulated light, for the filter: of its samples over time, or over the pixels around where
+// there are few (Schied et al., 2017, section 4.2); over the number of samples, for that of their mean, so that the
+// filter fades as a picture at rest converges. It becomes w.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -31,7 +31,8 @@ void main()
 			for (int x = -2; x <= 2; x++) {
 				ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), size - 1);
 				float same = object_of(texelFetch(places, at, 0)) == object ? 1.0 : 0.0;
-				vec2 l = vec2(luminance(texelFetch(directs, at, 0).xyz), luminance(texelFetch(indirects, at, 0).xyz));
+				vec2 l = vec2(luminance(texelFetch(directs, at, 0).xyz),
+					      luminance(texelFetch(indirects, at, 0).xyz));
 				m += same * l;
 				s += same * l * l;
 				sum += same;
