@@ -12,6 +12,7 @@
 #include "image.h"
 #include "output.h"
 #include "picture_measures.h"
+#include "scenes/cornell.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -141,13 +142,21 @@ static void add_shadows(const table *t, const picture *ours, const picture *trut
 		    t->has_truth ? width_of(truth, &SHADOWS[k].line) : NAN);
 }
 
-/* Red over green of a mode over that of direct light: 1 where no wall lends its colour. */
+/* Red over green of what the lamp alone makes of the place's colour. */
+static double plain_ratio(int place)
+{
+	cornell_side sides[CORNELL_SIDES];
+	cornell_sides(sides);
+	const float *lamp = sides[CORNELL_WALLS].exitance, *rho = place < FLOOR_COUNT ? cornell_white : cornell_stone;
+	return (double)(lamp[0] * rho[0]) / (double)(lamp[1] * rho[1]);
+}
+
+/* Red over green of a mode over that of the lamp's light: 1 where no wall lends its colour. */
 static double bleeding(const picture modes[MODES], int mode, int place)
 {
-	double rgb[3], plain[3];
+	double rgb[3];
 	mean_of_place(&modes[mode], place, rgb);
-	mean_of_place(&modes[DIRECT], place, plain);
-	return rgb[0] / rgb[1] / (plain[0] / plain[1]);
+	return rgb[0] / rgb[1] / plain_ratio(place);
 }
 
 static void add_colours(const table *t, const picture ours[MODES], const picture truth[MODES])

@@ -1,7 +1,7 @@
 """The page of scripts/figures: what the paper claims, our pictures and numbers beside the truth, and a verdict.
 
 Everything is read from the folder of a run; verdicts are computed from its numbers. The same sections become HTML and,
-for docs/figures.md, Markdown.
+for docs/paper-figures.md, Markdown.
 """
 import csv
 import dataclasses
