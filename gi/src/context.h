@@ -15,6 +15,7 @@
 #include "shade.h"
 #include "solver.h"
 #include "specular.h"
+#include "specular_rows.h"
 
 struct gi_context {
 	uint32_t number; /* of all contexts of the program, from 1: handles have it */
@@ -34,6 +35,7 @@ struct gi_context {
 	gi_shade *shade;       /* made by the first gi_draw */
 	gi_paths *paths;       /* made by the first gi_trace_paths */
 	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
+	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
 	gi_arena light_arena;  /* what lists emitters for them, for every frame */
 	gi_caustics *caustics; /* likewise, where something emits */
 	gpu_buffer state;

@@ -100,8 +100,11 @@ static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
-	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
+	const gi_specular_rows *through = gi->specular_rows;
+	gpu_dispatch_indirect(&gi->gpu, through ? through->gather_program : s->gather_program, &gi->state,
+			      word * GI_STATE_ARGS_GATHER);
+	gpu_dispatch_indirect(&gi->gpu, through ? through->double_program : s->double_program, &gi->state,
+			      word * GI_STATE_ARGS_DOUBLE);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
 	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
@@ -135,11 +138,14 @@ static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
-	const uint32_t through = caustics_emitted_program(gi), program = through ? through : gi->solver.emitted_program;
+	const bool through = gi->specular_rows, caustics = caustics_light(gi);
+	const uint32_t program = through ? gi->specular_rows->emitted_program : gi->solver.emitted_program;
 	if (through) {
-		caustics_bind_light(gi);
 		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
+		gpu_set_uint(&gi->gpu, program, 2, caustics);
 	}
+	if (caustics)
+		caustics_bind_light(gi);
 	gpu_set_uint(&gi->gpu, program, 0,
 		     through || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);

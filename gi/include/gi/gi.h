@@ -678,11 +678,14 @@ typedef struct gi_entry {
 GI_API gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
 
 /* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is the leaf where one of the
- * entry's rays ended, or the patch of sky. */
+ * entry's rays ended, or the patch of sky; of a ray that met a mirror or glass there is another link, specular, to where it
+ * went from there. */
 typedef struct gi_link {
 	uint32_t leaf, node;
 	uint32_t first_leaf, leaf_count;
-	float weight; /* F V after the row was closed */
+	float weight;      /* F V after the row was closed; specular: the largest of weights */
+	float weights[3];  /* per RGB channel: weight, times what the mirrors and glass on the way leave of the light */
+	uint32_t specular; /* 1: through mirrors or glass. What emitters give comes as caustics, where there are any */
 } gi_link;
 
 GI_API gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);

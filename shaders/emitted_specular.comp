@@ -1,4 +1,4 @@
 #version 450 core
 // With what comes through mirrors and glass.
-#define CAUSTICS
+#define SPECULAR
 #include "emitted.glsl"
