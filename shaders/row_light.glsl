@@ -18,7 +18,9 @@ vec3 light_of_row(uint leaf)
 		uvec4 two = load_two_links(k);
 #ifdef SPECULAR
 		if (is_specular(two)) {
+#ifndef WITHOUT_SPECULAR_LINKS
 			h += light_of_link(two);
+#endif
 			continue;
 		}
 #endif

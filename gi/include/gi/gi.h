@@ -181,7 +181,8 @@ typedef struct gi_context_def {
 	uint32_t pixel_lamps;
 
 	/* Packets of light that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
-	 * 16384, 0: none. A packet takes some four rays, when something moved that it meets. */
+	 * 16384. A packet takes some four rays, when something moved that it meets. 0: none; emitters are then found by what rows
+	 * see in mirrors and glass, as other surfaces are: right on the whole, but leaf by leaf mostly noise. */
 	uint32_t caustic_photons;
 
 	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
@@ -252,9 +253,11 @@ typedef struct gi_material {
  *
  * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees. What
  * emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are many,
- * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect does not go through them to
- * leaves, for which they are black but for rho; it is seen in them all the same. Channel by channel rho + reflectance and
- * rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both. */
+ * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect, and the sky, lights leaves
+ * by way of them too: each ray of a row that ends on one goes on, by up to 16 surfaces, and what it finds counts for all of
+ * its entry, so that leaves beside a large mirror are some 3 % noisy, unbiased (docs/accuracy.md). Channel by channel rho + reflectance
+ * and rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both; what a mirror
+ * reflects by its rho is seen directly alone, not in other mirrors. Wherever something moves, all rows that see mirrors or glass follow these rays anew. */
 typedef struct gi_specular {
 	float reflectance[3];   /* of a mirror, at any angle, each in [0,1]; its back is black */
 	float transmittance[3]; /* of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is
