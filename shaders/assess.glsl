@@ -1,17 +1,17 @@
-// Under a budget: what has to be refreshed of a row, what that takes, and a bound on what it changes, entry by entry. One
-// thread a row in the list that enlist.comp made.
+// Under a budget: what has to be refreshed of a row, what that takes, and a bound on what it changes, entry by entry.
+// One thread a row in the list that enlist.comp made.
 //
 // A closed row shares out a weight of 1. Let T be the sum of F V of its entries, T' what it becomes. Closing gives what
-// is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry, beta
-// and beta' the means of those that get it, and delta what each touched entry gains or loses of F V,
+// is missing to all entries one way (close.comp), 1 - T in sum before and 1 - T' afterwards. With b the B of an entry,
+// beta and beta' the means of those that get it, and delta what each touched entry gains or loses of F V,
 //
 //     H' - H = sum of delta (b - beta') + (1 - T) (beta' - beta),   darkest <= beta, beta' <= brightest of the row
 //
-// An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from another
-// leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as
-// much comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be
-// raised or lowered by counts on its own. Black sky gets its part where no ray saw it, too. A row that may not close may
-// become anything.
+// An entry that was flagged gains at most F (1 - V) and loses at most F V, and what it keeps of these may come from
+// another leaf of its node where it has several rays (trace.comp); of a source that is cut anew all goes, and as much
+// comes as is in its reach. Emitters are corrected only when the others are at their limits: what they may be raised or
+// lowered by counts on its own. Black sky gets its part where no ray saw it, too. A row that may not close may become
+// anything.
 //
 // SPECULAR: what an entry sees in a mirror or through glass may be anything in the scene after whatever moved.
 #define READ_FRAME
@@ -46,15 +46,15 @@
 #include "row_light.glsl"
 #include "received.glsl"
 #include "whole_row.glsl"
+#include "numbers.glsl"
 #ifdef SPECULAR
 #include "specular_entry.glsl"
 #endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// As closing has them (close.comp): no entry more than doubles, and rows that lack a fifth when all have doubled stay open;
-// above this weight none does. Sums end this close to 1.
-const float CLOSE_RAISE = 2.0;
+// As closing has them (close.comp): rows that lack a fifth when all entries have doubled (CLOSE_RAISE) stay open; above
+// this weight none does. Sums end this close to 1.
 const float CLOSES_ABOVE = 0.5;
 const float CLOSE_SLACK = 4e-5;
 
@@ -137,7 +137,8 @@ source_part load_source(uint object)
 		uint at = GI_SHINE_WORDS * object + c;
 		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
 		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
-		from.others.least[c] = (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
+		from.others.least[c] =
+		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
 	}
 #ifdef SPECULAR
 	from.smooth_part = has_smooth(object);
@@ -168,7 +169,8 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
 	// Whose light it takes may change, or is not known.
-	if (from.smooth_part || ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u)) {
+	bool any_leaf = (taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u;
+	if (any_leaf || from.smooth_part) {
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
 	}
@@ -218,7 +220,8 @@ sums sum_row(uint leaf, watch w)
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = load_entry(block.x + k);
 			// Any node may give way to another, few do.
-			bool traced = (cut && !keeps) || (e.w & GI_ENTRY_GONE) != 0u || is_flagged(w, p, e), followed = false;
+			bool traced = (cut && !keeps) || (e.w & GI_ENTRY_GONE) != 0u || is_flagged(w, p, e);
+			bool followed = false;
 #ifdef SPECULAR
 			followed = from.smooth_part && sees_smooth(e, load_target(block.x + k));
 			s.rays += followed ? PATH_RAYS : 0u;
@@ -245,20 +248,23 @@ vec4 bound_of(sums s, received r, bool open)
 	if (open || firm < CLOSES_ABOVE)
 		return vec4(max(whole.rise, whole.fall), 1.0);
 	float lacked = abs(1.0 - firm - lost);
-	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor; together
-	// they gain no more than the row lacks.
+	// Touched entries are raised too: none more than doubles, nor what was nothing by more than its form factor;
+	// together they gain no more than the row lacks.
 	float raise_old = min((CLOSE_RAISE - 1.0) * lost + s.unseen, max(0.0, 1.0 - firm - lost));
 	float raise_new = min((CLOSE_RAISE - 1.0) * s.kept, max(0.0, 1.0 - firm));
 	float moved = min(1.0, max(lost, s.kept) + lacked + max(raise_old, raise_new) + CLOSE_SLACK);
-	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the row.
+	// Emitters are raised by what the others at their limits leave, and lowered when they alone nearly fill the
+	// row.
 	float raised = min(emitters, max(0.0, 1.0 - CLOSE_RAISE * s.firm_others - s.firm_emitters));
 	float lowered = emitters > EMITTERS_MOVE_ABOVE ? emitters : 0.0;
 	vec3 dim_emitters = max(dim - s.emitters.least, vec3(0.0));
-	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) + CLOSE_SLACK * whole.most;
+	vec3 either = lacked * max(dim - darkest, vec3(0.0)) + (raised + lowered) * (bright + dim_emitters) +
+		      CLOSE_SLACK * whole.most;
 	either += s.exchanged;
 	vec3 rise = s.gained.high - weight_of(s.gained) * darkest + s.lost.others * dim - s.lost.low +
 		    s.lost.emitters * dim_emitters;
-	vec3 fall = s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
+	vec3 fall =
+	    s.lost.high - lost * darkest + s.gained.others * dim - s.gained.low + s.gained.emitters * dim_emitters;
 	return vec4(max(min(max(rise, 0.0) + either, whole.rise), min(max(fall, 0.0) + either, whole.fall)), moved);
 }
 

@@ -7,12 +7,11 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "caustic_cells.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint photons_a_pair;
 layout(location = 1) uniform uint pair_count;
-
-const float PI = 3.14159265358979;
 
 // Packets that overlap: noise is about a tenth, and edges are sharp to the width of some.
 const float OVERLAP = 40.0;
@@ -23,7 +22,8 @@ const uint ENOUGH = 16u;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair) || floatBitsToUint(photons[t].place.w) == GI_NONE)
+	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair) ||
+	    floatBitsToUint(photons[t].place.w) == GI_NONE)
 		return;
 	float finest = FINEST * load_caustic_pair(pair).sphere.w, size = finest;
 	uint count = 0u;

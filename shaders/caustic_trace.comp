@@ -2,8 +2,8 @@
 // Packets of light from an emitter to a mirror or glass object and on, to the leaf where each ends (Arvo, "Backward ray
 // tracing", 1986). One thread a packet, those of pairs whose paths nothing touched are what they were.
 //
-// Of a point of the emitter, by its power, the packet goes to a point of the circle that the smooth object's bounding sphere is
-// from there, evenly by solid angle. Its number alone decides where: the same scene gives the same packets.
+// Of a point of the emitter, by its power, the packet goes to a point of the circle that the smooth object's bounding
+// sphere is from there, evenly by solid angle. Its number alone decides where: the same scene gives the same packets.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -26,6 +26,7 @@
 #include "locate.glsl"
 #include "specular.glsl"
 #include "ordered.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint photons_a_pair;
@@ -33,11 +34,11 @@ layout(location = 1) uniform uint pair_count;
 layout(location = 2) uniform float lift;
 layout(location = 3) uniform uint allowed; // packets of a pair in this update
 
-const float PI = 3.14159265358979;
 const uint STEPS = 16u;
 
-// 2^32 over the powers of g, g^3 = g + 1: their multiples fill a square evenly (Roberts, "The unreasonable effectiveness of
-// quasirandom sequences", 2018). Directions are drawn by them, on which most depends; points of the emitter by hashes.
+// 2^32 over the powers of g, g^3 = g + 1: their multiples fill a square evenly (Roberts, "The unreasonable
+// effectiveness of quasirandom sequences", 2018). Directions are drawn by them, on which most depends; points of the
+// emitter by hashes.
 const uvec2 STRIDES = uvec2(0xC13FA9A9u, 0x91E10DA5u);
 
 float unit(uint x)
@@ -91,7 +92,8 @@ light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 	vec2 u = direction_numbers(photon);
 	float down = cap * u.x, phi = 2.0 * PI * u.y;
 	float s = axis.z >= 0.0 ? 1.0 : -1.0, d = -1.0 / (s + axis.z), m = axis.x * axis.y * d;
-	vec3 tangent = vec3(1.0 + s * axis.x * axis.x * d, s * m, -s * axis.x), bitangent = vec3(m, s + axis.y * axis.y * d, -axis.y);
+	vec3 tangent = vec3(1.0 + s * axis.x * axis.x * d, s * m, -s * axis.x),
+	     bitangent = vec3(m, s + axis.y * axis.y * d, -axis.y);
 	float radius = sqrt(max(down * (2.0 - down), 0.0));
 	vec3 direction = axis * (1.0 - down) + tangent * (radius * cos(phi)) + bitangent * (radius * sin(phi));
 	vec3 exitance = load_material(load_light_triangle(k + 1u).w).exitance.xyz;
@@ -131,7 +133,8 @@ gi_photon follow(uint number_of_pair, uint photon)
 		uint first = floatBitsToUint(q.a.w);
 		gi_smooth_material m = load_smooth_material(load_leaf(first).z);
 		if (is_smooth(m)) {
-			on = go_on(smooth_point_of(hit, r.direction), m, WAY_BY_CHANCE, unit(hash_of(photon, OF_STEP + step)), lift, r);
+			on = go_on(smooth_point_of(hit, r.direction), m, WAY_BY_CHANCE,
+				   unit(hash_of(photon, OF_STEP + step)), lift, r);
 		} else {
 			on = false;
 			vec3 at = r.origin + r.direction * hit.distance;

@@ -1,26 +1,30 @@
 #version 450 core
 // Judges a sweep: does the certified bound meet the tolerance, is what is left rounding, and how does the next one go?
-// The group counts of all sweeps lie in the state, so that ending the solve, or having the next gather in double precision
-// instead of single, is a matter of zeroes: the frame never waits for a read-back.
+// The group counts of all sweeps lie in the state, so that ending the solve, or having the next gather in double
+// precision instead of single, is a matter of zeroes: the frame never waits for a read-back.
 //
-// What is solved is the light reflected, R = B - E: with M = I - diag(rho) W (W: links and area means) and s = rho * the
-// irradiance by exitance, M R = s. T R = s + R - M R, and r = T R - R; what R lacks to the solution R* is e = M^-1 r.
+// What is solved is the light reflected, R = B - E: with M = I - diag(rho) W (W: links and area means) and s = rho *
+// the irradiance by exitance, M R = s. T R = s + R - M R, and r = T R - R; what R lacks to the solution R* is e = M^-1
+// r.
 //
 // The bounds. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0. Hence for any u with M u > 0
 // (Collatz 1942)
 //
-//     kappa = max |r_i| / (M u)_i:    |R - R*| <= kappa u,    |T R - R*| = |(I - M) e| <= kappa (I - M) u      leaf by leaf
+//     kappa = max |r_i| / (M u)_i:    |R - R*| <= kappa u,    |T R - R*| = |(I - M) e| <= kappa (I - M) u    leaf by leaf
 //
-// - Everywhere alike: u = v, the fourth channel, which solves M v = 1 for the largest rho of the three; its M has the largest
-//   inverse. |T R - R*| <= |r| (v_max / m - 1), m = min (M v)_i. u = 1 gives the row sums' norm, 1 / (1 - q). Of A = v_max / m
-//   and that the lesser counts: the amplification. It bounds the spectrum too, whose radius is at most 1 - 1 / A.
-// - By the light of each leaf, channel by channel: u = R + sqrt(R max R) + theta v max R. M R = s - r, much where light comes first.
-//   Means of a root are at most the root of the mean, so M of the second is at least sqrt(max R) (sqrt(R_i) - sqrt(S_i (rho W R)_i)),
-//   S_i rho times the row's sum: near the solution a share of sqrt(R_i) that is the same however dark it is. M of the third
-//   is theta max R, with theta v <= GI_DARK_SHARE: what is left where R is nothing yet. So u says that where much is missing
-//   it is where there is much light, and that little of it arrives where it is dark.
+// - Everywhere alike: u = v, the fourth channel, which solves M v = 1 for the largest rho of the three; its M has the
+//   largest inverse. |T R - R*| <= |r| (v_max / m - 1), m = min (M v)_i. u = 1 gives the row sums' norm, 1 / (1 - q).
+//   Of A = v_max / m and that the lesser counts: the amplification. It bounds the spectrum too, whose radius is at most
+//   1 - 1 / A.
+// - By the light of each leaf, channel by channel: u = R + sqrt(R max R) + theta v max R. M R = s - r, much where light
+//   comes first. Means of a root are at most the root of the mean, so M of the second is at least sqrt(max R)
+//   (sqrt(R_i) - sqrt(S_i (rho W R)_i)), S_i rho times the row's sum: near the solution a share of sqrt(R_i) that is
+//   the same however dark it is. M of the third is theta max R, with theta v <= GI_DARK_SHARE: what is left where R is
+//   nothing yet. So u says that where much is missing it is where there is much light, and that little of it arrives
+//   where it is dark.
 //
-// The tolerance is of the light reflected: the solve has converged when, leaf by leaf and channel by channel, it is certain that
+// The tolerance is of the light reflected: the solve has converged when, leaf by leaf and channel by channel, it is
+// certain that
 //
 //     |R - R*| <= tolerance * (R_i + GI_DARK_SHARE * max R)
 //
@@ -28,20 +32,22 @@
 //
 //     |R' - R*| <= |r| (A - 1) + w,    |R' - R*| <= kappa (I - M) u + w,
 //
-// r, w with all doubts of the precision it summed in (gather.glsl). Once R' rounds to R again r is what half a unit in the last
-// place makes of it, and more sweeps take nothing from the bound.
+// r, w with all doubts of the precision it summed in (gather.glsl). Once R' rounds to R again r is what half a unit in
+// the last place makes of it, and more sweeps take nothing from the bound.
 //
-// No light from nothing. All rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 - rho); likewise
-// R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R there whatever it
-// steps to. The error of Jacobi's never grows, in no leaf beyond the largest there was. Chebyshev's may, cut short or set up for
-// a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window of its steps begins, comes
-// back when the window fails or the sweeps of the frame end in a larger residual, and what failed is remembered over frames.
+// No light from nothing. All rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 - rho);
+// likewise R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R there
+// whatever it steps to. The error of Jacobi's never grows, in no leaf beyond the largest there was. Chebyshev's may,
+// cut short or set up for a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window
+// of its steps begins, comes back when the window fails or the sweeps of the frame end in a larger residual, and what
+// failed is remembered over frames.
 //
-// Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the solution. No
-// sweep is lost: T is linear, and what it makes of the start follows from what it made of 1, v and R. Cold, R before is s, so
-// that only what light reached in a sweep, channel by channel, begins with more than 0, and the rest gets what links bring.
-// Warm, what is left of the residual decides, all channels alike, flux amplified A times and what is local about once: where it
-// is not clearly less than of the best multiple of 1, the solve begins again, cold, and the sweep does not count.
+// Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the
+// solution. No sweep is lost: T is linear, and what it makes of the start follows from what it made of 1, v and R.
+// Cold, R before is s, so that only what light reached in a sweep, channel by channel, begins with more than 0, and the
+// rest gets what links bring. Warm, what is left of the residual decides, all channels alike, flux amplified A times
+// and what is local about once: where it is not clearly less than of the best multiple of 1, the solve begins again,
+// cold, and the sweep does not count.
 //
 // Chebyshev (Golub and Varga 1961): with the spectrum of I - M in [-q, q],
 //
@@ -56,6 +62,7 @@
 #define WRITE_STATE
 #include "buffers.glsl"
 #include "dispatch.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = 1) in;
 layout(location = 0) uniform uint stage;
@@ -66,34 +73,28 @@ const uint STAGE_SWEPT = 0u, STAGE_BEGIN = 1u, STAGE_GO_ON = 2u;
 // Jacobi where it needs no more sweeps than this: it is then as good as Chebyshev, whose first steps are like it.
 const uint JACOBI_MOST = 8u;
 
-// What moved is wrong near it, and wrong again where that is seen: two sweeps of Jacobi take that away, and Chebyshev, whose second
-// step would bring four tenths of it back, begins behind them.
+// What moved is wrong near it, and wrong again where that is seen: two sweeps of Jacobi take that away, and Chebyshev,
+// whose second step would bring four tenths of it back, begins behind them.
 const uint LOCAL_SWEEPS = 3u;
 
-// Rounding of sums in floats, amplified more than AMPLIFIED times, would spoil a tolerance of 1e-4. From here on sweeps sum in
-// double precision, and where what single precision may hide is more than a part in IN_DOUBLE of what was found.
+// Rounding of sums in floats, amplified more than AMPLIFIED times, would spoil a tolerance of 1e-4. From here on sweeps
+// sum in double precision, and where what single precision may hide is more than a part in IN_DOUBLE of what was found.
 const float AMPLIFIED = 100.0, IN_DOUBLE = 4.0;
-
-// More than the rounding of a division (2.5 units in the last place) and of the few operations around it.
-const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 
 // Progress is judged whenever this much is foretold of the residual, and half the decades will do: largest entries do
 // not shrink as evenly as the norm of the theory.
 const float JUDGED = 1.0 / 8.0, GOOD_ENOUGH = 0.36;
 const float BLOWN_UP = 10.0;
 
-// A warm start leaves so much less than a multiple of 1, of the flux astray and of all, or is refused: what nearly equal residuals come
-// to depends on where they are, which nobody knows.
+// A warm start leaves so much less than a multiple of 1, of the flux astray and of all, or is refused: what nearly
+// equal residuals come to depends on where they are, which nobody knows.
 const float NEARER = 0.33;
 
 // v of rows that amplified so many times more or less tells nothing of these.
 const float OTHER_ROWS = 16.0;
 
-// What is not known, or too large to tell.
-const float HUGE = 3e38;
-
-// Times what rounding alone may leave. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T R + R) / 2, take
-// them away, those of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
+// Times what rounding alone may leave. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T R + R) /
+// 2, take them away, those of eigenvalue -1, which Jacobi leaves, too. At: nothing is left to gain but a factor of two.
 const float NEAR_FLOOR = 64.0, AT_FLOOR = 2.0;
 const uint POLISH_SWEEPS = 16u;
 
@@ -113,8 +114,8 @@ void read_words()
 	}
 }
 
-// Only those that may have changed, in loops short enough to be unrolled: an array with indices known only at run time is
-// no registers.
+// Only those that may have changed, in loops short enough to be unrolled: an array with indices known only at run time
+// is no registers.
 void write_words()
 {
 	for (uint k = GI_STATE_SWEEPS; k <= GI_STATE_DONE_B_MAX_BITS; k++)
@@ -207,14 +208,15 @@ void begin_anew()
 	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = words[GI_STATE_RECALLS] = 0u;
 	words[GI_STATE_REACH_BITS] = 0u;
 	// A narrower ellipse may do for these rows.
-	words[GI_STATE_ELLIPSE] = (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
+	words[GI_STATE_ELLIPSE] =
+	    (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
 	store(GI_STATE_OMEGA_BITS, 1.0);
 	store(GI_STATE_AMPLIFICATION_BITS, HUGE);
 	note_first_scale();
 }
 
-// From the light first reflected and v = 1, as where nothing was reflected before, and with nothing that depends on what was: the same
-// scene, the same bits.
+// From the light first reflected and v = 1, as where nothing was reflected before, and with nothing that depends on
+// what was: the same scene, the same bits.
 void begin_cold()
 {
 	words[GI_STATE_SWEEPS] = words[GI_STATE_ELLIPSE] = 0u;
@@ -232,7 +234,8 @@ void begin_warm()
 	words[GI_STATE_START] = GI_START_WARM;
 }
 
-// Sweeps of this frame, and what came in the place of sweeps: solver.c queues no more than max_sweeps of both and SPARE_SWEEPS.
+// Sweeps of this frame, and what came in the place of sweeps: solver.c queues no more than max_sweeps of both and
+// SPARE_SWEEPS.
 uint spent()
 {
 	return words[GI_STATE_SWEEPS] + words[GI_STATE_RECALLS];
@@ -420,7 +423,8 @@ bool go_on(bool in_double, bool near_floor, float residual)
 		words[GI_STATE_JACOBI_SWEEPS] = words[GI_STATE_SWEEPS] + more;
 	if (manner == GI_MANNER_CHEBYSHEV) {
 		step_chebyshev(amplified, residual, near_floor);
-	} else if (manner == GI_MANNER_JACOBI && steady && words[GI_STATE_SWEEPS] >= LOCAL_SWEEPS && more > JACOBI_MOST) {
+	} else if (manner == GI_MANNER_JACOBI && steady && words[GI_STATE_SWEEPS] >= LOCAL_SWEEPS &&
+		   more > JACOBI_MOST) {
 		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
 	} else if (is_stuck(amplified, residual, in_double, near_floor && manner == GI_MANNER_POLISH)) {
 		if (manner == GI_MANNER_POLISH)
@@ -432,7 +436,8 @@ bool go_on(bool in_double, bool near_floor, float residual)
 
 void judge(bool in_double, float last_residual, float residual)
 {
-	float kappa = load(GI_STATE_KAPPA_BITS), least = load(GI_STATE_NOISE_BITS), amplified = load(GI_STATE_AMPLIFICATION_BITS);
+	float kappa = load(GI_STATE_KAPPA_BITS), least = load(GI_STATE_NOISE_BITS),
+	      amplified = load(GI_STATE_AMPLIFICATION_BITS);
 	bool at_floor = in_double && kappa <= AT_FLOOR * least && kappa < HUGE;
 	if (at_floor || !go_on(in_double, in_double && kappa <= NEAR_FLOOR * least, residual)) {
 		stop(GI_SOLVE_ROUNDING);
@@ -462,8 +467,8 @@ bool is_refused(float a)
 	return words[GI_STATE_START] == GI_START_WARM && (is_colder(0u, a) || is_colder(1u, a) || is_colder(2u, a));
 }
 
-// What the sweep would have made of the start that weigh.comp found, instead of what it made of R before. v anew, as of a
-// sweep from v = 1, where that of other rows is no start.
+// What the sweep would have made of the start that weigh.comp found, instead of what it made of R before. v anew, as of
+// a sweep from v = 1, where that of other rows is no start.
 void begin_from_start(float a, float seen)
 {
 	bool other_rows = words[GI_STATE_START] == GI_START_WARM && (a > OTHER_ROWS * seen || seen > OTHER_ROWS * a);
@@ -489,9 +494,9 @@ void begin_weighed(float seen)
 	queue_next();
 }
 
-// The sweeps of the frame are spent: no more, unless the last of them showed that they went astray. Then one follows the R that
-// comes back, so that what is said is said of that R, and ends the frame whatever it finds (finish_sweep); the one that
-// went astray does not count.
+// The sweeps of the frame are spent: no more, unless the last of them showed that they went astray. Then one follows
+// the R that comes back, so that what is said is said of that R, and ends the frame whatever it finds (finish_sweep);
+// the one that went astray does not count.
 void end_frame()
 {
 	if (words[GI_STATE_ACTION] != GI_ACTION_RECALL)

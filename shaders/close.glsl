@@ -1,10 +1,10 @@
-// Closes the rows that changed (changed.comp), one thread each: the visible entries of a row partition the hemisphere, so what their sum lacks to 1 is
-// sampling error. It is given back in proportion to the variance of each entry (the least correction in that norm), and
-// the row never exceeds 1. Then the row's links, what the solve reads, are written: entries that are visible and not
-// black.
+// Closes the rows that changed (changed.comp), one thread each: the visible entries of a row partition the hemisphere,
+// so what their sum lacks to 1 is sampling error. It is given back in proportion to the variance of each entry (the
+// least correction in that norm), and the row never exceeds 1. Then the row's links, what the solve reads, are written:
+// entries that are visible and not black.
 //
-// SPECULAR: of a scene with mirrors or glass, what is seen in these has links too, first of all; what they take of the light is
-// given to nobody.
+// SPECULAR: of a scene with mirrors or glass, what is seen in these has links too, first of all; what they take of the
+// light is given to nobody.
 #define READ_FRAME
 #define READ_SEGMENTS
 #define READ_ENTRIES
@@ -31,11 +31,11 @@
 #include "touched.glsl"
 #define POOL link_pool
 #include "pool.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// An entry is never raised by more than this factor: what lies hidden wholly (a row inside a solid) stays dark.
-const float CLOSE_RAISE = 2.0;
+// An entry is never lowered by more than this factor (and raised by no more than CLOSE_RAISE).
 const float CLOSE_LOWER = 0.05;
 
 // A row that still lacks more than this share was not sampled badly but is not a whole hemisphere.
@@ -52,8 +52,9 @@ const float FACTOR_ERROR_DISC = 0.1;
 // a Beta(0.1, 0.1) prior gives for one sample).
 const float UNSEEN = 0.3;
 
-// How much of that doubt is by the entry itself; the rest is by those before it, fading. Entries side by side are of what lies
-// side by side: a wall that all rays see is not doubted because another one of its object is hidden behind it.
+// How much of that doubt is by the entry itself; the rest is by those before it, fading. Entries side by side are of
+// what lies side by side: a wall that all rays see is not doubted because another one of its object is hidden behind
+// it.
 const float NEXT = 0.125;
 
 // Newton's steps on the correction; each ends at an entry's limit or at the sum, so they are few.
@@ -72,8 +73,8 @@ struct visible_entry {
 };
 
 // What is given back for each unit of variance: to emitters, which have many rays, only when the others are at their
-// limits: what a few samples of the walls say must not make a lamp brighter (assess.comp counts on it). Both have one sign,
-// so that the corrections of a row add up to what it lacked and no more.
+// limits: what a few samples of the walls say must not make a lamp brighter (assess.comp counts on it). Both have one
+// sign, so that the corrections of a row add up to what it lacked and no more.
 struct correction {
 	float others;
 	float emitters;
@@ -107,30 +108,32 @@ float factor_variance(uvec4 e)
 	return error * error;
 }
 
-// Of the samples up to an entry's, those near it most, the share that see their object; for the first that of all the segment.
+// Of the samples up to an entry's, those near it most, the share that see their object; for the first that of all the
+// segment.
 float share_up_to(uvec4 e, float before)
 {
 	return mix(before, float(seen_of(e)) / max(float(samples_of(e)), 1.0), NEXT);
 }
 
-// Of V from its own samples. What they cannot tell, above all a single one, the samples of entries beside it do: `share` of
-// them see their object, and one of a wall that a hundred rays see is hardly hidden.
+// Of V from its own samples. What they cannot tell, above all a single one, the samples of entries beside it do:
+// `share` of them see their object, and one of a wall that a hundred rays see is hardly hidden.
 float visibility_variance(float v, float per_sample, float share)
 {
 	return per_sample * (v * (1.0 - v) + UNSEEN * share * (1.0 - share) * per_sample);
 }
 
-// Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where no
-// ray of its own saw it, as far as those of the patches before it do. What is lowered when a ray sees it and not raised when
-// the ray misses makes all that shines too bright.
+// Black sky carries no light, so what closing takes from it or gives to it is nowhere seen; it may also be raised where
+// no ray of its own saw it, as far as those of the patches before it do. What is lowered when a ray sees it and not
+// raised when the ray misses makes all that shines too bright.
 visible_entry read_entry(uvec4 e, float share, bool dark_sky)
 {
 	float seen = float(seen_of(e)), f = uintBitsToFloat(e.y);
 	if (f < LEAST_FACTOR || (seen == 0.0 && !dark_sky))
 		return visible_entry(0.0, 0.0, 0.0, 0.0, false);
-	float per_sample = 1.0 / float(samples_of(e)), v = seen * per_sample, weight = f * v, most = CLOSE_RAISE * weight;
-	return visible_entry(weight, f * f * (visibility_variance(v, per_sample, share) + factor_variance(e)), CLOSE_LOWER * weight,
-			     dark_sky ? max(f, most) : most, (e.w & GI_ENTRY_EMITTER) != 0u);
+	float per_sample = 1.0 / float(samples_of(e)), v = seen * per_sample, weight = f * v,
+	      most = CLOSE_RAISE * weight;
+	return visible_entry(weight, f * f * (visibility_variance(v, per_sample, share) + factor_variance(e)),
+			     CLOSE_LOWER * weight, dark_sky ? max(f, most) : most, (e.w & GI_ENTRY_EMITTER) != 0u);
 }
 
 float corrected(visible_entry v, correction c)
@@ -297,7 +300,8 @@ void main()
 	float row_sum = room ? write_links(leaf, block.x, counts.paths, c, scale) : 0.0;
 	uint count = room ? lit : 0u;
 	// Where the pool is full the block is nowhere, GI_NONE, which sweeps must not take for a place.
-	rows[leaf] = uvec4(room ? block.x : 0u, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
+	rows[leaf] =
+	    uvec4(room ? block.x : 0u, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
 	if (count != old_count)
 		atomicAdd(state[GI_STATE_LINKS], count - old_count);
 }

@@ -13,8 +13,8 @@ struct nearest {
 
 // Of leaves in one place either may be met first by a rounding: a front counts before a back (of a sheet), and of two
 // fronts that of the higher rank.
-void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, uint rank, uint object, uint primitive,
-		   bool second, float lift)
+void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, uint rank, uint object,
+		   uint primitive, bool second, float lift)
 {
 	plane_meeting m = meet_plane(origin, direction, a, b, c);
 	if (!inside_triangle(m.barycentric))
@@ -32,12 +32,11 @@ void meet_triangle(inout nearest best, vec3 origin, vec3 direction, vec3 a, vec3
 
 void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_direction, float lift)
 {
-	vec3 origin = rest_from_world(object, world_origin), direction = rest_direction_from_world(object, world_direction);
-	uvec4 range = object_bvh(object);
-	grid_ray r = ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz);
-	uint n = range.x;
-	while (n < range.y) {
-		uint primitive = next_leaf(bvh_texels, r, best.end + lift, range.y, n);
+	vec3 origin = rest_from_world(object, world_origin),
+	     direction = rest_direction_from_world(object, world_direction);
+	tree_walk walk = walk_of_object(object, origin, direction);
+	while (true) {
+		uint primitive = next_primitive(walk, best.end + lift);
 		if (primitive == GI_NONE)
 			break;
 		gi_primitive q = load_primitive(primitive);
@@ -47,14 +46,12 @@ void meet_object(inout nearest best, uint object, vec3 world_origin, vec3 world_
 	}
 }
 
-// Plain loops on purpose: with next_leaf() in the head of a for, Mesa 22.3 left after the first object.
 nearest find_nearest(vec3 origin, vec3 direction, float lift)
 {
 	nearest best = nearest(3e38, 3e38, false, 0u, GI_NONE, GI_NONE, false, vec2(0.0));
-	grid_ray r = ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz);
-	uint n = 0u;
-	while (n < frame.misc.x) {
-		uint object = next_leaf(tlas_texels, r, best.end, frame.misc.x, n);
+	tree_walk walk = walk_of_scene(origin, direction, uvec2(0u, frame.misc.x));
+	while (true) {
+		uint object = next_object(walk, best.end);
 		if (object == GI_NONE)
 			break;
 		meet_object(best, object, origin, direction, lift);
@@ -66,15 +63,15 @@ nearest find_nearest(vec3 origin, vec3 direction, float lift)
 bool segment_is_free(vec3 from, vec3 to, uint rank, float lift)
 {
 	vec3 d = to - from;
-	grid_ray r = ray_on_grid(from, d, frame.grid.xyz, frame.cells.xyz);
-	uint n = 0u;
+	tree_walk walk = walk_of_scene(from, d, uvec2(0u, frame.misc.x));
 	bool free = true;
-	while (n < frame.misc.x && free) {
-		uint object = next_leaf(tlas_texels, r, 1.0, frame.misc.x, n);
+	while (free) {
+		uint object = next_object(walk, 1.0);
 		if (object == GI_NONE)
 			break;
-		free = !object_hides(object, tree_ray(rest_from_world(object, from), rest_direction_from_world(object, d), 1.0, 1.0 + lift,
-						      vec2(0.0, lift), uvec2(GI_NONE, rank), true));
+		tree_ray ray = tree_ray(rest_from_world(object, from), rest_direction_from_world(object, d), 1.0,
+					1.0 + lift, vec2(0.0, lift), uvec2(GI_NONE, rank), true);
+		free = !object_hides(object, ray);
 	}
 	return free;
 }

@@ -69,22 +69,21 @@ bool face_covers(receiver r, cover_box box, uint primitive)
 uint find_face(receiver r, cover_box box)
 {
 	vec3 way = box.middle - r.middle;
-	grid_ray world = ray_on_grid(r.middle, way, frame.grid.xyz, frame.cells.xyz), rest = world;
-	uint n = frame.inner.x, at = 0u, end = 0u, tries = 0u, found = GI_NONE;
+	tree_walk scene = walk_of_scene(r.middle, way, frame.inner.xy);
+	tree_walk inside = tree_walk(scene.ray, 0u, 0u); // of no object yet
+	uint tries = 0u, found = GI_NONE;
 	while (found == GI_NONE && tries < TRIES) {
-		uint primitive = at < end ? next_leaf(bvh_texels, rest, 1.0, end, at) : GI_NONE;
+		uint primitive = next_primitive(inside, 1.0);
 		if (primitive != GI_NONE) {
 			found = face_covers(r, box, primitive) ? primitive : GI_NONE;
 			tries++;
 			continue;
 		}
-		uint object = next_leaf(tlas_texels, world, 1.0, frame.inner.y, n);
+		uint object = next_object(scene, 1.0);
 		if (object >= frame.swept.z)
 			break;
-		rest = ray_on_grid(rest_from_world(object, r.middle), rest_direction_from_world(object, way),
-				   object_grid(object).xyz, object_cells(object).xyz);
-		at = object_bvh(object).x;
-		end = object_bvh(object).y;
+		inside =
+		    walk_of_object(object, rest_from_world(object, r.middle), rest_direction_from_world(object, way));
 	}
 	return found;
 }

@@ -2,8 +2,8 @@
 // where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
 // source object, w first leaf), or under a budget of the chosen leaves times all objects.
 //
-// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries; else of all others. Apart,
-// for software renderers run both sides of a branch.
+// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries; else of all
+// others. Apart, for software renderers run both sides of a branch.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_SPREAD
@@ -31,26 +31,25 @@
 #define POOL entry_pool
 #include "pool.glsl"
 #include "touched.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-const float PI = 3.14159265358979;
-
 const uint CUT_SKIP = 0u, CUT_REFINE = 1u, CUT_TAKE = 2u;
 
-// A cluster of less area than this share of its radius squared (a square has 2 of it) has gaps; taken as a point from within
-// this many radii it is off by more than 5 %.
+// A cluster of less area than this share of its radius squared (a square has 2 of it) has gaps; taken as a point from
+// within this many radii it is off by more than 5 %.
 const float SPARSE = 0.35;
 const float SPARSE_NEAR = 4.0;
 
-// From within this many radii the middle of a node that is seen along it says little of its nearest part: of a floor from 5 cm
-// above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at most; it is refined
-// as if so much did.
+// From within this many radii the middle of a node that is seen along it says little of its nearest part: of a floor
+// from 5 cm above one corner, a thousandth of what that corner shows. Along it: where so much of its area shows at
+// most; it is refined as if so much did.
 const float NEAR = 1.5;
 const float ALONG = 0.25;
 
-// Nor are several walls like anything at their middle: an open surface whose normals are farther apart than this cosine,
-// or what is flat and yet no quad.
+// Nor are several walls like anything at their middle: an open surface whose normals are farther apart than this
+// cosine, or what is flat and yet no quad.
 const float APART = 0.8;
 const float FLAT = 1.0 - 1e-6;
 
@@ -97,7 +96,8 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	float shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
-		vec2 sides = shown_area(load_spread(node), g.moment, view, same ? view : rest_direction_from_world(object_of(source, range), view));
+		vec2 sides = shown_area(load_spread(node), g.moment, view,
+					same ? view : rest_direction_from_world(object_of(source, range), view));
 		shown = (flags & GI_NODE_BACK) != 0u ? max(sides.x, sides.y) : sides.x;
 	}
 	// Patches far apart in a cluster: little of them, and yet the nearest is not where the cluster's middle is.
@@ -118,7 +118,8 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 // What closing wants to know of a node, kept with the entry.
 uint kind_of(uint flags)
 {
-	return ((flags & GI_NODE_EMITTER) != 0u ? GI_ENTRY_EMITTER : 0u) | ((flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? GI_ENTRY_EXACT : 0u);
+	return ((flags & GI_NODE_EMITTER) != 0u ? GI_ENTRY_EMITTER : 0u) |
+	       ((flags & (GI_NODE_POLYGON | GI_NODE_SKY)) != 0u ? GI_ENTRY_EXACT : 0u);
 }
 
 // What a row has of the static ones while that is brought up to date: entries [next, end), in the order of the cut.
@@ -147,9 +148,9 @@ struct cut_size {
 	uint nodes, fresh; // how many there are, and of them those that the row had not
 };
 
-// Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that are not
-// fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is overwritten
-// before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
+// Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that
+// are not fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is
+// overwritten before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
 cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room, old_part old, uint queued)
 {
 	uvec4 nodes = object_nodes(source);
@@ -160,7 +161,8 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 #if KEEPS
 		pass_over(old, n);
 #endif
-		if (KEEPS == 1 && old.next < old.end && entries[old.next].x < range.x && !is_fresh(range, n, old.since)) {
+		if (KEEPS == 1 && old.next < old.end && entries[old.next].x < range.x &&
+		    !is_fresh(range, n, old.since)) {
 			for (; old.next < old.end && entries[old.next].x < range.x; pass_over(old, n)) {
 				if (size.nodes < room && old.next != at + size.nodes) {
 					entries[at + size.nodes] = entries[old.next];
@@ -174,10 +176,12 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 		}
 		uint verdict = classify(p, geometry_of(n, same), range, n, source, same);
 		if (verdict == CUT_TAKE) {
-			// The form factor and the visibility come from the passes that follow; one sample is what most take. It
-			// is no entry that a mover may have changed.
+			// The form factor and the visibility come from the passes that follow; one sample is what most
+			// take. It is no entry that a mover may have changed.
 			if (size.nodes < room) {
-				entries[at + size.nodes] = uvec4(n, 0u, GI_BLOCKER_NONE << 16u, leaf | (1u << GI_ENTRY_SAMPLE_SHIFT) | kind_of(range.w));
+				entries[at + size.nodes] =
+				    uvec4(n, 0u, GI_BLOCKER_NONE << 16u,
+					  leaf | (1u << GI_ENTRY_SAMPLE_SHIFT) | kind_of(range.w));
 				if (keeps && queued + size.fresh < frame.limits.y)
 					queue[queued + size.fresh] = at + size.nodes;
 			}
@@ -205,7 +209,8 @@ uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state[GI_STATE_CHOSEN];
-		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count) : uvec2(GI_NONE);
+		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count)
+						  : uvec2(GI_NONE);
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);
@@ -223,7 +228,8 @@ void main()
 	uint mine = receiver.y;
 	bool anew = (frame.update.w & GI_UPDATE_REBUILD) != 0u;
 	uint since = load_row(leaf).z;
-	if ((!anew && !pair_is_dirty(mine, source, since)) || (!anew && pair_keeps_nodes(mine, source, since)) != (KEEPS == 1))
+	if ((!anew && !pair_is_dirty(mine, source, since)) ||
+	    (!anew && pair_keeps_nodes(mine, source, since)) != (KEEPS == 1))
 		return;
 	bool same = mine == source;
 	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
@@ -234,9 +240,9 @@ void main()
 	bool keeps = KEEPS == 1 && !unseen && old_count > 0u;
 	old_part old = old_part(block.x, keeps ? block.x + old_count : block.x, since);
 	cut_size size = cut_size(0u, 0u);
-	// Walked again where the block turns out not to fit, above all the first time, and where entries are kept: first to see
-	// how many come. One place that walks, takes and writes: every call is put in line, and compilers take their time
-	// with copies.
+	// Walked again where the block turns out not to fit, above all the first time, and where entries are kept:
+	// first to see how many come. One place that walks, takes and writes: every call is put in line, and compilers
+	// take their time with copies.
 	bool counts = keeps;
 	for (bool again = true; again;) {
 		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
@@ -266,7 +272,8 @@ void main()
 		atomicAdd(state[GI_STATE_ENTRIES], size.nodes - old_count);
 	if (size.nodes + old_count > 0u)
 		note_dirty(leaf, max(size.fresh, 1u));
-	// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum of form factors.
+	// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum
+	// of form factors.
 	bool was_seen = old_count > 0u && uintBitsToFloat(load_segment(slot).z) > 0.0;
 	if (was_seen || (size.nodes > 0u && (load_range(object_nodes(source).x).w & GI_NODE_EMITTER) != 0u))
 		note_changed(leaf);

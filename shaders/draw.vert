@@ -6,6 +6,7 @@
 #define READ_LIGHT
 #include "buffers.glsl"
 #include "shade_modes.glsl"
+#include "numbers.glsl"
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 normal_sink; // w: how far the vertex lies under the surface that casts shadows
@@ -21,8 +22,6 @@ layout(location = 1) out vec3 world_normal;
 layout(location = 2) out vec3 own; // (rho * H_indirect + E) / pi
 layout(location = 3) flat out uint material;
 
-const float INVERSE_PI = 0.318309886183791;
-
 void main()
 {
 	uvec4 leaf = load_leaf(leaf_number);
@@ -32,9 +31,10 @@ void main()
 	world_position = p + world_normal * normal_sink.w;
 	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : load_material(material).exitance.xyz;
 	if (mode != MODE_DIRECT)
-		sum += load_material(material).rho.xyz *
-		       (load_light(light_vertex.x).xyz * light_weight.x + load_light(light_vertex.y).xyz * light_weight.y +
-			load_light(light_vertex.z).xyz * light_weight.z + load_light(light_vertex.w).xyz * light_weight.w);
+		sum +=
+		    load_material(material).rho.xyz *
+		    (load_light(light_vertex.x).xyz * light_weight.x + load_light(light_vertex.y).xyz * light_weight.y +
+		     load_light(light_vertex.z).xyz * light_weight.z + load_light(light_vertex.w).xyz * light_weight.w);
 	own = sum * INVERSE_PI;
 	gl_Position = clip_from_world * vec4(p, 1.0);
 }

@@ -1,9 +1,9 @@
-// Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum over
-// links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights sum to less
-// than 1, rounded down. Walks the rows that were closed, or with ALL every row. One thread a leaf.
+// Of each leaf's row, the irradiance by exitance, which stays what it is while the solve works on reflected light: sum
+// over links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights
+// sum to less than 1, rounded down. Walks the rows that were closed, or with ALL every row. One thread a leaf.
 //
-// Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected light
-// exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
+// Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected
+// light exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_REST
@@ -22,6 +22,7 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
+#include "numbers.glsl"
 #ifdef SPECULAR
 #include "specular_link.glsl"
 #endif
@@ -35,9 +36,6 @@ layout(location = 2) uniform uint caustics;         // 1: there are some
 
 const uint FOUND = 6u;
 shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
-
-// More than the rounding of rho * irradiance and of a division.
-const float OUTWARD = 1.0 + 1.0 / 1048576.0;
 
 // More than a double's sum of ten thousand weights is off by, and than a float's rounding.
 const double SUMMED = 1e-12lf, ROUNDED_DOWN = 1.0lf - 1.0lf / 4194304.0lf;
@@ -94,7 +92,8 @@ vec3 walk(uint leaf, uvec4 row)
 
 void report(uint leaf, vec3 emitted)
 {
-	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz, s = OUTWARD * rho * emitted, ceiling = OUTWARD * s / (1.0 - rho);
+	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz, s = OUTWARD * rho * emitted,
+	     ceiling = OUTWARD * s / (1.0 - rho);
 	for (uint c = 0u; c < 3u; c++) {
 		atomicMax(found[c], floatBitsToUint(s[c]));
 		atomicMax(found[3u + c], floatBitsToUint(ceiling[c]));

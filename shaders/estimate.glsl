@@ -1,6 +1,7 @@
 // The estimate's samples: one thread a group of a chosen leaf. A leaf is chosen by chance; its row's entries are drawn
-// in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area / d2. What these
-// pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows no nodes.
+// in proportion to the light they may bring, and each is replaced by a leaf below its node, drawn by area / d2. What
+// these pairs of leaves say of H, point by point and by fresh rays (estimate_trace.comp), is right on average and knows
+// no nodes.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_WORLD
@@ -25,8 +26,6 @@ layout(location = 0) uniform uint salt;
 layout(location = 1) uniform uint first; // of this dispatch
 layout(location = 2) uniform uint count;
 layout(location = 3) uniform uint all;   // chosen leaves of all dispatches
-
-const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
 
 // Entries that no ray of the row reached are drawn this much less often.
 const float HIDDEN = 0.5;
@@ -74,7 +73,8 @@ float importance(uvec4 e, float mean_light)
 	return uintBitsToFloat(e.y) * (light_of(e) + mean_light) * (seen_share(e) > 0.0 ? 1.0 : HIDDEN);
 }
 
-// What a unit of a row's weight brings. A row that sees hardly more than the black back of a lamp has to find that back.
+// What a unit of a row's weight brings. A row that sees hardly more than the black back of a lamp has to find that
+// back.
 float mean_light_of(uint leaf, vec3 h)
 {
 	float light = 0.0, weight = 0.0;
@@ -140,22 +140,22 @@ row_totals total_row(uint leaf, float mean_light)
 	return t;
 }
 
-// Systematic sampling: GROUP_ITEMS equal steps over the row's importance, from a random start.
+// Systematic sampling: GI_ESTIMATE_GROUP_ITEMS equal steps over the row's importance, from a random start.
 void draw_items(uint leaf, uint at, float mean_light, float total)
 {
-	float pitch = total / float(GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
+	float pitch = total / float(GI_ESTIMATE_GROUP_ITEMS), from = random(at, 0x2545f491u) * pitch, sum = 0.0;
 	uint drawn = 0u;
 	for (uint s = frame.swept.z; s < frame.counts.z; s++) {
 		uvec2 segment = load_segment(segment_of(leaf, s)).xy;
 		for (uint k = segment.x; k < segment.x + (segment.y & GI_BLOCK_COUNT_MASK); k++) {
 			float part = importance(load_entry(k), mean_light);
 			sum += part;
-			for (; drawn < GROUP_ITEMS && from + pitch * float(drawn) < sum; drawn++)
+			for (; drawn < GI_ESTIMATE_GROUP_ITEMS && from + pitch * float(drawn) < sum; drawn++)
 				write_item(at + drawn, leaf, load_entry(k), pitch / part);
 		}
 	}
 	// Rounding may lose the last; and a row that sees nothing has none.
-	for (; drawn < GROUP_ITEMS; drawn++) {
+	for (; drawn < GI_ESTIMATE_GROUP_ITEMS; drawn++) {
 		items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
 		shares[at + drawn] = 0.0;
 	}
@@ -171,7 +171,8 @@ void main()
 	vec3 h = light_of_row(leaf);
 	float mean_light = mean_light_of(leaf, h);
 	row_totals totals = total_row(leaf, mean_light);
-	draw_items(leaf, t * GROUP_ITEMS, mean_light, totals.importance);
+	draw_items(leaf, t * GI_ESTIMATE_GROUP_ITEMS, mean_light, totals.importance);
 	if (t % GI_ESTIMATE_GROUPS == 0u)
-		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0), vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)), vec4(0.0));
+		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0),
+						   vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)), vec4(0.0));
 }

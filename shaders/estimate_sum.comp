@@ -22,14 +22,12 @@ layout(location = 0) uniform uint first;
 layout(location = 1) uniform uint count;
 layout(location = 2) uniform float area; // of all leaves
 
-const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
-
 // H by one group: over the samples' own sum where the row was closed by its own.
 vec3 light_of_group(uint at, bool closed, inout uint rays)
 {
 	vec3 h = vec3(0.0);
 	float weight = 0.0;
-	for (uint k = at; k < at + GROUP_ITEMS; k++) {
+	for (uint k = at; k < at + GI_ESTIMATE_GROUP_ITEMS; k++) {
 		uvec4 e = load_item(k);
 		rays += samples_of(e);
 		if ((e.z & 1u) == 0u)
@@ -52,7 +50,8 @@ void main()
 	float squares = 0.0;
 	uint rays = 0u;
 	for (uint g = 0u; g < GI_ESTIMATE_GROUPS; g++) {
-		vec3 d = r.light.xyz - light_of_group((t * GI_ESTIMATE_GROUPS + g) * GROUP_ITEMS, r.light.w > 0.0, rays);
+		vec3 d = r.light.xyz -
+			 light_of_group((t * GI_ESTIMATE_GROUPS + g) * GI_ESTIMATE_GROUP_ITEMS, r.light.w > 0.0, rays);
 		sum += d;
 		squares += dot(d, d);
 	}

@@ -26,15 +26,10 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint salt;
 layout(location = 1) uniform uint count; // items
 
-// As factor.comp: smaller sources (radius over distance) are points, whose contour would lose digits.
-const float POINT_SOURCE = 0.02;
-
-const uint GROUP_ITEMS = GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS;
-
 // Even over a group's items, whose order is that of their sources; groups are independent.
 vec4 item_numbers(uint t, uint attempt)
 {
-	return sample_numbers(t / GROUP_ITEMS, salt ^ hash(attempt), t % GROUP_ITEMS);
+	return sample_numbers(t / GI_ESTIMATE_GROUP_ITEMS, salt ^ hash(attempt), t % GI_ESTIMATE_GROUP_ITEMS);
 }
 
 // Where a corner of the source is: at rest where both are one body's, else in the world; a direction for the sky.
@@ -47,10 +42,11 @@ vec3 source_corner(pair p, vec3 rest_corner)
 float factor_from(pair p, vec3 x, vec3 n)
 {
 	vec3 from = p.sky ? vec3(0.0) : x;
-	vec3 v[4] = vec3[](source_corner(p, p.theirs.a) - from, source_corner(p, p.theirs.b) - from, source_corner(p, p.theirs.c) - from,
-			   source_corner(p, p.theirs.d) - from);
+	vec3 v[4] = vec3[](source_corner(p, p.theirs.a) - from, source_corner(p, p.theirs.b) - from,
+			   source_corner(p, p.theirs.c) - from, source_corner(p, p.theirs.d) - from);
 	vec3 to = 0.25 * (v[0] + v[1] + v[2] + v[3]);
-	float far = length(to), radius = max(max(distance(v[0], to), distance(v[1], to)), max(distance(v[2], to), distance(v[3], to)));
+	float far = length(to),
+	      radius = max(max(distance(v[0], to), distance(v[1], to)), max(distance(v[2], to), distance(v[3], to)));
 	if (p.sky || radius >= POINT_SOURCE * (far - radius))
 		return polygon_factor(v, n);
 	vec3 area = 0.5 * cross(v[2] - v[0], v[3] - v[1]);
@@ -79,7 +75,8 @@ void main()
 	vec2 u = item_numbers(t, 0u).xy;
 	segment_end a = end_on(p.receiver, p.leaf, point_on(p.mine, u));
 	// Halves of the unit square become the two triangles, whose areas differ.
-	vec3 abc = cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a), acd = cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
+	vec3 abc = cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a),
+	     acd = cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
 	bool first = u.x >= u.y || p.mine.c == p.mine.d;
 	vec3 n = first ? abc : acd;
 	float area = length(n);

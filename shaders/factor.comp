@@ -27,9 +27,6 @@ const float GAUSS_2[2] = float[](0.2113248654, 0.7886751346);
 const float GAUSS_4[4] = float[](0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558);
 const float WEIGHT_4[4] = float[](0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226);
 
-// A source that subtends less than this (radius over distance) is taken as a point: the contour sum would lose digits.
-const float POINT_SOURCE = 0.02;
-
 // Leaves whose halves' normals differ from the mean by more than this cosine (2.5 degrees) are folded.
 const float FOLDED = 0.999;
 
@@ -76,7 +73,8 @@ void main()
 		p = load_world(receiver);
 		g = load_world(entry.x);
 	}
-	// Lengths in units of the largest: their fourth powers, which the contour sum takes, stay in the range of floats.
+	// Lengths in units of the largest: their fourth powers, which the contour sum takes, stay in the range of
+	// floats.
 	float unit = sky ? inverse_power_of_two(p.sphere.w)
 			 : inverse_power_of_two(max(length(g.sphere.xyz - p.sphere.xyz), max(g.sphere.w, p.sphere.w)));
 	p.sphere *= unit;
@@ -100,8 +98,9 @@ void main()
 	float shown = 0.0;
 	if (disc && !contour) {
 		vec3 view = (p.sphere.xyz - g.sphere.xyz) / far;
-		vec2 sides = shown_area(load_spread(entry.x), g.moment, view,
-					same || top ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
+		vec2 sides =
+		    shown_area(load_spread(entry.x), g.moment, view,
+			       same || top ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
 		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
 		shown = (back_side ? -sides.y : sides.x) * unit * unit;
 	}
@@ -132,11 +131,12 @@ void main()
 			f = disc_factor(to, n, contour ? -dot(g.moment.xyz, normalize(to)) * unit * unit : shown);
 		} else {
 			vec3 origin = sky ? vec3(0.0) : x;
-			vec3 v[4] = self ? first ? vec3[](a - x, c - x, d - x, d - x) : vec3[](a - x, b - x, c - x, c - x)
-				    : vec3[](source_unit * corner_of(source.corners.x, same) - origin,
-					   source_unit * corner_of(source.corners.y, same) - origin,
-					   source_unit * corner_of(source.corners.z, same) - origin,
-					   source_unit * corner_of(source.corners.w, same) - origin);
+			vec3 v[4] =
+			    self ? first ? vec3[](a - x, c - x, d - x, d - x) : vec3[](a - x, b - x, c - x, c - x)
+				 : vec3[](source_unit * corner_of(source.corners.x, same) - origin,
+					  source_unit * corner_of(source.corners.y, same) - origin,
+					  source_unit * corner_of(source.corners.z, same) - origin,
+					  source_unit * corner_of(source.corners.w, same) - origin);
 			f = polygon_factor(v, n);
 		}
 		front += weight * max(f, 0.0);

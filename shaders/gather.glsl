@@ -1,15 +1,17 @@
-// A sweep, the gather: T R of every leaf, T R_i = s_i + rho_i * sum over links of weight * R_node, and the next R from it.
-// One thread a leaf. R = B - E is the light reflected, s = rho * irradiance by exitance that first reflected (emitted.comp):
-// what a lamp gives is in no sum, so rounding is relative to the light that arrives, however bright the lamp.
+// A sweep, the gather: T R of every leaf, T R_i = s_i + rho_i * sum over links of weight * R_node, and the next R from
+// it. One thread a leaf. R = B - E is the light reflected, s = rho * irradiance by exitance that first reflected
+// (emitted.comp): what a lamp gives is in no sum, so rounding is relative to the light that arrives, however bright the
+// lamp.
 //
 // Next is T R for omega 1 (Jacobi), for more a step of Chebyshev's, omega (T R - R_before) + R_before, for less a
-// damped one, omega (T R - R) + R (check.comp). It stays where the solution is known to be: no less than s, no more than
-// the ceilings. Sums have terms of one sign only.
+// damped one, omega (T R - R) + R (check.comp). It stays where the solution is known to be: no less than s, no more
+// than the ceilings. Sums have terms of one sign only.
 //
 // The fourth channel solves v = 1 + rho_max * sum of weight * v_node along with R: how much the scene amplifies.
 //
-// With it comes the irradiance of everything but what is drawn per pixel, at the R before the sweep, and what bounds the error:
-// all that is reported holds however REAL rounds: a sum by ROUNDING_OF_REAL a term, a few operations and roots by SLACK_OF_REAL.
+// With it comes the irradiance of everything but what is drawn per pixel, at the R before the sweep, and what bounds
+// the error: all that is reported holds however REAL rounds: a sum by ROUNDING_OF_REAL a term, a few operations and
+// roots by SLACK_OF_REAL.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS
@@ -24,17 +26,17 @@
 #include "buffers.glsl"
 #include "dispatch.glsl"
 #include "solve.glsl"
+#include "numbers.glsl"
 #ifdef SPECULAR
 #include "specular_link.glsl"
 #endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// What the group's leaves found, word by word; first the largest values wanted, from GI_STATE_RESIDUAL_BITS on, then the least.
+// What the group's leaves found, word by word; first the largest values wanted, from GI_STATE_RESIDUAL_BITS on, then
+// the least.
 const uint FOUND = GI_STATE_LARGEST + GI_STATE_LEAST;
 shared float found[FOUND * GI_GROUP_SIZE];
-
-const float HUGE = 3e38;
 
 // More than a float is off by after a conversion, a division and a root.
 const float SLACK = 1e-6;
@@ -104,9 +106,10 @@ struct swept {
 	REAL3 row_sum, gap;           // rho * the row's sum, rounded up; 1 - that, rounded down
 };
 
-// Nodes are off by ROUNDING of their means, all terms of the sums are >= 0 and n of them, and what is done with the sum, add
-// n ROUNDING_OF_REAL; what is below the least normal float may be lost, and nodes are off by as much. The irradiance by exitance is off by ROUNDING twice: means and store. A leaf that sees nothing has R = 0, exactly,
-// and so have all where nothing is lit.
+// Nodes are off by ROUNDING of their means, all terms of the sums are >= 0 and n of them, and what is done with the
+// sum, add n ROUNDING_OF_REAL; what is below the least normal float may be lost, and nodes are off by as much. The
+// irradiance by exitance is off by ROUNDING twice: means and store. A leaf that sees nothing has R = 0, exactly, and so
+// have all where nothing is lit.
 swept work_out(gathered g, REAL lacks, REAL4 rho, REAL4 source, vec4 before, vec3 ceiling)
 {
 	swept s;
@@ -123,11 +126,12 @@ swept work_out(gathered g, REAL lacks, REAL4 rho, REAL4 source, vec4 before, vec
 	return s;
 }
 
-// Errors count by u = R + sqrt(largest R * R) + theta * largest R * v, channel by channel (check.comp). Means of a root are at
-// most the root of the mean, so that M u is at least what u has of its own less what is seen of others'.
+// Errors count by u = R + sqrt(largest R * R) + theta * largest R * v, channel by channel (check.comp). Means of a root
+// are at most the root of the mean, so that M u is at least what u has of its own less what is seen of others'.
 void report_errors(swept s, vec3 next, vec3 b)
 {
-	REAL3 scale = REAL3(load_three(GI_STATE_SCALE_BITS)), mix_in = REAL(uintBitsToFloat(load_state(GI_STATE_THETA_BITS))) * scale;
+	REAL3 scale = REAL3(load_three(GI_STATE_SCALE_BITS)),
+	      mix_in = REAL(uintBitsToFloat(load_state(GI_STATE_THETA_BITS))) * scale;
 	REAL4 most = s.arrived + s.arrived_doubt;
 	REAL3 own = s.before.xyz + sqrt(scale) * sqrt(s.before.xyz) + mix_in * s.before.w;
 	REAL3 seen = most.xyz + sqrt(scale) * sqrt(s.row_sum * most.xyz) + mix_in * most.w;
@@ -135,13 +139,15 @@ void report_errors(swept s, vec3 next, vec3 b)
 	seen *= REAL(1.0) + SLACK_OF_REAL;
 	REAL3 mu = own - seen;
 	REAL3 light = REAL3(next) + REAL(GI_DARK_SHARE) * scale;
-	REAL3 residual = abs(s.image.xyz - s.before.xyz) + s.doubt.xyz, off = abs(REAL3(next) - s.image.xyz) + s.doubt.xyz;
+	REAL3 residual = abs(s.image.xyz - s.before.xyz) + s.doubt.xyz,
+	      off = abs(REAL3(next) - s.image.xyz) + s.doubt.xyz;
 	report_largest(GI_STATE_RESIDUAL_BITS, largest(residual));
 	report_largest(GI_STATE_KAPPA_BITS, ratio(residual, mu));
 	report_largest(GI_STATE_NOISE_BITS, ratio(REAL(ROUNDING) * s.image.xyz + s.doubt.xyz, mu));
 	report_largest(GI_STATE_SPREAD_BITS, ratio(seen, light));
 	report_largest(GI_STATE_STRAY_BITS, ratio(off, light));
-	report_largest(GI_STATE_WRITE_BITS, largest(off + REAL(ROUNDING) * REAL3(mix(vec3(0.0), b, greaterThan(next, vec3(0.0))))));
+	report_largest(GI_STATE_WRITE_BITS,
+		       largest(off + REAL(ROUNDING) * REAL3(mix(vec3(0.0), b, greaterThan(next, vec3(0.0))))));
 }
 
 void report(swept s, vec4 next, vec3 b)
@@ -206,13 +212,15 @@ void sweep(uint leaf, uint action)
 		report(s, next, b);
 }
 
-// Of T R and T v of the last sweep, T (a R + b v + c): T R - s and T v - 1 are linear in R and v. Channel by channel it stays 0
-// where no light came to, for 1 and v are positive in rooms that no light reaches too; and what light of before there is,
-// in rooms that may be sealed by now, is raised only where light first arrives: no more than R or T R elsewhere.
+// Of T R and T v of the last sweep, T (a R + b v + c): T R - s and T v - 1 are linear in R and v. Channel by channel it
+// stays 0 where no light came to, for 1 and v are positive in rooms that no light reaches too; and what light of before
+// there is, in rooms that may be sealed by now, is raised only where light first arrives: no more than R or T R
+// elsewhere.
 vec4 scaled(vec4 before, vec4 swept, vec3 rho, vec3 source, float row_sum)
 {
 	vec3 by_v = rho * ((swept.w - 1.0) / max(max(rho.x, max(rho.y, rho.z)), 1e-20));
-	vec3 r = source + load_three(GI_STATE_FACTOR_BITS) * (swept.xyz - source) + load_three(GI_STATE_LIFT_BITS) * by_v;
+	vec3 r =
+	    source + load_three(GI_STATE_FACTOR_BITS) * (swept.xyz - source) + load_three(GI_STATE_LIFT_BITS) * by_v;
 	r += load_three(GI_STATE_BASE_BITS) * rho * row_sum;
 	if (load_state(GI_STATE_START) == GI_START_WARM)
 		r = mix(min(r, max(before.xyz, swept.xyz)), r, greaterThan(source, vec3(0.0)));
@@ -232,7 +240,8 @@ void go_back(uint leaf, uint action)
 		r = source;
 	else if ((action & GI_ACTION_SCALE) != 0u)
 		r = scaled(load_leaf_part(GI_LEAF_BEFORE, leaf), r, m.rho.xyz, source.xyz, 1.0 - lacks);
-	vec4 next = to_single(vec4(confined(REAL4(r), REAL4(source), load_three(GI_STATE_CEILING_BITS), m.exitance.xyz)));
+	vec4 next =
+	    to_single(vec4(confined(REAL4(r), REAL4(source), load_three(GI_STATE_CEILING_BITS), m.exitance.xyz)));
 	store(leaf, next, next, m.exitance.xyz + next.xyz, lacks);
 }
 

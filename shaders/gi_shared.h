@@ -610,6 +610,7 @@ GI_STRUCT(gi_photon) {
 /* A chosen leaf has this many items in all, in independent groups. */
 #define GI_ESTIMATE_ITEMS 512u
 #define GI_ESTIMATE_GROUPS 4u
+#define GI_ESTIMATE_GROUP_ITEMS (GI_ESTIMATE_ITEMS / GI_ESTIMATE_GROUPS)
 
 /* A leaf that the estimate looked at.
  *

@@ -1,6 +1,6 @@
-// A surface that is seen by way of others: as surface.glsl reads it, but for the material, in whose place there is what it
-// reflects, in nine bits a channel, as the bits of a float that is no odd one.
-const float PI = 3.14159265358979;
+// A surface that is seen by way of others: as surface.glsl reads it, but for the material, in whose place there is what
+// it reflects, in nine bits a channel, as the bits of a float that is no odd one.
+#include "numbers.glsl"
 
 void store_layer(vec3 p, vec3 n, vec3 own, vec3 albedo, out vec4 place, out uvec4 look)
 {

@@ -6,6 +6,7 @@
 #include "buffers.glsl"
 #include "direct.glsl"
 #include "surface.glsl"
+#include "numbers.glsl"
 
 layout(location = 0) uniform ivec2 corner; // of the viewport, pixels
 
@@ -17,8 +18,6 @@ layout(location = 2) uniform float farthest; // depth where nothing is seen
 #endif
 
 layout(location = 0) out vec4 result;
-
-const float INVERSE_PI = 0.318309886183791;
 
 void main()
 {

@@ -1,9 +1,9 @@
 #version 450 core
-// Path tracing of irradiance, the ground truth that rows and solve are measured against (gi_trace_paths). A slot takes a
-// run of paths of one leaf; a thread takes its slot on by a few vertices, whatever paths they are of: when one ends the
-// next begins, so that threads of a vector do not wait for each other's long paths. What is between two dispatches lies
-// in the slot, because a dispatch must end soon: a desktop's watchdog wants it, and llvmpipe silently leaves all loops of
-// a thread after 65,535 turns in sum.
+// Path tracing of irradiance, the ground truth that rows and solve are measured against (gi_trace_paths). A slot takes
+// a run of paths of one leaf; a thread takes its slot on by a few vertices, whatever paths they are of: when one ends
+// the next begins, so that threads of a vector do not wait for each other's long paths. What is between two dispatches
+// lies in the slot, because a dispatch must end soon: a desktop's watchdog wants it, and llvmpipe silently leaves all
+// loops of a thread after 65,535 turns in sum.
 //
 // Veach's multiple importance sampling (thesis, 1997, chapters 8 to 10) for diffuse surfaces: with cosine sampling,
 // pdf_b = cos/pi, and emitter points picked by power, pdf_l = (pdf per area) r^2/cos', the balance heuristic gives both
@@ -25,6 +25,7 @@
 #include "dispatch.glsl"
 #include "rays.glsl"
 #include "closest.glsl"
+#include "numbers.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -37,10 +38,8 @@ layout(location = 3) uniform uint path_count; // of every leaf
 layout(location = 4) uniform uint run;        // paths a slot, at most
 layout(location = 5) uniform uint seed;
 layout(location = 6) uniform uint light_count;
-layout(location = 7) uniform vec4 sky_and_lift; // exitance of what lies beyond; how far above its surface a ray starts, metres
-layout(location = 8) uniform float density;     // of emitter samples per m2 and unit of luminous exitance: 1 over the power
-
-const float PI = 3.14159265358979;
+layout(location = 7) uniform vec4 sky_and_lift; // exitance of what lies beyond; height of a ray's start, metres
+layout(location = 8) uniform float density;     // of emitter samples, per m2 and unit of luminous exitance: 1 / power
 
 // Vertices a dispatch: 8 take at most 16 rays, some thousand loop turns.
 const uint STEPS = 8u;
@@ -48,9 +47,9 @@ const uint STEPS = 8u;
 // Russian roulette begins where the throughput is below this (measured in tests/reference/reference.c).
 const float ROULETTE_BELOW = 0.1;
 
-// Where nearly all light is reflected a path would go on for 1 / (1 - rho) vertices, and the last ones count as the first.
-// From this one on a path survives to vertex n with the chance (LONG_PATH / n)^2: twice as many vertices are the mean, the
-// sum stays unbiased, and the variance finite for every rho below 1, as no constant chance would leave it.
+// Where nearly all light is reflected a path would go on for 1 / (1 - rho) vertices, and the last ones count as the
+// first. From this one on a path survives to vertex n with the chance (LONG_PATH / n)^2: twice as many vertices are the
+// mean, the sum stays unbiased, and the variance finite for every rho below 1, as no constant chance would leave it.
 const float LONG_PATH = 1024.0;
 
 // ---- numbers ----
@@ -145,7 +144,8 @@ vec3 corner_of(uint object, uint number)
 vertex start_on(uint leaf, vec2 u)
 {
 	uvec4 l = load_leaf(leaf), corners = load_corners(l.x);
-	vec3 a = corner_of(l.y, corners.x), b = corner_of(l.y, corners.y), c = corner_of(l.y, corners.z), d = corner_of(l.y, corners.w);
+	vec3 a = corner_of(l.y, corners.x), b = corner_of(l.y, corners.y), c = corner_of(l.y, corners.z),
+	     d = corner_of(l.y, corners.w);
 	vec3 first = cross(b - a, c - a), second = cross(c - a, d - a);
 	float share = length(first) / (length(first) + length(second));
 	bool in_first = u.x < share;
@@ -238,7 +238,8 @@ bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u, fl
 	float pdf_b = sqrt(1.0 - u.direction.y) / PI;
 	float pdf_l = light_density(exitance) * hit.distance * hit.distance / max(-dot(next.normal, direction), 1e-12);
 	sum += throughput * (found + exitance * (pdf_b / (pdf_b + pdf_l)));
-	// Survival keeps the largest channel of the throughput where it was: a path neither grows nor fades from then on.
+	// Survival keeps the largest channel of the throughput where it was: a path neither grows nor fades from then
+	// on.
 	float before = largest(throughput);
 	throughput *= load_material(material).rho.xyz;
 	float survival = largest(throughput) < ROULETTE_BELOW ? largest(throughput) / before : 1.0;

@@ -1,7 +1,6 @@
 // Form factors from a point to polygons and discs. Positive when the front of the source is seen, negative for its
 // back.
-
-const float PI = 3.14159265358979;
+#include "numbers.glsl"
 
 // One edge of Lambert's contour sum: angle between u and v times the cosine between the receiver's normal and u x v.
 float contour_edge(vec3 u, vec3 v, vec3 n)

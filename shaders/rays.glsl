@@ -29,8 +29,8 @@ bool hits_box(grid_ray r, uvec4 node, float end)
 // Rays that graze a shared edge must not slip between the triangles: barycentric coordinates may fall short by this.
 const float EDGE_SLACK = 2e-6;
 
-// Where a ray meets a triangle's plane (Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; both
-// sides).
+// Where a ray meets a triangle's plane (Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997;
+// both sides).
 struct plane_meeting {
 	vec2 barycentric;  // of b and c
 	float height;      // the origin's distance from the plane times |ab x ac|
@@ -49,12 +49,14 @@ plane_meeting meet_plane(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
 	vec3 s = origin - a;
 	vec3 q = cross(s, ab);
 	float height = dot(ac, q);
-	return plane_meeting(vec2(dot(s, p), dot(direction, q)) * inverse, determinant < 0.0 ? -height : height, abs(determinant), determinant > 0.0);
+	return plane_meeting(vec2(dot(s, p), dot(direction, q)) * inverse, determinant < 0.0 ? -height : height,
+			     abs(determinant), determinant > 0.0);
 }
 
 bool inside_triangle(vec2 barycentric)
 {
-	return barycentric.x >= -EDGE_SLACK && barycentric.y >= -EDGE_SLACK && barycentric.x + barycentric.y <= 1.0 + EDGE_SLACK;
+	return barycentric.x >= -EDGE_SLACK && barycentric.y >= -EDGE_SLACK &&
+	       barycentric.x + barycentric.y <= 1.0 + EDGE_SLACK;
 }
 
 // A segment as an object's tree is asked for it, in the object's rest frame. It goes from `origin` to `origin + end *
@@ -62,7 +64,7 @@ bool inside_triangle(vec2 barycentric)
 struct tree_ray {
 	vec3 origin, direction;
 	float end;
-	float reach;        // boxes that begin behind it, as a share of the direction, are not met: a little more than `end`
+	float reach;        // boxes that begin behind it, as a share of the direction, are not met: just above `end`
 	vec2 slack;         // how far an end may be off the plane that it lies in, metres
 	uvec2 ranks;        // of the primitives that it begins and ends on, which cannot hide it; GI_NONE
 	bool arrives_front; // at the front of the surface it ends on
@@ -79,8 +81,8 @@ bool hits_triangle(tree_ray r, vec3 a, vec3 b, vec3 c, float area2, bool outrank
 }
 
 // What the next leaf at or after node n of a packed tree names, whose box the ray meets: a quad, or an object of the
-// scene's tree; GI_NONE: no more before node `last`. n goes on behind it. First every ray of a vector goes on to a leaf,
-// then all test theirs together (Aila and Laine, 2009).
+// scene's tree; GI_NONE: no more before node `last`. n goes on behind it. First every ray of a vector goes on to a
+// leaf, then all test theirs together (Aila and Laine, 2009).
 uint next_leaf(usamplerBuffer tree, grid_ray r, float end, uint last, inout uint n)
 {
 	uint found = GI_NONE;
@@ -92,6 +94,37 @@ uint next_leaf(usamplerBuffer tree, grid_ray r, float end, uint last, inout uint
 		n = hit || leaf ? n + 1u : node.w;
 	}
 	return found;
+}
+
+// A walk over a packed tree, from the first node to the last; what is left of it.
+struct tree_walk {
+	grid_ray ray;
+	uint next, end; // nodes
+};
+
+tree_walk walk_of_object(uint object, vec3 origin, vec3 direction)
+{
+	uvec4 range = object_bvh(object);
+	return tree_walk(ray_on_grid(origin, direction, object_grid(object).xyz, object_cells(object).xyz), range.x,
+			 range.y);
+}
+
+// Of the scene's tree, nodes from x up to y.
+tree_walk walk_of_scene(vec3 origin, vec3 direction, uvec2 nodes)
+{
+	return tree_walk(ray_on_grid(origin, direction, frame.grid.xyz, frame.cells.xyz), nodes.x, nodes.y);
+}
+
+// What the walk meets next that begins before `end`, a share of the direction; GI_NONE: nothing more. To be called in
+// the body of a plain loop: in the head of a for, Mesa 22.3 left after the first object.
+uint next_primitive(inout tree_walk walk, float end)
+{
+	return next_leaf(bvh_texels, walk.ray, end, walk.end, walk.next);
+}
+
+uint next_object(inout tree_walk walk, float end)
+{
+	return next_leaf(tlas_texels, walk.ray, end, walk.end, walk.next);
 }
 
 bool primitive_hides(uint primitive, tree_ray r)
@@ -106,12 +139,10 @@ bool primitive_hides(uint primitive, tree_ray r)
 // Does one object cut the segment?
 bool object_hides(uint object, tree_ray ray)
 {
-	uvec4 range = object_bvh(object);
-	grid_ray r = ray_on_grid(ray.origin, ray.direction, object_grid(object).xyz, object_cells(object).xyz);
-	uint n = range.x;
+	tree_walk walk = walk_of_object(object, ray.origin, ray.direction);
 	bool hidden = false;
-	while (n < range.y && !hidden) {
-		uint primitive = next_leaf(bvh_texels, r, ray.reach, range.y, n);
+	while (!hidden) {
+		uint primitive = next_primitive(walk, ray.reach);
 		if (primitive == GI_NONE)
 			break;
 		hidden = primitive_hides(primitive, ray);

@@ -1,13 +1,12 @@
 // An upper bound on the sum of the form factors that a row's entries of one object can have, however it is cut.
-
-const float PI = 3.14159265358979;
+#include "numbers.glsl"
 
 // A walk that visits more nodes is near enough for anything.
 const uint REACH_VISITS = 24u;
 
 // Of a node all of which is at least `near` away, whichever of its descendants stand for it: F <= A cos / (pi r^2) with
-// the area A that it shows, sum of a max(0, n.d) = sum of a (|n.d| + n.d) / 2 <= (area + moment.d) / 2 for one direction d
-// to the receiver, and no more than area radius / (2 near) more for directions that differ.
+// the area A that it shows, sum of a max(0, n.d) = sum of a (|n.d| + n.d) / 2 <= (area + moment.d) / 2 for one
+// direction d to the receiver, and no more than area radius / (2 near) more for directions that differ.
 float reach_of_node(shape p, gi_node_geometry g, facing f, float near, bool back)
 {
 	float height = f.height + g.sphere.w + (g.sphere.w + p.radius) * sine_of(p.cone) + p.radius;

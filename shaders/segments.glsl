@@ -101,11 +101,6 @@ tree_ray ray_for(body by, body body_a, segment_end a, body body_b, segment_end b
 	return tree_ray(origin, target, end, reach, slack, goal.ranks, goal.front);
 }
 
-grid_ray world_ray(segment_end a, segment_end b, bool sky)
-{
-	return ray_on_grid(a.world, sky ? b.world : b.world - a.world, frame.grid.xyz, frame.cells.xyz);
-}
-
 // Do both ends lie on one side of the plane that all of the object lies in? A beginning in the plane is on either side,
 // an end in it on neither: the object may cover what is there.
 bool same_side(uint object, segment_end a, segment_end b, bool sky)
@@ -113,26 +108,29 @@ bool same_side(uint object, segment_end a, segment_end b, bool sky)
 	vec4 plane = object_plane(object);
 	if (plane.xyz == vec3(0.0))
 		return false;
-	float from = dot(plane.xyz, a.world) - plane.w, to = sky ? dot(plane.xyz, b.world) : dot(plane.xyz, b.world) - plane.w;
-	float slack_a = PLANE_SLACK * reach_of(a.world), slack_b = sky ? 0.0 : END_REACH * PLANE_SLACK * reach_of(b.world);
+	float from = dot(plane.xyz, a.world) - plane.w,
+	      to = sky ? dot(plane.xyz, b.world) : dot(plane.xyz, b.world) - plane.w;
+	float slack_a = PLANE_SLACK * reach_of(a.world),
+	      slack_b = sky ? 0.0 : END_REACH * PLANE_SLACK * reach_of(b.world);
 	return (from >= -slack_a && to >= slack_b) || (from <= slack_a && to <= -slack_b);
 }
 
-// The scene's tree for segments to the sky, and for others the one without what encloses the scene: first and end.
-uvec2 scene_tree(bool sky)
+// Over the scene's tree for segments to the sky, and for others the one without what encloses the scene.
+tree_walk walk_of_segment(segment_end a, segment_end b, bool sky)
 {
-	return sky ? uvec2(0u, frame.misc.x) : frame.inner.xy;
+	return walk_of_scene(a.world, sky ? b.world : b.world - a.world,
+			     sky ? uvec2(0u, frame.misc.x) : frame.inner.xy);
 }
 
-// The next object at or after node n of the scene's tree, which ends at `last`, that may cut the segment, other than the
-// two at its ends; GI_NONE: no more. n goes on behind it. The bodies at the ends are asked without the test of world
-// boxes, whose rounding depends on the pose: an object at rest relative to both ends must always answer the same.
-uint next_third(grid_ray r, body body_a, segment_end a, body body_b, segment_end b, uint last, inout uint n)
+// The next object that may cut the segment, other than the two at its ends; GI_NONE: no more. The bodies at the ends
+// are asked without the test of world boxes, whose rounding depends on the pose: an object at rest relative to both
+// ends must always answer the same.
+uint next_third(inout tree_walk walk, body body_a, segment_end a, body body_b, segment_end b)
 {
 	bool sky = body_b.object == GI_NONE, passed_over = true;
 	uint object = GI_NONE;
 	while (passed_over) {
-		object = next_leaf(tlas_texels, r, sky ? 3e38 : 1.0, last, n);
+		object = next_object(walk, sky ? 3e38 : 1.0);
 		bool third = object != body_a.object && object != body_b.object;
 		passed_over = object != GI_NONE && !(third && !same_side(object, a, b, sky));
 	}

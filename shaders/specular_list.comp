@@ -1,6 +1,7 @@
 #version 450 core
-// Lists the entries that see a mirror or glass, of the rows that this update refreshed: of all or, under a budget, of those
-// chosen. What is seen there may have changed whatever moved, so that these rows are closed again. One thread a row.
+// Lists the entries that see a mirror or glass, of the rows that this update refreshed: of all or, under a budget, of
+// those chosen. What is seen there may have changed whatever moved, so that these rows are closed again. One thread a
+// row.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY

@@ -1,8 +1,9 @@
-// What entries see in mirrors and through glass: each listed one's ray, that of the sample whose leaf is its target, goes on by
-// reflection and refraction to the leaf, or the sky, where its light comes from. One thread an entry (specular_list.comp).
+// What entries see in mirrors and through glass: each listed one's ray, that of the sample whose leaf is its target,
+// goes on by reflection and refraction to the leaf, or the sky, where its light comes from. One thread an entry
+// (specular_list.comp).
 //
-// At glass it goes one way, as often as that carries of the light; which is drawn by the entry's ids, evenly over those of a
-// row: the same scene has the same paths. All of them are followed whenever anything changed.
+// At glass it goes one way, as often as that carries of the light; which is drawn by the entry's ids, evenly over those
+// of a row: the same scene has the same paths. All of them are followed whenever anything changed.
 //
 // TOPS: as trace.glsl.
 #define READ_FRAME
@@ -66,7 +67,8 @@ light_ray ray_of(pair p, uvec4 entry, uint k, bool emitter)
 
 float chance_of(uvec2 ids, uint k, uint step)
 {
-	return unit_float(hash(ids.x * 0x9e3779b9u ^ hash(step + 0x68bc21ebu)) + ids.y * ROOTS[step & 3u] + k * R4[step & 3u]);
+	uint start = hash(ids.x * 0x9e3779b9u ^ hash(step + 0x68bc21ebu));
+	return unit_float(start + ids.y * ROOTS[step & 3u] + k * R4[step & 3u]);
 }
 
 struct path_end {
@@ -109,7 +111,8 @@ path_end follow(light_ray r, uvec2 ids, uint k, out uint rays)
 		gi_smooth_material m = load_smooth_material(load_leaf(first).z);
 		if (is_smooth(m)) {
 			last = hit.object;
-			on = go_on(smooth_point_of(hit, r.direction), m, WAY_BY_CHANCE, chance_of(ids, k, step), lift, r);
+			float chance = chance_of(ids, k, step);
+			on = go_on(smooth_point_of(hit, r.direction), m, WAY_BY_CHANCE, chance, lift, r);
 		} else {
 			on = false;
 			// A ray that rounding led past the mirror that its entry sees is no light through it.
@@ -131,7 +134,7 @@ void main()
 	pair p = load_pair(entry);
 	bool emitter = (source.w & GI_NODE_EMITTER) != 0u;
 	sampling rays = sampling_of(uintBitsToFloat(entry.y), source.w);
-	uint k = sample_number(is_reordered(rays, emitter, p.sky), sample_taken(p, entry)), count;
+	uint k = sample_of(sample_taken(p, entry), is_reordered(rays, emitter, p.sky)), count;
 	path_end end = follow(ray_of(p, entry, k, emitter), p.ids, k, count);
 	uvec3 bits = uvec3(clamp(end.throughput, 0.0, 1.0) * 1023.0 + 0.5);
 	specular_ends[slot] = uvec2(end.node | GI_LINK_SPECULAR, bits.x | bits.y << 10u | bits.z << 20u);

@@ -4,6 +4,7 @@
 #include "buffers.glsl"
 #include "shade_shared.h"
 #include "surface.glsl"
+#include "numbers.glsl"
 
 layout(location = 0) uniform ivec2 corner; // of the viewport, pixels
 layout(location = 1) uniform bool alone;  // there are no caustics
@@ -12,8 +13,6 @@ layout(binding = GI_UNIT_DEPTH) uniform sampler2D depths;
 layout(binding = GI_UNIT_SO_FAR) uniform sampler2D so_far; // irradiance by them
 
 layout(location = 0) out vec4 result;
-
-const float INVERSE_PI = 0.318309886183791;
 
 void main()
 {

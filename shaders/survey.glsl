@@ -102,7 +102,8 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 	uint mine = load_leaf(leaf).y, since = header.z;
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	vec3 dim = dim_shine(), all = scene_shine(GI_SHINE_ALL);
-	limits l = whole_row(received_by(leaf, m), dim, all, emitter_weight(leaf, shape_of(p, load_range(load_leaf(leaf).x).w), mine, since));
+	shape receiver = shape_of(p, load_range(load_leaf(leaf).x).w);
+	limits l = whole_row(received_by(leaf, m), dim, all, emitter_weight(leaf, receiver, mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);
 	float off = expected_off(row.bound, max(m.rho.x, max(m.rho.y, m.rho.z)));
 	float worth = worth_of(off * share_of_movers(p, mine, since), p, 1u);

@@ -1,9 +1,9 @@
-// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four, eight
-// where those are hidden, and the rest where they disagree.
-// An entry's samples are always taken from the first, so the result does not depend on what was known before.
+// Visibility of the queued entries, one thread an entry: one ray for most; more for near leaves; for emitters four,
+// eight where those are hidden, and the rest where they disagree. An entry's samples are always taken from the first,
+// so the result does not depend on what was known before.
 //
-// TOPS: of entries of several objects at once, whose samples are each on an object of their own; else of all others. Apart,
-// for software renderers run both sides of a branch.
+// TOPS: of entries of several objects at once, whose samples are each on an object of their own; else of all others.
+// Apart, for software renderers run both sides of a branch.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -36,8 +36,8 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// Of samples that one blocker hides and one that another does. Static objects have the first slots and are asked first (tlas.c): that
-// they hide it is said the same way whichever of them does, and whatever else is there.
+// Of samples that one blocker hides and one that another does. Static objects have the first slots and are asked first
+// (tlas.c): that they hide it is said the same way whichever of them does, and whatever else is there.
 uint joined_blocker(uint blocker, uint by)
 {
 	uint kind = by < frame.swept.z ? GI_BLOCKER_STATICS : by;
@@ -53,11 +53,85 @@ bool is_behind_face(uint leaf, uvec4 source)
 	return k > 0u && is_covered(leaf, k - 1u);
 }
 
+// What the samples of an entry found so far.
+struct findings {
+	uint taken;
+	uint visible; // a bit each
+	uint blocker; // of those that are hidden
+	uint leaf;    // of the source, one that is seen; where none is, the first; GI_NONE: no segment carries light
+};
+
+// A leaf that a ray arrived at: where none is seen the first stays.
+void note_leaf(pair p, uint leaf, bool seen, inout findings f)
+{
+	bool takes = seen && takes_over(p.ids, f.taken, uint(bitCount(f.visible)));
+	f.leaf = f.leaf == GI_NONE || takes ? leaf : f.leaf;
+}
+
+// The k-th sample of the sequence. `clear`: the bodies at its ends are known to hide nothing.
+void take_sample(pair p, uint k, uint candidates, bool clear, inout findings f)
+{
+	segment_end a, b;
+	body on = p.source;
+	// What is not before the receiver must not shine through its back.
+	uint by = p.receiver.object;
+	if (choose_segment(p, k, candidates, a, b, on)) {
+		by = blocker_of(p.receiver, a, on, b, !p.back, clear);
+		note_leaf(p, b.leaf, by == GI_BLOCKER_NONE, f);
+	}
+	if (by == GI_BLOCKER_NONE)
+		f.visible |= 1u << f.taken;
+	else
+		f.blocker = joined_blocker(f.blocker, by);
+	f.taken++;
+}
+
+// Do so many samples say the same as all would?
+bool is_settled(findings f, sampling rays)
+{
+	bool agree = f.visible == 0u || f.visible == (1u << f.taken) - 1u;
+	return agree && f.taken == (f.visible == 0u ? rays.hidden_probes : rays.probes);
+}
+
+// `clear`: a bit for each sample that the bodies at its ends are known not to hide.
+findings trace(pair p, sampling rays, uint clear)
+{
+	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
+	bool reordered = is_reordered(rays, emitter, p.sky);
+	uint candidates = candidates_of(p, emitter);
+	findings f = findings(0u, 0u, GI_BLOCKER_NONE, GI_NONE);
+	while (f.taken < rays.wanted) {
+		take_sample(p, sample_of(f.taken, reordered), candidates, (clear & (1u << f.taken)) != 0u, f);
+		if (is_settled(f, rays))
+			break;
+	}
+	return f;
+}
+
 void keep(uint slot, uvec4 entry, uint visible, uint blocker, uint taken)
 {
 	entries[slot].z = visible | (blocker << 16u);
 	if (taken != samples_of(entry))
-		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) | (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
+		entries[slot].w = (taken << GI_ENTRY_SAMPLE_SHIFT) |
+				  (entry.w & ~(GI_ENTRY_SAMPLE_MASK << GI_ENTRY_SAMPLE_SHIFT));
+}
+
+// The node whose B the entry's link takes. The light is that of a leaf that was seen: of the node's others some may be
+// on the far side of a wall, or in another light altogether. On average it is what the node shows.
+uint target_of(pair p, uint found)
+{
+	uint target = p.sky || found == GI_NONE ? p.node : load_leaf(found).x;
+	// Where that begins or ceases to be black the object is relit, and its cuts are made anew.
+	vec4 shines = load_exitance(target); // in w its rho
+	return target | (shines.w > 0.0 || shines.x + shines.y + shines.z > 0.0 ? 0u : GI_TARGET_BLACK);
+}
+
+// Is the row to be closed again? Closing leaves out what no ray sees, but for black sky, and counts its rays among
+// those of what is seen of the same source: that is traced anew with it or not at all. Of the same samples seen the
+// same target is drawn.
+bool changes_row(pair p, uvec4 entry, findings f, bool is_new)
+{
+	return is_new ? f.visible != 0u || p.sky : f.visible != (entry.z & 0xFFFFu) || f.taken != samples_of(entry);
 }
 
 void main()
@@ -79,44 +153,11 @@ void main()
 		return;
 	}
 	pair p = load_pair(entry);
-	bool emitter = (source.w & GI_NODE_EMITTER) != 0u;
-	bool reordered = is_reordered(rays, emitter, p.sky);
-	uint candidates = candidates_of(p, emitter);
 	// What was visible before, of an entry between bodies that are at rest to each other, they do not hide now.
-	uint clear = is_new ? 0u : entry.z & 0xFFFFu;
-	uint visible = 0u, blocker = GI_BLOCKER_NONE, taken = 0u, found = GI_NONE;
-	while (taken < rays.wanted) {
-		segment_end a, b;
-		body on = p.source;
-		// What is not before the receiver must not shine through its back.
-		uint by = p.receiver.object;
-		uint k = sample_number(reordered, taken);
-		if (choose_segment(p, k, candidates, a, b, on)) {
-			by = blocker_of(p.receiver, a, on, b, !p.back, (clear & (1u << taken)) != 0u);
-			// Where none is seen, the first.
-			bool takes = by == GI_BLOCKER_NONE && takes_over(p.ids, taken, uint(bitCount(visible)));
-			found = found == GI_NONE || takes ? b.leaf : found;
-		}
-		if (by == GI_BLOCKER_NONE)
-			visible |= 1u << taken;
-		else
-			blocker = joined_blocker(blocker, by);
-		taken++;
-		bool agree = visible == 0u || visible == (1u << taken) - 1u;
-		if (agree && taken == (visible == 0u ? rays.hidden_probes : rays.probes))
-			break;
-	}
-	keep(slot, entry, visible, blocker, taken);
-	// The light is that of a leaf that was seen: of the node's others some may be on the far side of a wall, or in another
-	// light altogether. On average it is what the node shows.
-	uint target = p.sky || found == GI_NONE ? entry.x : load_leaf(found).x;
-	// Where that begins or ceases to be black the object is relit, and its cuts are made anew.
-	vec4 shines = load_exitance(target); // in w its rho
-	target |= shines.w > 0.0 || shines.x + shines.y + shines.z > 0.0 ? 0u : GI_TARGET_BLACK;
-	// Closing leaves out what no ray sees, but for black sky, and counts its rays among those of what is seen of the same source:
-	// that is traced anew with it or not at all. Of the same samples seen the same target is drawn.
-	if (is_new ? visible != 0u || p.sky : visible != (entry.z & 0xFFFFu) || taken != samples_of(entry))
+	findings f = trace(p, rays, is_new ? 0u : entry.z & 0xFFFFu);
+	keep(slot, entry, f.visible, f.blocker, f.taken);
+	if (changes_row(p, entry, f, is_new))
 		note_changed(p.leaf);
-	targets[slot] = target;
-	atomicAdd(state[GI_STATE_RAYS], taken);
+	targets[slot] = target_of(p, f.leaf);
+	atomicAdd(state[GI_STATE_RAYS], f.taken);
 }

@@ -56,10 +56,9 @@ static gi_result out_of_memory(const gi_context *gi)
 static void list_programs(gi_caustics *c, gpu_program_file list[PROGRAMS])
 {
 	const gpu_program_file programs[PROGRAMS] = {
-	    {"caustic_begin.comp", &c->begin_program},      {"caustic_trace.comp", &c->trace_program},
-	    {"caustic_deposit.comp", &c->deposit_program},  {"caustic_light.comp", &c->light_program},
-	    {"caustic_count.comp", &c->count_program},
-	    {"caustic_radius.comp", &c->radius_program}};
+	    {"caustic_begin.comp", &c->begin_program},     {"caustic_trace.comp", &c->trace_program},
+	    {"caustic_deposit.comp", &c->deposit_program}, {"caustic_light.comp", &c->light_program},
+	    {"caustic_count.comp", &c->count_program},     {"caustic_radius.comp", &c->radius_program}};
 	memcpy(list, programs, sizeof programs);
 }
 

@@ -32,12 +32,12 @@ struct gi_context {
 	gi_arena tree_arena;   /* what building the trees over the objects takes, for every frame */
 	gi_lamps lamps;
 	gi_estimate estimate;
-	gi_shade *shade;       /* made by the first gi_draw */
-	gi_paths *paths;       /* made by the first gi_trace_paths */
-	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
+	gi_shade *shade;                 /* made by the first gi_draw */
+	gi_paths *paths;                 /* made by the first gi_trace_paths */
+	gi_smooth *smooth;               /* made by the first update of a scene with mirrors or glass */
 	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
-	gi_arena light_arena;  /* what lists emitters for them, for every frame */
-	gi_caustics *caustics; /* likewise, where something emits */
+	gi_arena light_arena;            /* what lists emitters for them, for every frame */
+	gi_caustics *caustics;           /* likewise, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];

@@ -43,8 +43,8 @@ gi_result specular_rows_prepare(gi_context *gi, bool part)
 	const uint64_t bytes = 2 * sizeof(uint32_t) * gi->rows.entry_limit;
 	const gi_result result = make_programs(gi, part);
 	return result || ends->size >= bytes
-		       ? result
-		       : gpu_buffer_allocate(&gi->gpu, ends, "ends of ways through mirrors and glass", bytes, NULL);
+		   ? result
+		   : gpu_buffer_allocate(&gi->gpu, ends, "ends of ways through mirrors and glass", bytes, NULL);
 }
 
 void specular_rows_follow(gi_context *gi)
@@ -97,8 +97,8 @@ void specular_rows_free(gi_context *gi)
 	gi_specular_rows *s = gi->specular_rows;
 	if (!s)
 		return;
-	uint32_t *programs[] = {&s->close_program,  &s->gather_program,   &s->double_program, &s->emitted_program,
-				&s->assess_program, &s->survey_program,   &s->estimate_program, &s->list_program,
+	uint32_t *programs[] = {&s->close_program,  &s->gather_program, &s->double_program,   &s->emitted_program,
+				&s->assess_program, &s->survey_program, &s->estimate_program, &s->list_program,
 				&s->path_program,   &s->tops_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);

@@ -1,5 +1,5 @@
-/* What rows receive by way of mirrors and glass: entries that see one are followed to where the light comes from, and have
- * links for it (gi_shared.h). Nothing of it is there in a scene without mirrors and glass. */
+/* What rows receive by way of mirrors and glass: entries that see one are followed to where the light comes from, and
+ * have links for it (gi_shared.h). Nothing of it is there in a scene without mirrors and glass. */
 #ifndef GI_SPECULAR_ROWS_H
 #define GI_SPECULAR_ROWS_H
 
@@ -23,8 +23,8 @@ void specular_rows_follow(gi_context *gi);
 uint32_t specular_rows_close_program(const gi_context *gi);
 /* An update of the rows ends: of some of them or all. */
 void specular_rows_done(gi_context *gi, bool part);
-/* May links through mirrors and glass bring what something emits, the sky's light or, where there are no packets, that of
- * any emitter? */
+/* May links through mirrors and glass bring what something emits, the sky's light or, where there are no packets, that
+ * of any emitter? */
 bool specular_rows_bring_exitance(const gi_context *gi);
 void specular_rows_free(gi_context *gi);
 

@@ -1,5 +1,5 @@
-/* What is reflected to leaves by way of mirrors and glass: a room with an ideal mirror for a wall is half of a room twice as
- * long; then updates against scenes made at once. */
+/* What is reflected to leaves by way of mirrors and glass: a room with an ideal mirror for a wall is half of a room
+ * twice as long; then updates against scenes made at once. */
 #include "harness.h"
 #include "scenes/body.h"
 #include "scenes/shapes.h"
@@ -47,7 +47,8 @@ static void add_walls(gi_context *gi, float width)
 /* Of 0.8 by 0.8 m below the ceiling. */
 static void add_lamp(gi_context *gi, float x)
 {
-	add_quad(gi, "lamp", (const float[]){x - 0.4f, 1.95f, 0.6f}, (const float[]){0.8f, 0, 0}, (const float[]){0, 0, 0.8f}, 2, 2, BLACK, LAMP);
+	add_quad(gi, "lamp", (const float[]){x - 0.4f, 1.95f, 0.6f}, (const float[]){0.8f, 0, 0},
+		 (const float[]){0, 0, 0.8f}, 2, 2, BLACK, LAMP);
 }
 
 static gi_context *open_room(float tolerance, uint32_t photons)
@@ -74,7 +75,8 @@ static gi_leaf *half_with_mirror(const float reflectance[3], float tolerance, ui
 	add_walls(gi, 2);
 	add_lamp(gi, 1);
 	engine_mesh mesh;
-	assert_true(shape_quad((const float[]){2, 0, 0}, (const float[]){0, 0, 2}, (const float[]){0, 2, 0}, 2 * FINE, 2 * FINE, &mesh));
+	assert_true(shape_quad((const float[]){2, 0, 0}, (const float[]){0, 0, 2}, (const float[]){0, 2, 0}, 2 * FINE,
+			       2 * FINE, &mesh));
 	const gi_material black = {.rho = {0}};
 	gi_specular mirror = {0};
 	memcpy(mirror.reflectance, reflectance, sizeof mirror.reflectance);
@@ -97,7 +99,8 @@ static snapshot doubled(float tolerance)
 {
 	gi_context *gi = open_room(tolerance, 0);
 	add_walls(gi, 4);
-	add_quad(gi, "right", (const float[]){4, 0, 0}, (const float[]){0, 0, 2}, (const float[]){0, 2, 0}, 2 * FINE, 2 * FINE, RED, NULL);
+	add_quad(gi, "right", (const float[]){4, 0, 0}, (const float[]){0, 0, 2}, (const float[]){0, 2, 0}, 2 * FINE,
+		 2 * FINE, RED, NULL);
 	add_lamp(gi, 1);
 	add_lamp(gi, 3);
 	assert_gi(gi_commit(gi));
@@ -140,11 +143,12 @@ static uint32_t *fold(const gi_leaf *leaves, uint32_t count)
 	return out;
 }
 
-/* H in the half, whose mirror leaves `reflectance` of the light: the doubled room's rows, in which links to images count so
- * much. */
+/* H in the half, whose mirror leaves `reflectance` of the light: the doubled room's rows, in which links to images
+ * count so much. */
 static double *solve_folded(const snapshot *s, const uint32_t *folded, const float reflectance[3])
 {
-	double *h = calloc(3 * (size_t)s->leaf_count + 1, sizeof *h), *next = calloc(3 * (size_t)s->leaf_count + 1, sizeof *h);
+	double *h = calloc(3 * (size_t)s->leaf_count + 1, sizeof *h),
+	       *next = calloc(3 * (size_t)s->leaf_count + 1, sizeof *h);
 	assert_true(h && next);
 	for (int sweep = 0; sweep < 60; sweep++) {
 		memset(next, 0, 3 * (size_t)s->leaf_count * sizeof *next);
@@ -154,7 +158,8 @@ static double *solve_folded(const snapshot *s, const uint32_t *folded, const flo
 			const bool image = from != link->first_leaf;
 			for (uint32_t c = 0; c < 3; c++) {
 				const double b = s->leaves[from].exitance[c] + s->leaves[from].rho[c] * h[3 * from + c];
-				next[3 * link->leaf + c] += (double)link->weight * b * (image ? (double)reflectance[c] : 1.0);
+				next[3 * link->leaf + c] +=
+				    (double)link->weight * b * (image ? (double)reflectance[c] : 1.0);
 			}
 		}
 		memcpy(h, next, 3 * (size_t)s->leaf_count * sizeof *h);
@@ -197,8 +202,8 @@ static void test_doubled_room(void **state)
 		for (uint32_t c = 0; c < 3; c++) {
 			double mean, rms;
 			compare(half, count, &all, wanted, c, &mean, &rms);
-			printf("mirror of reflectance %.1f: mean %+.2f %%, RMS by leaf %.2f %%\n", (double)mirrors[m][c], 100 * mean,
-			       100 * rms);
+			printf("mirror of reflectance %.1f: mean %+.2f %%, RMS by leaf %.2f %%\n",
+			       (double)mirrors[m][c], 100 * mean, 100 * rms);
 			assert_true(fabs(mean) < 0.01);
 			assert_true(rms < 0.04);
 		}
@@ -252,7 +257,8 @@ static moving open_moving(const gi_pose *poses, gi_sky sky)
 	m.movers[0] = add_ball(m.gi, "mirror ball", &MIRROR);
 	m.movers[1] = add_ball(m.gi, "glass ball", &GLASS);
 	engine_mesh mesh;
-	assert_true(shape_box((const float[]){-0.2f, -0.2f, -0.2f}, (const float[]){0.2f, 0.2f, 0.2f}, 2, false, &mesh));
+	assert_true(
+	    shape_box((const float[]){-0.2f, -0.2f, -0.2f}, (const float[]){0.2f, 0.2f, 0.2f}, 2, false, &mesh));
 	m.movers[2] = add(m.gi, "block", &mesh, RED, NULL);
 	for (int k = 0; k < MOVERS; k++)
 		assert_gi(gi_set_pose(m.gi, m.movers[k], poses[k]));
@@ -384,7 +390,8 @@ static void test_bounds(void **state)
 		snapshot part = snapshot_take(m.gi);
 		after = harness_update(m.gi);
 		snapshot whole = snapshot_take(m.gi);
-		const double bound = (double)before.solve_bound + (double)before.stale_bound + (double)after.solve_bound;
+		const double bound =
+		    (double)before.solve_bound + (double)before.stale_bound + (double)after.solve_bound;
 		assert_true(snapshot_distance(&part, &whole) <= bound);
 		waited += before.waiting_rows > 0;
 		snapshot_free(&part);
@@ -426,9 +433,8 @@ static void test_last_mirror(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_doubled_room),  cmocka_unit_test(test_moves),       cmocka_unit_test(test_moves_under_sky),
-	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds),
-	    cmocka_unit_test(test_last_mirror),
+	    cmocka_unit_test(test_doubled_room),  cmocka_unit_test(test_moves),  cmocka_unit_test(test_moves_under_sky),
+	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds), cmocka_unit_test(test_last_mirror),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
