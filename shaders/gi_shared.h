@@ -535,7 +535,7 @@ GI_STRUCT(gi_move) {
  *   //--------------- 16B ---------------
  *   origin.xyz  the vertex, lifted off its surface   origin.w  its path's number, a whole number below 2^24
  *   normal.xyz  there                                normal.w  its number along the path
- *   throughput.xyz                                   throughput.w 0
+ *   throughput.xyz                                   throughput.w 1: at a mirror or glass, normal is the direction it goes on in
  *   found.xyz   irradiance that the path found so far found.w 0
  *   sum.xyz     that of the slot's paths before it   sum.w 0
  */

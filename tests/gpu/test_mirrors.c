@@ -2,6 +2,7 @@
  * twice as long; then updates against scenes made at once. */
 #include "harness.h"
 #include "scenes/body.h"
+#include "scenes/cornell.h"
 #include "scenes/shapes.h"
 #include "snapshot.h"
 
@@ -212,6 +213,48 @@ static void test_doubled_room(void **state)
 	}
 	free(folded);
 	snapshot_free(&all);
+}
+
+/* ---- against path tracing ---- */
+
+/* RMS of H by leaf in the Cornell box with two balls, white ones, or a mirror and one of glass. */
+static double box_error(const gi_specular *balls, float tolerance, uint32_t paths)
+{
+	gi_context_def context_def = harness_def();
+	context_def.row_tolerance = tolerance;
+	context_def.caustic_photons = 65536;
+	gi_context *gi = harness_context(&context_def);
+	cornell_def def = cornell_def_default();
+	def.buddha = false;
+	def.wall_levels = 2;
+	def.ball_faces = 8;
+	def.ball_specular = balls;
+	cornell box;
+	assert_gi(cornell_create(gi, &def, &box));
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	snapshot s = snapshot_take(gi);
+	const double error = snapshot_light_error(gi, &s, paths);
+	snapshot_free(&s);
+	gi_context_destroy(gi);
+	return error;
+}
+
+static void test_cornell_box(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const gi_specular balls[2] = {{.reflectance = {0.92f, 0.92f, 0.92f}},
+					     {.transmittance = {1, 0.9f, 0.8f}, .index = 1.5f}};
+	const float t = getenv("TOL") ? (float)atof(getenv("TOL")) : 0.024f;
+	if (getenv("DBG")) {
+		const gi_specular mm[2] = {balls[0], balls[0]}, gg[2] = {balls[1], balls[1]};
+		printf("mirrors %.2f glass %.2f\n", 100 * box_error(mm, t, 1024), 100 * box_error(gg, t, 1024));
+		printf("mirrors %.2f glass %.2f at 4096\n", 100 * box_error(mm, t, 4096), 100 * box_error(gg, t, 4096));
+	}
+	const double white = box_error(NULL, t, 1024), smooth = box_error(balls, t, 1024);
+	printf("error of H by leaf: %.2f %% with white balls, %.2f %% with a mirror and a glass one\n", 100 * white,
+	       100 * smooth);
 }
 
 /* ---- what moves ---- */
@@ -433,7 +476,7 @@ static void test_last_mirror(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_doubled_room),  cmocka_unit_test(test_moves),  cmocka_unit_test(test_moves_under_sky),
+	    cmocka_unit_test(test_doubled_room), cmocka_unit_test(test_cornell_box),  cmocka_unit_test(test_moves),  cmocka_unit_test(test_moves_under_sky),
 	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds), cmocka_unit_test(test_last_mirror),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
