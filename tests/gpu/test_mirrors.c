@@ -305,7 +305,7 @@ static void test_cornell_box(void **state)
 
 /* ---- energy ---- */
 
-/* A room of rho and E alike everywhere: H = E / (1 - rho) on every leaf, whatever mirrors and clear glass stand in it. */
+/* A room of rho and E alike everywhere: H = E / (1 - rho) on every leaf, whatever mirrors and clear glass are in it. */
 static void check_furnace(const gi_specular *specular)
 {
 	static const float half[3] = {0.5f, 0.5f, 0.5f}, one[3] = {1, 1, 1};
