@@ -1,4 +1,5 @@
-/* The demo: a mirror ball and a glass ball in the Cornell box (figure 5 of Song et al., README), and their caustics follow. */
+/* The demo: a mirror ball and a glass ball in the Cornell box (figure 5 of Song et al., README), and their caustics
+ * follow. */
 #include "player.h"
 #include "scenes/cornell.h"
 

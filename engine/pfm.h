@@ -18,8 +18,8 @@ extern "C" {
  * written; then what was there before stays (output.h). */
 bool engine_pfm_write(const char *path, int width, int height, const float *rgb, char *message, size_t message_size);
 
-/* Reads a colour picture of 1..16384 pixels a side, top row first. *rgb is the caller's to free(); NULL on failure. False
- * with one line in message. */
+/* Reads a colour picture of 1..16384 pixels a side, top row first. *rgb is the caller's to free(); NULL on failure.
+ * False with one line in message. */
 bool engine_pfm_read(const char *path, int *width, int *height, float **rgb, char *message, size_t message_size);
 
 #ifdef __cplusplus

@@ -23,12 +23,12 @@
 #define READ_SEGMENTS
 #define READ_ENTRIES
 #define READ_TARGETS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_ROWS
 #define WRITE_CHOICES
 #define WRITE_PENDING
@@ -42,6 +42,7 @@
 #include "facing.glsl"
 #include "reach.glsl"
 #include "sampling.glsl"
+#include "view.glsl"
 #include "priority.glsl"
 #include "row_light.glsl"
 #include "received.glsl"
@@ -117,11 +118,13 @@ struct source_part {
 // Segments of a way through mirrors and glass, about.
 const uint PATH_RAYS = 4u;
 
-// The most that is seen in mirrors and through glass: what emitters give comes by packets, but where there are none.
+// The most that is seen in mirrors and through glass: what emitters give comes by photons, but where there are none.
 vec3 brightest_seen()
 {
-	uint at = GI_SHINE_WORDS * frame.counts.z + (frame.statics.y != 0u ? GI_SHINE_ALL : GI_SHINE_OTHERS);
-	return max(uintBitsToFloat(uvec3(load_shine(at), load_shine(at + 1u), load_shine(at + 2u))), reflected_most());
+	uint which = frame.statics.y != 0u ? GI_LIGHT_BOUND_ALL : GI_LIGHT_BOUND_OTHERS;
+	uint at = GI_LIGHT_BOUND_WORDS * frame.counts.z + which;
+	uvec3 most = uvec3(load_light_bound(at), load_light_bound(at + 1u), load_light_bound(at + 2u));
+	return max(uintBitsToFloat(most), reflected_most());
 }
 #endif
 
@@ -134,11 +137,11 @@ source_part load_source(uint object)
 		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits, false);
 	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false, false);
 	for (uint c = 0u; c < 3u; c++) {
-		uint at = GI_SHINE_WORDS * object + c;
-		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
-		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
+		uint at = GI_LIGHT_BOUND_WORDS * object + c;
+		from.others.most[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_OTHERS));
+		from.brightest[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_ALL));
 		from.others.least[c] =
-		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
+		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_light_bound(at + GI_LIGHT_BOUND_LEAST));
 	}
 #ifdef SPECULAR
 	from.smooth_part = has_smooth(object);

@@ -356,31 +356,31 @@ uvec4 load_run(uint n)
 }
 #endif
 
-#ifdef READ_SUSPECTS
-TEXELS(GI_BIND_SUSPECTS) suspect_texels;
-uint load_suspect(uint n)
+#ifdef READ_OBJECT_LISTS
+TEXELS(GI_BIND_OBJECT_LISTS) object_list_texels;
+uint load_listed_object(uint n)
 {
-	return word(suspect_texels, n);
+	return word(object_list_texels, n);
 }
 
 // Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of where it was, 0 and
 // 1, and of that and where it is, 2 and 3.
 uvec4 load_swept_change(uint k)
 {
-	return texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k);
+	return texel(object_list_texels, frame.swept.x + GI_SWEPT_PARTS * k);
 }
 
 vec4 load_swept_corner(uint k, uint corner)
 {
-	return float_texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
+	return float_texel(object_list_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
 }
 #endif
 
-#ifdef READ_WIDE_NODES
-TEXELS(GI_BIND_WIDE_NODES) wide_node_texels;
-uint load_wide_node(uint n)
+#ifdef READ_LARGE_NODES
+TEXELS(GI_BIND_LARGE_NODES) large_node_texels;
+uint load_large_node(uint n)
 {
-	return word(wide_node_texels, n);
+	return word(large_node_texels, n);
 }
 #endif
 
@@ -440,11 +440,11 @@ gi_pending load_pending(uint n)
 }
 #endif
 
-#ifdef READ_SHINE
-TEXELS(GI_BIND_SHINE) shine_texels;
-uint load_shine(uint n)
+#ifdef READ_LIGHT_BOUNDS
+TEXELS(GI_BIND_LIGHT_BOUNDS) light_bound_texels;
+uint load_light_bound(uint n)
 {
-	return word(shine_texels, n);
+	return word(light_bound_texels, n);
 }
 #endif
 
@@ -545,7 +545,7 @@ gi_caustic_pair load_caustic_pair(uint n)
 #ifdef READ_CAUSTIC_PATHS
 TEXELS(GI_BIND_CAUSTIC_PATHS) caustic_path_texels;
 // Of a pair, how many there are.
-uint load_packets(uint pair)
+uint load_photon_count(uint pair)
 {
 	return word(caustic_path_texels, GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_NOW);
 }
@@ -664,8 +664,8 @@ STORAGE(GI_BIND_CHOICES) choices_block { uint choices[]; };
 #ifdef WRITE_PENDING
 STORAGE(GI_BIND_PENDING) pending_block { gi_pending pending[]; };
 #endif
-#ifdef WRITE_SHINE
-STORAGE(GI_BIND_SHINE) shine_block { uint shine[]; };
+#ifdef WRITE_LIGHT_BOUNDS
+STORAGE(GI_BIND_LIGHT_BOUNDS) light_bounds_block { uint light_bounds[]; };
 #endif
 #ifdef WRITE_SPECULAR_ENDS
 STORAGE(GI_BIND_SPECULAR_ENDS) specular_ends_block { uvec2 specular_ends[]; };

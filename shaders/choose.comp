@@ -1,7 +1,7 @@
 #version 450 core
-// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and to
-// refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken, so
-// every update gets on. Stages 1 and 3: group counts for the rows that were listed.
+// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and
+// to refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken,
+// so every update gets on. Stages 1 and 3: group counts for the rows that were listed.
 #define READ_FRAME
 #define READ_CHOICES
 #define WRITE_STATE
@@ -41,7 +41,7 @@ uint threshold(uint first, uint budget)
 void count_groups()
 {
 	if (stage == ASSESS_GROUPS) {
-		state[GI_STATE_ASSESSED] = min(state[GI_STATE_ASSESSED], frame.rations.z);
+		state[GI_STATE_ASSESSED] = min(state[GI_STATE_ASSESSED], frame.budget.z);
 		set_groups(GI_STATE_ARGS_ASSESS, spread_groups(state[GI_STATE_ASSESSED]));
 	} else {
 		set_groups(GI_STATE_ARGS_CHOSEN, spread_groups(state[GI_STATE_CHOSEN]));
@@ -61,7 +61,7 @@ void main()
 	if (local > 0u)
 		return;
 	if (stage == ASSESS)
-		state[GI_STATE_ASSESS_THRESHOLD] = max(threshold(first, frame.rations.z), 1u);
+		state[GI_STATE_ASSESS_THRESHOLD] = max(threshold(first, frame.budget.z), 1u);
 	else if (stage == REFRESH)
 		state[GI_STATE_THRESHOLD] = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
 	else

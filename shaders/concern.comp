@@ -1,12 +1,13 @@
 #version 450 core
-// Of an exact update: lists the rows that something that moved may concern, those of leaves that moved or before whose front
-// something was or is that moved and no static face hides (covered.comp). All others are current as they are. One thread a leaf.
+// Of an exact update: lists the rows that something that moved may concern, those of leaves that moved or before whose
+// front something was or is that moved and no static face hides (covered.comp). All others are current as they are. One
+// thread a leaf.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_WORLD
 #define READ_LEAVES
 #define READ_ROWS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_TOUCHED
 #define WRITE_ROWS
 #define WRITE_TOUCHED

@@ -218,73 +218,123 @@ uvec2 pair_of(uint t)
 	return uvec2(run.w + (t - run.x), run.z);
 }
 
-void main()
+// Does the pair's cut have to be made anew, and by this shader?
+bool is_wanted(uint mine, uint source, uint since)
 {
-	uvec2 pair = pair_of(thread_number());
-	uint leaf = pair.x, source = pair.y;
-	if (leaf == GI_NONE)
-		return;
-	uvec4 receiver = load_leaf(leaf);
-	uint mine = receiver.y;
-	bool anew = (frame.update.w & GI_UPDATE_REBUILD) != 0u;
-	uint since = load_row(leaf).z;
-	if ((!anew && !pair_is_dirty(mine, source, since)) ||
-	    (!anew && pair_keeps_nodes(mine, source, since)) != (KEEPS == 1))
-		return;
-	bool same = mine == source;
-	shape p = shape_of(geometry_of(receiver.x, same), load_range(receiver.x).w);
-	bool unseen = ((object_bvh(mine).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
-	uint slot = segment_of(leaf, source);
-	uvec2 block = load_segment(slot).xy;
-	uint old_count = block.y & GI_BLOCK_COUNT_MASK, queued = 0u;
-	bool keeps = KEEPS == 1 && !unseen && old_count > 0u;
-	old_part old = old_part(block.x, keeps ? block.x + old_count : block.x, since);
-	cut_size size = cut_size(0u, 0u);
-	// Walked again where the block turns out not to fit, above all the first time, and where entries are kept:
-	// first to see how many come. One place that walks, takes and writes: every call is put in line, and compilers
-	// take their time with copies.
-	bool counts = keeps;
-	for (bool again = true; again;) {
-		bool has = block.y >> 24u != GI_BLOCK_NO_CLASS;
-		uint room = has && !counts ? GI_BLOCK_SMALLEST << (block.y >> 24u) : 0u;
-		if (!unseen)
-			size = write_cut(p, leaf, source, same, block.x, room, old, queued);
-		if (keeps && !counts)
-			break;
-		if (counts && size.fresh == 0u && size.nodes == old_count)
-			return; // nothing of it changed
-		uint needed = keeps && size.nodes > 0u ? old_count + size.fresh : size.nodes;
-		uvec2 fitting = fit_block(block, needed);
-		bool full = fitting.x == GI_NONE; // then what there is room for is kept
-		again = !full && (counts || fitting != block) && size.nodes > 0u;
-		if (keeps && again) {
-			if (fitting == block)
-				shift(old, size.fresh);
-			queued = atomicAdd(state[GI_STATE_NEW], size.fresh);
-		}
-		size.nodes = full ? min(size.nodes, room) : size.nodes;
-		block = full ? block : fitting;
-		counts = false;
-	}
-	segments[slot].xy = uvec2(block.x, (block.y & ~GI_BLOCK_COUNT_MASK) | size.nodes);
+	if ((frame.update.w & GI_UPDATE_REBUILD) != 0u)
+		return KEEPS == 0;
+	return pair_is_dirty(mine, source, since) && pair_keeps_nodes(mine, source, since) == (KEEPS == 1);
+}
 
-	if (size.nodes != old_count)
-		atomicAdd(state[GI_STATE_ENTRIES], size.nodes - old_count);
-	if (size.nodes + old_count > 0u)
-		note_dirty(leaf, max(size.fresh, 1u));
-	// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum
-	// of form factors.
-	bool was_seen = old_count > 0u && uintBitsToFloat(load_segment(slot).z) > 0.0;
-	if (was_seen || (size.nodes > 0u && (load_range(object_nodes(source).x).w & GI_NODE_EMITTER) != 0u))
-		note_changed(leaf);
-	if (size.nodes == 0u)
-		return;
-	if (!keeps)
-		queued = atomicAdd(state[GI_STATE_NEW], size.nodes);
-	if (queued + size.fresh > frame.limits.y) {
+// The cut of a pair while it is made.
+struct cut {
+	uint leaf, source;
+	bool same, unseen;
+	shape receiver;
+	uint segment;
+	uvec2 block;    // of entries
+	uint old_count; // how many the segment had
+	bool keeps;     // some of them stay
+	old_part old;
+	cut_size size;
+	uint queued;    // where its entries begin in the queue
+};
+
+cut begin_cut(uint leaf, uint source, uvec4 receiver, uint since)
+{
+	cut c;
+	c.leaf = leaf;
+	c.source = source;
+	c.same = receiver.y == source;
+	c.unseen = ((object_bvh(receiver.y).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
+	c.receiver = shape_of(geometry_of(receiver.x, c.same), load_range(receiver.x).w);
+	c.segment = segment_of(leaf, source);
+	c.block = load_segment(c.segment).xy;
+	c.old_count = c.block.y & GI_BLOCK_COUNT_MASK;
+	c.keeps = KEEPS == 1 && !c.unseen && c.old_count > 0u;
+	c.old = old_part(c.block.x, c.keeps ? c.block.x + c.old_count : c.block.x, since);
+	c.size = cut_size(0u, 0u);
+	c.queued = 0u;
+	return c;
+}
+
+// Finds room for what a walk came to; true: it has to be walked again. 
+bool fit_cut(uint room, bool counted, inout cut c)
+{
+	uint needed = c.keeps && c.size.nodes > 0u ? c.old_count + c.size.fresh : c.size.nodes;
+	uvec2 fitting = fit_block(c.block, needed);
+	bool full = fitting.x == GI_NONE; // then what there is room for is kept
+	bool again = !full && (counted || fitting != c.block) && c.size.nodes > 0u;
+	if (c.keeps && again) {
+		if (fitting == c.block)
+			shift(c.old, c.size.fresh);
+		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.fresh);
+	}
+	c.size.nodes = full ? min(c.size.nodes, room) : c.size.nodes;
+	c.block = full ? c.block : fitting;
+	return again;
+}
+
+// Writes the entries; false: nothing of them changed. Walked again where the block turns out not to fit, above all the
+// first time, and where entries are kept: first to see how many come. One place that walks, takes and writes: every
+// call is put in line, and compilers take their time with copies.
+bool make_cut(inout cut c)
+{
+	bool counts = c.keeps;
+	for (bool again = true; again; counts = false) {
+		bool has = c.block.y >> 24u != GI_BLOCK_NO_CLASS;
+		uint room = has && !counts ? GI_BLOCK_SMALLEST << (c.block.y >> 24u) : 0u;
+		if (!c.unseen)
+			c.size = write_cut(c.receiver, c.leaf, c.source, c.same, c.block.x, room, c.old, c.queued);
+		if (c.keeps && !counts)
+			break;
+		if (counts && c.size.fresh == 0u && c.size.nodes == c.old_count)
+			return false;
+		again = fit_cut(room, counts, c);
+	}
+	return true;
+}
+
+// What was seen is seen no more as it was; what is seen now, tracing finds. Of emitters closing leaves the sum of form
+// factors.
+void note_cut(cut c)
+{
+	segments[c.segment].xy = uvec2(c.block.x, (c.block.y & ~GI_BLOCK_COUNT_MASK) | c.size.nodes);
+	if (c.size.nodes != c.old_count)
+		atomicAdd(state[GI_STATE_ENTRIES], c.size.nodes - c.old_count);
+	if (c.size.nodes + c.old_count > 0u)
+		note_dirty(c.leaf, max(c.size.fresh, 1u));
+	bool was_seen = c.old_count > 0u && uintBitsToFloat(load_segment(c.segment).z) > 0.0;
+	if (was_seen || (c.size.nodes > 0u && (load_range(object_nodes(c.source).x).w & GI_NODE_EMITTER) != 0u))
+		note_changed(c.leaf);
+}
+
+// Of a cut that keeps entries the fresh ones are in the queue already (write_cut).
+void queue_cut(inout cut c)
+{
+	if (!c.keeps)
+		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.nodes);
+	if (c.queued + c.size.fresh > frame.limits.y) {
 		atomicOr(state[GI_STATE_OVERFLOW], 1u);
 		return;
 	}
-	for (uint k = 0u; k < size.nodes && !keeps; k++)
-		queue[queued + k] = block.x + k;
+	for (uint k = 0u; k < c.size.nodes && !c.keeps; k++)
+		queue[c.queued + k] = c.block.x + k;
+}
+
+void main()
+{
+	uvec2 pair = pair_of(thread_number());
+	if (pair.x == GI_NONE)
+		return;
+	uvec4 receiver = load_leaf(pair.x);
+	uint since = load_row(pair.x).z;
+	if (!is_wanted(receiver.y, pair.y, since))
+		return;
+	cut c = begin_cut(pair.x, pair.y, receiver, since);
+	if (!make_cut(c))
+		return;
+	note_cut(c);
+	if (c.size.nodes > 0u)
+		queue_cut(c);
 }

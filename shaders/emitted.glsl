@@ -62,7 +62,9 @@ vec3 walk(uint leaf, uvec4 row)
 		uvec4 link = load_two_links(k);
 		if (!is_specular(link))
 			break;
-		dvec3 light = (link.x & GI_LINK_PACKETS) != 0u ? dvec3(0.0lf) : dvec3(weights_of(link)) * dvec3(load_exitance(node_of(link)).xyz);
+		bool counts = (link.x & GI_LINK_PHOTONS) == 0u;
+		vec3 exitance = counts ? load_exitance(node_of(link)).xyz : vec3(0.0);
+		dvec3 light = dvec3(weights_of(link)) * dvec3(exitance);
 		sum += light;
 		undrawn += light;
 		weights += double(largest_weight_of(link));

@@ -1,6 +1,6 @@
 #version 450 core
-// Under a budget: lists rows. STAGE 0: those to assess; 1: those to refresh, and counts those that wait. One thread a leaf.
-// Whichever order a list comes in, the rows are the same.
+// Under a budget: lists rows. STAGE 0: those to assess; 1: those to refresh, and counts those that wait. One thread a
+// leaf. Whichever order a list comes in, the rows are the same.
 #define READ_FRAME
 #define READ_PENDING
 #define WRITE_CHOICES
@@ -28,10 +28,10 @@ void main()
 		return;
 	uvec4 key = load_pending(leaf).key;
 	if (stage == 0u) {
-		uint k = frame.rations.z;
+		uint k = frame.budget.z;
 		if (key.w == 0u && key.x >= state[GI_STATE_ASSESS_THRESHOLD])
 			k = atomicAdd(state[GI_STATE_ASSESSED], 1u);
-		if (k < frame.rations.z)
+		if (k < frame.budget.z)
 			choices[GI_CHOICE_CHOSEN + frame.counts.x + k] = leaf;
 		return;
 	}

@@ -5,15 +5,16 @@
 // reflected: a mean m with the part r of the light becomes m + r m + r^2 m + ... = m / (1 - r), where errors without
 // a common sign average out over a row. So
 //
-//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1),   |m|^2 = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
+//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1),
+//     |m|^2     = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
 //
 // the latter over pairs of different leaves, so that the samples' noise is not in it.
 #define READ_ESTIMATE_RESULTS
 #define WRITE_STATE
 #include "buffers.glsl"
 
-// Where it is dark: each leaf's error is taken over its own light, or over this part of the scene's where it has less, below
-// which nobody sees it. The common part of reflected errors is left out: it goes with the scene's light.
+// Where it is dark: each leaf's error is taken over its own light, or over this part of the scene's where it has less,
+// below which nobody sees it. The common part of reflected errors is left out: it goes with the scene's light.
 const float DARK = 0.01;
 
 layout(local_size_x = GI_GROUP_SIZE) in;

@@ -47,6 +47,161 @@ float inverse_power_of_two(float x)
 	return uintBitsToFloat((254u << 23) - (floatBitsToUint(x) & 0x7F800000u));
 }
 
+gi_node_geometry geometry_of(uint node, bool same)
+{
+	if (same)
+		return load_rest(node);
+	return load_world(node);
+}
+
+// The leaf that receives.
+struct receiver {
+	gi_node_geometry g;
+	vec3 a, b, c, d;
+	bool triangle;
+	bool folded; // it has two normals: the mean of what its halves see is not what their mean normal sees
+	float area_abc, area_acd;
+	vec3 normal_abc, normal_acd;
+};
+
+// The node that sends.
+struct source {
+	uint node;
+	gi_node_topology t;
+	gi_node_geometry g;
+	bool sky;
+	bool self;    // it is the receiver
+	bool same;    // both are of one object, and all is computed in its rest frame
+	bool top;
+	float unit;   // its lengths are in units of 1 / unit
+	bool contour; // its corners are its outline
+	bool disc;    // so small from there that its outline does not matter
+	float shown;  // area that it shows where it is a disc without an outline; below 0: of its back
+};
+
+source load_source(uint node, uint leaf, uint receiver_node)
+{
+	source s;
+	s.node = node;
+	s.t = load_topology(node);
+	s.sky = (s.t.range.w & GI_NODE_SKY) != 0u;
+	s.self = node == receiver_node;
+	s.top = (s.t.range.w & GI_NODE_TOP) != 0u;
+	s.same = !s.sky && !s.top && load_leaf(leaf).y == load_leaf(s.t.range.y).y;
+	s.g = geometry_of(node, s.same);
+	return s;
+}
+
+// Lengths are in units of the largest: their fourth powers, which the contour sum takes, stay in the range of floats.
+float unit_of(gi_node_geometry p, source s)
+{
+	return s.sky ? inverse_power_of_two(p.sphere.w)
+		     : inverse_power_of_two(max(length(s.g.sphere.xyz - p.sphere.xyz), max(s.g.sphere.w, p.sphere.w)));
+}
+
+receiver load_receiver(uint node, gi_node_geometry g, source s, float unit)
+{
+	receiver r;
+	uvec4 corners = load_corners(node);
+	r.g = g;
+	r.g.sphere *= unit;
+	r.a = unit * corner_of(corners.x, s.same);
+	r.b = unit * corner_of(corners.y, s.same);
+	r.c = unit * corner_of(corners.z, s.same);
+	r.d = unit * corner_of(corners.w, s.same);
+	r.triangle = corners.z == corners.w;
+	vec3 fold_abc = cross(r.b - r.a, r.c - r.a), fold_acd = cross(r.c - r.a, r.d - r.a);
+	r.area_abc = length(fold_abc);
+	r.area_acd = length(fold_acd);
+	// Where the corners are so far away that a half has no area left in floats, the mean is all there is.
+	r.folded = (g.axis.w < FOLDED || s.self) && r.area_abc > 0.0 && r.area_acd > 0.0;
+	r.normal_abc = r.folded ? fold_abc / r.area_abc : g.axis.xyz;
+	r.normal_acd = r.folded ? fold_acd / r.area_acd : g.axis.xyz;
+	return r;
+}
+
+float shown_to(receiver r, source s, float far)
+{
+	vec3 view = (r.g.sphere.xyz - s.g.sphere.xyz) / far;
+	vec3 rest_view = s.same || s.top ? view : rest_direction_from_world(load_leaf(s.t.range.y).y, view);
+	vec2 sides = shown_area(load_spread(s.node), s.g.moment, view, rest_view);
+	bool back_side = (s.t.range.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
+	return (back_side ? -sides.y : sides.x) * s.unit * s.unit;
+}
+
+// How the source is taken from the receiver: by its outline, or as a disc.
+void choose_outline(receiver r, float far, inout source s)
+{
+	uint flags = s.t.range.w;
+	s.contour = (flags & GI_NODE_LEAF) != 0u || ((flags & GI_NODE_POLYGON) != 0u && s.g.axis.w >= FLAT_CONE);
+	s.disc = !s.sky && (!s.contour || s.g.sphere.w < POINT_SOURCE * (far - s.g.sphere.w));
+	s.shown = s.disc && !s.contour ? shown_to(r, s, far) : 0.0;
+}
+
+// How many points a side of the receiver are averaged. A folded leaf's whole contour, seen from within, is rounding,
+// and so are points on the edge between its halves: of itself one point each.
+int points_a_side(receiver r, source s, float far)
+{
+	if (s.sky || s.self || r.g.sphere.w < RECEIVER_2 * far)
+		return 1;
+	return r.g.sphere.w < RECEIVER_4 * far ? 2 : 4;
+}
+
+// Of the k-th point: where in the unit square, and its weight.
+vec3 point_and_weight(receiver r, int side, int k)
+{
+	int i = k % side, j = k / side;
+	if (side == 2)
+		return vec3(GAUSS_2[i], GAUSS_2[j], 1.0);
+	if (side == 4)
+		return vec3(GAUSS_4[i], GAUSS_4[j], WEIGHT_4[i] * WEIGHT_4[j]);
+	vec2 u = r.triangle || r.folded ? vec2(2.0, 1.0) / 3.0 : vec2(0.5);
+	return vec3(k == 1 ? u.yx : u, 1.0);
+}
+
+// From a point of the receiver, of its half a b c or a c d, with the normal n.
+float factor_from(receiver r, source s, vec3 x, vec3 n, bool abc)
+{
+	if (s.disc) {
+		vec3 to = s.g.sphere.xyz - x;
+		return disc_factor(to, n, s.contour ? -dot(s.g.moment.xyz, normalize(to)) * s.unit * s.unit : s.shown);
+	}
+	vec3 origin = s.sky ? vec3(0.0) : x;
+	vec3 v[4]; // what a folded leaf sees of itself is the other half
+	if (s.self)
+		v = abc ? vec3[](r.a - x, r.c - x, r.d - x, r.d - x) : vec3[](r.a - x, r.b - x, r.c - x, r.c - x);
+	else
+		v = vec3[](s.unit * corner_of(s.t.corners.x, s.same) - origin,
+			   s.unit * corner_of(s.t.corners.y, s.same) - origin,
+			   s.unit * corner_of(s.t.corners.z, s.same) - origin,
+			   s.unit * corner_of(s.t.corners.w, s.same) - origin);
+	return polygon_factor(v, n);
+}
+
+// Sums over the receiver's points of the factors to the source's front and to its back by weight, and of the weights.
+// The source's plane may part the receiver: points behind it see no front, and take nothing from those before it.
+struct factor_sums {
+	float front, behind, weight;
+};
+
+factor_sums sum_factors(receiver r, source s, int side)
+{
+	factor_sums sums = factor_sums(0.0, 0.0, 0.0);
+	int points = side == 1 && r.folded ? 2 : side * side;
+	for (int k = 0; k < points; k++) {
+		vec3 u = point_and_weight(r, side, k);
+		// Halves of the unit square become the two triangles, whose areas differ.
+		bool abc = u.x >= u.y;
+		float weight = u.z * (r.folded ? (abc ? r.area_abc : r.area_acd) : 1.0);
+		vec3 x = point_on_quad(r.a, r.b, r.c, r.d, u.xy);
+		float f = factor_from(r, s, x, abc ? r.normal_abc : r.normal_acd, abc);
+		sums.front += weight * max(f, 0.0);
+		sums.behind += weight * max(-f, 0.0);
+		sums.weight += weight;
+	}
+	return sums;
+}
+
 void main()
 {
 	uint t = thread_number();
@@ -54,97 +209,18 @@ void main()
 		return;
 	uint slot = load_queued(t);
 	uvec4 entry = load_entry(slot);
-	uint leaf = entry.w & GI_ENTRY_LEAF_MASK;
-	uint receiver = load_leaf(leaf).x;
-	gi_node_topology source = load_topology(entry.x);
-	uvec4 flags = source.range;
-	bool sky = (flags.w & GI_NODE_SKY) != 0u;
-	// What a folded leaf sees of itself is the other half; its whole contour, seen from within, is rounding. So are
-	// points on the edge between the halves: one point each.
-	bool self = entry.x == receiver;
-	bool top = (flags.w & GI_NODE_TOP) != 0u;
-	bool same = !sky && !top && load_leaf(leaf).y == load_leaf(source.range.y).y;
-
-	gi_node_geometry p, g;
-	if (same) {
-		p = load_rest(receiver);
-		g = load_rest(entry.x);
-	} else {
-		p = load_world(receiver);
-		g = load_world(entry.x);
-	}
-	// Lengths in units of the largest: their fourth powers, which the contour sum takes, stay in the range of
-	// floats.
-	float unit = sky ? inverse_power_of_two(p.sphere.w)
-			 : inverse_power_of_two(max(length(g.sphere.xyz - p.sphere.xyz), max(g.sphere.w, p.sphere.w)));
-	p.sphere *= unit;
-	uvec4 mine = load_corners(receiver);
-	vec3 a = unit * corner_of(mine.x, same), b = unit * corner_of(mine.y, same), c = unit * corner_of(mine.z, same),
-	     d = unit * corner_of(mine.w, same);
-	// A folded leaf has two normals: the mean of what its halves see is not what their mean normal sees.
-	vec3 fold_abc = cross(b - a, c - a), fold_acd = cross(c - a, d - a);
-	float area_abc = length(fold_abc), area_acd = length(fold_acd);
-	// Where the corners are so far away that a half has no area left in floats, the mean is all there is.
-	bool folded = (p.axis.w < FOLDED || self) && area_abc > 0.0 && area_acd > 0.0;
-	vec3 normal_abc = folded ? fold_abc / area_abc : p.axis.xyz;
-	vec3 normal_acd = folded ? fold_acd / area_acd : p.axis.xyz;
-
-	float source_unit = sky ? 1.0 : unit;
-	g.sphere *= source_unit;
-	float far = length(g.sphere.xyz - p.sphere.xyz);
-	int side = sky || self || p.sphere.w < RECEIVER_2 * far ? 1 : p.sphere.w < RECEIVER_4 * far ? 2 : 4;
-	bool contour = (flags.w & GI_NODE_LEAF) != 0u || ((flags.w & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE);
-	bool disc = !sky && (!contour || g.sphere.w < POINT_SOURCE * (far - g.sphere.w));
-	float shown = 0.0;
-	if (disc && !contour) {
-		vec3 view = (p.sphere.xyz - g.sphere.xyz) / far;
-		vec2 sides =
-		    shown_area(load_spread(entry.x), g.moment, view,
-			       same || top ? view : rest_direction_from_world(load_leaf(source.range.y).y, view));
-		bool back_side = (flags.w & GI_NODE_BACK) != 0u && sides.y > sides.x;
-		shown = (back_side ? -sides.y : sides.x) * unit * unit;
-	}
-
-	// A source's plane may part the receiver: points behind it see no front, and take nothing from those before it.
-	float front = 0.0, behind = 0.0, weight_sum = 0.0;
-	int points = side == 1 && folded ? 2 : side * side;
-	for (int k = 0; k < points; k++) {
-		int i = k % side, j = k / side;
-		vec2 u = mine.z == mine.w || folded ? vec2(2.0, 1.0) / 3.0 : vec2(0.5);
-		float weight = 1.0;
-		if (side == 2) {
-			u = vec2(GAUSS_2[i], GAUSS_2[j]);
-		} else if (side == 4) {
-			u = vec2(GAUSS_4[i], GAUSS_4[j]);
-			weight = WEIGHT_4[i] * WEIGHT_4[j];
-		}
-		if (side == 1 && k == 1)
-			u = u.yx;
-		// Halves of the unit square become the two triangles, whose areas differ.
-		bool first = u.x >= u.y;
-		weight *= folded ? (first ? area_abc : area_acd) : 1.0;
-		vec3 n = first ? normal_abc : normal_acd;
-		vec3 x = point_on_quad(a, b, c, d, u);
-		float f;
-		if (disc) {
-			vec3 to = g.sphere.xyz - x;
-			f = disc_factor(to, n, contour ? -dot(g.moment.xyz, normalize(to)) * unit * unit : shown);
-		} else {
-			vec3 origin = sky ? vec3(0.0) : x;
-			vec3 v[4] =
-			    self ? first ? vec3[](a - x, c - x, d - x, d - x) : vec3[](a - x, b - x, c - x, c - x)
-				 : vec3[](source_unit * corner_of(source.corners.x, same) - origin,
-					  source_unit * corner_of(source.corners.y, same) - origin,
-					  source_unit * corner_of(source.corners.z, same) - origin,
-					  source_unit * corner_of(source.corners.w, same) - origin);
-			f = polygon_factor(v, n);
-		}
-		front += weight * max(f, 0.0);
-		behind += weight * max(-f, 0.0);
-		weight_sum += weight;
-	}
-	bool back = (flags.w & GI_NODE_BACK) != 0u && behind > front;
-	entries[slot].y = floatBitsToUint((back ? behind : front) / weight_sum);
+	uint leaf = entry.w & GI_ENTRY_LEAF_MASK, node = load_leaf(leaf).x;
+	source s = load_source(entry.x, leaf, node);
+	gi_node_geometry p = geometry_of(node, s.same);
+	float unit = unit_of(p, s);
+	receiver r = load_receiver(node, p, s, unit);
+	s.unit = s.sky ? 1.0 : unit;
+	s.g.sphere *= s.unit;
+	float far = length(s.g.sphere.xyz - r.g.sphere.xyz);
+	choose_outline(r, far, s);
+	factor_sums sums = sum_factors(r, s, points_a_side(r, s, far));
+	bool back = (s.t.range.w & GI_NODE_BACK) != 0u && sums.behind > sums.front;
+	entries[slot].y = floatBitsToUint((back ? sums.behind : sums.front) / sums.weight);
 	if (back)
 		entries[slot].w = entry.w | GI_ENTRY_BACK;
 }

@@ -1,5 +1,6 @@
 #version 450 core
-// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current afterwards.
+// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current
+// afterwards.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -7,7 +8,7 @@
 #define READ_LEAVES
 #define READ_SEGMENTS
 #define READ_ENTRIES
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_CHOICES
 #define READ_TOUCHED
@@ -37,7 +38,7 @@ uint row_to_look_at()
 }
 
 // What may have changed entries of a row: a mover, or of a leaf that moved one of its neighbours.
-struct suspect {
+struct candidate {
 	uint object;    // GI_NONE: it went, or there is none
 	bool first;     // of those of the row
 	obstacle box;   // where it is
@@ -50,13 +51,13 @@ struct suspect {
 };
 
 // covered: a static face hides it from the leaf.
-suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
+candidate load_candidate(watch w, gi_node_geometry p, uint k, bool covered)
 {
 	uvec4 change = load_swept_change(min(k, max(frame.swept.y, 1u) - 1u));
-	bool there = w.suspects.x + k < w.suspects.y;
+	bool there = w.candidates.x + k < w.candidates.y;
 	vec4 lower = load_swept_corner(k, 2u), upper = load_swept_corner(k, 3u);
-	suspect s;
-	s.object = !w.moved ? change.y : there ? load_suspect(w.suspects.x + k) : GI_NONE;
+	candidate s;
+	s.object = !w.moved ? change.y : there ? load_listed_object(w.candidates.x + k) : GI_NONE;
 	s.first = k == 0u;
 	s.box = load_obstacle(s.object == GI_NONE ? w.mine : s.object, s.object != GI_NONE);
 	s.in_box = place_of(s.box, p.sphere.xyz);
@@ -64,12 +65,14 @@ suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
 	s.in_trail = place_in(p.sphere.xyz, load_swept_corner(k, 0u).xyz, load_swept_corner(k, 1u).xyz);
 	s.in_hull = place_in(p.sphere.xyz, lower.xyz, upper.xyz);
 	s.hull = w.moved ? s.box.ball : ball_about(lower, upper);
-	s.counts = w.moved ? there || k == 0u : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
+	s.counts = w.moved ? there || k == 0u
+			   : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
 	return s;
 }
 
-// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what is seen in part.
-bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
+// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what
+// is seen in part.
+bool crosses(candidate s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
 	vec4 ball = load_sphere(node);
 	bool is = seen && s.box.counts, was = mixed && s.was;
@@ -82,7 +85,7 @@ bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bo
 	return (is || was) && (sky ? cone_meets(s.hull, p.sphere, ball) : crossed);
 }
 
-bool is_flagged_for(watch w, gi_node_geometry p, suspect s, uvec4 entry, bool sky)
+bool is_flagged_for(watch w, gi_node_geometry p, candidate s, uvec4 entry, bool sky)
 {
 	uint blocker = entry.z >> 16u;
 	bool hid = w.moved ? s.first && blocker != w.mine && blocker != GI_BLOCKER_NONE : blocker == s.object;
@@ -97,9 +100,9 @@ void main()
 		return;
 	watch w = watch_of(leaf);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	uint flagged = 0u, suspects = w.moved ? max(w.suspects.y - w.suspects.x, 1u) : frame.swept.y;
-	for (uint k = 0u; k < suspects; k++) {
-		suspect s = load_suspect_of(w, p, k, is_covered(leaf, k));
+	uint flagged = 0u, candidates = w.moved ? max(w.candidates.y - w.candidates.x, 1u) : frame.swept.y;
+	for (uint k = 0u; k < candidates; k++) {
+		candidate s = load_candidate(w, p, k, is_covered(leaf, k));
 		uint source = s.counts ? frame.swept.z : frame.counts.z, at = 0u, end = 0u;
 		bool sky = false;
 		while (source < frame.counts.z || at < end) {
@@ -107,15 +110,17 @@ void main()
 				uvec4 block = load_segment(segment_of(leaf, source));
 				sky = (object_bvh(source).z & GI_OBJECT_SKY) != 0u;
 				at = block.x;
-				bool cut_anew = pair_is_dirty(w.mine, source, w.since) && !pair_keeps_nodes(w.mine, source, w.since);
+				bool cut_anew = pair_is_dirty(w.mine, source, w.since) &&
+						!pair_keeps_nodes(w.mine, source, w.since);
 				end = at + (cut_anew ? 0u : block.y & GI_BLOCK_COUNT_MASK);
 				source++;
 				continue;
 			}
 			uvec4 entry = load_entry(at);
 			at++;
-			// An entry that another suspect of the row was flagged for bears a mark (unmark.comp).
-			if (!is_flagged_for(w, p, s, entry, sky) || (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
+			// An entry that another candidate of the row was flagged for bears a mark (unmark.comp).
+			if (!is_flagged_for(w, p, s, entry, sky) ||
+			    (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
 				continue;
 			if (frame.inner.w != 0u)
 				entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;

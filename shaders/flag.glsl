@@ -1,6 +1,6 @@
-// Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect
-// hid, and visible ones whose segments may cross a suspect's new bounds. Conservative: what is not flagged would come
-// out of the rays with the same bits.
+// Which entries between bodies at rest to each other may see differently now that something moved: those that a
+// candidate hid, and visible ones whose segments may cross a candidate's new bounds. Conservative: what is not flagged
+// would come out of the rays with the same bits.
 
 // Every sample lies within this much more than the radii of its ends; covers rounding of a turn into the box's frame.
 const float BOX_SLACK = 1e-4;
@@ -45,8 +45,8 @@ place place_in(vec3 o, vec3 lower, vec3 upper)
 	return place(upper - o, o - lower, BOX_SLACK * (all.x + all.y + all.z));
 }
 
-// Can a segment from within a ball about a point to within one about the point and `direction`, in the box's frame, meet the box? At share
-// t of its way it is within the radius between the two, so each side of the box bounds t.
+// Can a segment from within a ball about a point to within one about the point and `direction`, in the box's frame,
+// meet the box? At share t of its way it is within the radius between the two, so each side of the box bounds t.
 bool crosses_box(place o, vec3 d, float radius, float end_radius)
 {
 	float grown = radius + o.slack + BOX_SLACK * (abs(d.x) + abs(d.y) + abs(d.z)), growth = end_radius - radius;
@@ -63,13 +63,13 @@ place place_of(obstacle box, vec3 origin)
 	return place_in(turned_into(box, origin - vec3(box.row0.w, box.row1.w, box.row2.w)), box.lower, box.upper);
 }
 
-// The suspects of a leaf's entries: the movers for a leaf at rest, its neighbours for one that moved.
+// The candidates of a leaf's entries: the movers for a leaf at rest, its neighbours for one that moved.
 struct watch {
 	uint mine;     // the leaf's object
 	uint since;    // the update that refreshed the row
 	bool moved;    // the leaf moved since then
 	bool statics;  // some static object changed since then
-	uvec2 suspects;
+	uvec2 candidates;
 	obstacle first; // of them: mostly there is no other
 };
 
@@ -78,9 +78,10 @@ watch watch_of(uint leaf)
 	uint mine = load_leaf(leaf).y, since = load_row(leaf).z;
 	bool moved = moved_since(mine, since);
 	uvec2 range = moved ? uvec2(object_bvh(mine).w, object_extra(mine).x) : frame.update.yz;
-	uint object = range.x < range.y ? load_suspect(range.x) : mine;
+	uint object = range.x < range.y ? load_listed_object(range.x) : mine;
 	bool statics = frame.swept.w != GI_NONE && moved_since(frame.swept.w, since);
-	return watch(mine, since, moved, statics, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
+	return watch(mine, since, moved, statics, range,
+		     load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
 }
 
 // Which objects hid an entry is not known; of static ones that is of no concern while they are what they were.
@@ -94,7 +95,8 @@ bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
 	if (!by.counts)
 		return false;
 	return sky ? cone_meets(by.ball, p.sphere, ball)
-		   : crosses_box(place_of(by, p.sphere.xyz), turned_into(by, ball.xyz - p.sphere.xyz), p.sphere.w, ball.w);
+		   : crosses_box(place_of(by, p.sphere.xyz), turned_into(by, ball.xyz - p.sphere.xyz), p.sphere.w,
+				 ball.w);
 }
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
@@ -102,8 +104,10 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 	vec4 ball = load_sphere(node);
 	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
-	for (uint k = w.suspects.x + 1u; k < w.suspects.y && !found; k++)
-		found = crosses(load_obstacle(load_suspect(k), w.moved || moved_since(load_suspect(k), w.since)), p, ball, sky);
+	for (uint k = w.candidates.x + 1u; k < w.candidates.y && !found; k++)
+		found = crosses(
+		    load_obstacle(load_listed_object(k), w.moved || moved_since(load_listed_object(k), w.since)), p,
+		    ball, sky);
 	return found;
 }
 
@@ -115,8 +119,9 @@ bool was_crossed(watch w, gi_node_geometry p, uint node)
 	for (uint k = 0u; k < frame.swept.y && !found; k++) {
 		uvec4 change = load_swept_change(k);
 		vec4 lower = load_swept_corner(k, 0u), upper = load_swept_corner(k, 1u);
-		obstacle box = obstacle(change.z != 0u && change.x > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
-					vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, ball_about(lower, upper));
+		obstacle box =
+		    obstacle(change.z != 0u && change.x > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
+			     vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, ball_about(lower, upper));
 		found = crosses(box, p, ball, sky);
 	}
 	return found;
@@ -128,7 +133,8 @@ bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 	if (samples_of(entry) == 0u)
 		return false; // form factor zero
 	uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
-	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
+	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine
+				     : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
 	if (!w.moved && is_hidden_by_several(w, blocker))
 		blocker_moved = was_crossed(w, p, entry.x);
 	return blocker_moved || (visible != 0u && may_cross(w, p, entry.x));

@@ -186,20 +186,23 @@ GI_STRUCT(gi_material_data) {
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
  *   grid, cells: of the packed TLAS, as of an object's
- *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
- *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
+ *   misc: TLAS nodes, large nodes, light vertices, 1 where the sky shines
+ *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
  *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
- *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
+ *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   swept: in the list of suspects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
+ *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring what
  *            something emits; 0, 0
+ *
+ *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
+ *   view_eye: where it is; of a parallel projection the way to it, w 0
  *
  * Swept is, of each object that moved since some row was refreshed and of what went, GI_SWEPT_PARTS vec4:
  *   as uint bits: the update that saw it move; its slot, GI_NONE of what went; 1 where a box of where it was follows; 0
@@ -221,10 +224,11 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 update;
 	GI_UVEC4 inner;
 	GI_VEC4 limit;
-	GI_UVEC4 rations;
+	GI_UVEC4 budget;
 	GI_VEC4 ceiling;
 	GI_UVEC4 swept;
 	GI_UVEC4 statics;
+	GI_VEC4 view_x, view_y, view_w, view_eye;
 } GI_END(gi_frame)
 
 #define GI_SWEPT_PARTS 5u
@@ -233,6 +237,7 @@ GI_STRUCT(gi_frame) {
 #define GI_UPDATE_PART 2u      /* only the rows in the list of the chosen */
 #define GI_UPDATE_TIMED 4u     /* no more than fits, however old rows become */
 #define GI_UPDATE_MATERIAL 8u  /* some material has other values than in the solve before */
+#define GI_UPDATE_VIEWED 16u    /* a camera says which rows count */
 
 /* A row under a budget (survey.comp, assess.comp).
  *
@@ -254,10 +259,10 @@ GI_STRUCT(gi_pending) {
 
 /* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float bits: the
  * largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
-#define GI_SHINE_OTHERS 0u
-#define GI_SHINE_ALL 3u
-#define GI_SHINE_LEAST 6u
-#define GI_SHINE_WORDS 9u
+#define GI_LIGHT_BOUND_OTHERS 0u
+#define GI_LIGHT_BOUND_ALL 3u
+#define GI_LIGHT_BOUND_LEAST 6u
+#define GI_LIGHT_BOUND_WORDS 9u
 
 /* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to assess. */
 #define GI_CHOICE_ROWS GI_BUCKETS
@@ -287,7 +292,7 @@ GI_STRUCT(gi_pending) {
 /* A link, what the solve multiplies: x node, y weight as float bits. A row's first ones may be light through mirrors and glass
  * (specular_path.comp), each in the place of two: x the node where its path ended and these bits, y z w a weight for each channel. */
 #define GI_LINK_SPECULAR 0x80000000u
-#define GI_LINK_PACKETS 0x40000000u /* what the node emits comes by packets (caustics.c): the link has what it reflects */
+#define GI_LINK_PHOTONS 0x40000000u /* what the node emits comes by photons (caustics.c): the link has what it reflects */
 #define GI_LINK_NODE 0x3FFFFFFFu
 
 /* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
@@ -497,8 +502,8 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
 #define GI_BIND_STATE 22
 #define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
-#define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
+#define GI_BIND_OBJECT_LISTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
+#define GI_BIND_LARGE_NODES 25      /* nodes of more than GI_LARGE_NODE_LEAVES leaves */
 #define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
 #define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
 #define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
@@ -507,18 +512,18 @@ GI_STRUCT(gi_move) {
 #define GI_BIND_SPREAD 31
 #define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
 #define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
+#define GI_BIND_LIGHT_BOUNDS 34           /* GI_LIGHT_BOUND_WORDS uint per object slot, and for all */
 #define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
 #define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
 
 /* A commit's own (renumber.comp): the rows of before, and what became of objects. */
-#define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
+#define GI_BIND_OLD_SEGMENTS GI_BIND_LARGE_NODES
 #define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
 #define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
-#define GI_BIND_NODE_MOVES GI_BIND_SUSPECTS    /* uint per node before */
+#define GI_BIND_NODE_MOVES GI_BIND_OBJECT_LISTS    /* uint per node before */
 
 /* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
-#define GI_BIND_LOANS GI_BIND_WIDE_NODES
+#define GI_BIND_LOANS GI_BIND_LARGE_NODES
 
 /* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
 #define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
@@ -552,7 +557,7 @@ GI_STRUCT(gi_path_slot) {
 #define GI_BIND_SMOOTH_MATERIALS GI_BIND_CHOICES /* gi_smooth_material per material */
 #define GI_BIND_CORNER_LIGHTS GI_BIND_ROWS       /* uvec4 per leaf: the light vertices at its corners */
 #define GI_BIND_PHOTONS GI_BIND_PENDING          /* gi_photon, those of a pair one after the other */
-#define GI_BIND_CAUSTIC_PAIRS GI_BIND_SHINE      /* gi_caustic_pair */
+#define GI_BIND_CAUSTIC_PAIRS GI_BIND_LIGHT_BOUNDS      /* gi_caustic_pair */
 #define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
 #define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
 #define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
@@ -581,13 +586,13 @@ GI_STRUCT(gi_caustic_pair) {
 	GI_UVEC4 lights;
 } GI_END(gi_caustic_pair)
 
-/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many packets were there before this update, and
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many photons were there before this update, and
  * how many are now: the first ones. */
 #define GI_CAUSTIC_BEFORE 6u
 #define GI_CAUSTIC_NOW 7u
 #define GI_CAUSTIC_PATH_WORDS 8u
 
-/* Where a packet of light arrived.
+/* Where a photon arrived.
  *
  *   //--------------- 16B ---------------
  *   place.xyz world position    place.w leaf, as uint bits; GI_NONE: it was absorbed, or lost
@@ -603,8 +608,8 @@ GI_STRUCT(gi_photon) {
 
 /* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
 #define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
-#define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
-#define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
+#define GI_BIND_ESTIMATE_SHARES GI_BIND_OBJECT_LISTS     /* float per item: what its F V counts */
+#define GI_BIND_ESTIMATE_CHANCES GI_BIND_LARGE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
 #define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
 
 /* A chosen leaf has this many items in all, in independent groups. */
@@ -625,6 +630,6 @@ GI_STRUCT(gi_estimate_leaf) {
 	GI_VEC4 bias;
 } GI_END(gi_estimate_leaf)
 
-#define GI_WIDE_LEAVES 64u
+#define GI_LARGE_NODE_LEAVES 64u
 
 #endif

@@ -1,6 +1,7 @@
 // The leaf that a point of a primitive lies on: rays meet flat faces whole.
 
-// How far inside the quad, or the triangle, of a node the point lies: the least distance from its edges, below 0 outside.
+// How far inside the quad, or the triangle, of a node the point lies: the least distance from its edges, below 0
+// outside.
 float inside_of(uint node, vec3 p)
 {
 	uvec4 v = load_corners(node);

@@ -1,8 +1,8 @@
 #version 450 core
-// Group counts for the indirect dispatches that work through the queue and the lists of rows. STAGE 0: after the cuts; 1: after
-// flagging; 2: after closing; 3: rows to flag are listed; 4: rows to close are;
-// 5: entries that see a mirror or glass are. Where a pool was full the rows do not count, and
-// nothing more is done about them: what is missing is known, and the next update makes room for it.
+// Group counts for the indirect dispatches that work through the queue and the lists of rows. STAGE 0: after the cuts;
+// 1: after flagging; 2: after closing; 3: rows to flag are listed; 4: rows to close are; 5: entries that see a mirror
+// or glass are. Where a pool was full the rows do not count, and nothing more is done about them: what is missing is
+// known, and the next update makes room for it.
 #define READ_FRAME
 #define WRITE_ENTRY_POOL
 #define WRITE_LINK_POOL

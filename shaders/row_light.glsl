@@ -1,10 +1,10 @@
 #ifdef SPECULAR
 #include "specular_link.glsl"
 
-// What packets do not bring (caustics.c).
+// What photons do not bring (caustics.c).
 vec3 light_of_link(uvec4 link)
 {
-	uint part = (link.x & GI_LINK_PACKETS) != 0u ? GI_NODE_R : GI_NODE_B;
+	uint part = (link.x & GI_LINK_PHOTONS) != 0u ? GI_NODE_R : GI_NODE_B;
 	return weights_of(link) * load_radiosity(part * frame.counts.y + node_of(link)).xyz;
 }
 #endif

@@ -37,9 +37,9 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform float lift;
-layout(location = 1) uniform bool packets; // bring what emitters send through mirrors and glass (caustics.c)
+layout(location = 1) uniform bool photons; // bring what emitters send through mirrors and glass (caustics.c)
 
-// Surfaces that a path meets, the last one too: as many as packets do (caustic_trace.comp).
+// Surfaces that a path meets, the last one too: as many as photons do (caustic_trace.comp).
 const uint STEPS = 16u;
 
 // The sample whose leaf is the entry's target.
@@ -85,13 +85,13 @@ path_end end_in_sky(vec3 throughput)
 	return (object_bvh(sky).z & GI_OBJECT_SKY) != 0u ? path_end(object_nodes(sky).x, throughput) : NOWHERE;
 }
 
-// Behind the last mirror or glass, of object `last`. Packets go from an emitting object to others alone.
+// Behind the last mirror or glass, of object `last`. Photons go from an emitting object to others alone.
 path_end end_on_leaf(nearest hit, uint first, light_ray r, uint last)
 {
 	if (!hit.front)
 		return NOWHERE;
 	uint leaf = leaf_at(hit.object, first, rest_from_world(hit.object, r.origin + r.direction * hit.distance));
-	return path_end(load_leaf(leaf).x | (packets && last != hit.object ? GI_LINK_PACKETS : 0u), r.throughput);
+	return path_end(load_leaf(leaf).x | (photons && last != hit.object ? GI_LINK_PHOTONS : 0u), r.throughput);
 }
 
 path_end follow(light_ray r, uvec2 ids, uint k, out uint rays)

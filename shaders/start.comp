@@ -1,5 +1,6 @@
 #version 450 core
-// R = 0, B = E and v = 1 everywhere: what check.comp takes for a cold start. One thread a node. The sky reflects nothing and amplifies nothing.
+// R = 0, B = E and v = 1 everywhere: what check.comp takes for a cold start. One thread a node. The sky reflects
+// nothing and amplifies nothing.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE

@@ -1,6 +1,7 @@
-// What an update touches of rows: four words a leaf in `touched`, part after part. How many of its entries were cut or flagged; 1 where
-// what closing reads of it is not what it was; which of what was swept a static face hides from it (covered.comp); and a list of leaves, of
-// the rows that something that moved may concern (concern.comp), later of those to close (changed.comp).
+// What an update touches of rows: four words a leaf in `touched`, part after part. How many of its entries were cut or
+// flagged; 1 where what closing reads of it is not what it was; which of what was swept a static face hides from it
+// (covered.comp); and a list of leaves, of the rows that something that moved may concern (concern.comp), later of
+// those to close (changed.comp).
 
 // Bits in a word: of what was swept the first ones.
 const uint MOST_COVERED = 32u;

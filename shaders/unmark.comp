@@ -1,5 +1,6 @@
 #version 450 core
-// Takes from flagged entries the mark that they bear while a row is asked for several movers (flag.comp). One thread an entry queued.
+// Takes from flagged entries the mark that they bear while a row is asked for several movers (flag.comp). One thread an
+// entry queued.
 #define READ_FRAME
 #define READ_QUEUE
 #define WRITE_ENTRIES

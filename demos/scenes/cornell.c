@@ -21,7 +21,8 @@ static const float BLACK[3] = {0, 0, 0};
 const float cornell_white[3] = {.73f, .73f, .73f};
 static const float RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
 
-/* The Buddha glides this far above the floor: bodies that touch suspect each other of hiding everything. */
+/* The Buddha glides this far above the floor, metres. Where boxes of bodies overlap, each is asked whether it hides
+ * rays of the other whenever one of them moves. */
 static const float CLEARANCE = .003f;
 
 /* Warm stone, not gold: gold is no diffuse colour. */

@@ -12,7 +12,7 @@ void bind_scene(const gi_context *gi)
 
 static void bind_budget(const gi_context *gi)
 {
-	const gi_rations *part = &gi->rations;
+	const gi_budget_state *part = &gi->budget;
 	BUDGET_BUFFERS(BIND)
 }
 

@@ -21,7 +21,7 @@
 	X(TLAS, tlas_gpu, "trees over objects") \
 	X(LEAF_QUADS, leaf_quads_gpu, "corners of leaves") \
 	X(NODE_EXITANCE, node_exitance_gpu, "exitance of nodes") \
-	X(WIDE_NODES, wide_nodes_gpu, "wide nodes") \
+	X(LARGE_NODES, large_nodes_gpu, "large nodes") \
 	X(LIGHT_LINKS, light_links_gpu, "light links") \
 	X(LIGHT_FIRST, light_first_gpu, "first light links")
 
@@ -43,13 +43,13 @@
 /* gi_rows: of an update, as large as they are wanted */
 #define ROWS_LISTS(X) \
 	X(RUNS, runs, "runs") \
-	X(SUSPECTS, suspects, "suspects")
+	X(OBJECT_LISTS, object_lists, "lists of objects")
 
-/* gi_rations */
+/* gi_budget_state */
 #define BUDGET_BUFFERS(X) \
 	X(CHOICES, choices, "choices") \
 	X(PENDING, pending, "pending") \
-	X(SHINE, shine, "shine")
+	X(LIGHT_BOUNDS, light_bounds, "light bounds")
 
 /* gi_solver */
 #define SOLVER_BUFFERS(X) \

@@ -25,7 +25,7 @@ typedef struct gi_rows {
 	gpu_buffer frame;   /* a uniform block */
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
-	gi_slot_list suspect_list; /* of the last update */
+	gi_slot_list object_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 	    prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
 	    kept_program, covered_program;
@@ -63,8 +63,8 @@ void rows_forget(gi_rows *rows);
 void rows_release(gi_context *gi, gi_rows *rows); /* frees it */
 void rows_retire(gi_context *gi, gi_rows *rows);  /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);
-/* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update come
- * before this one. */
+/* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update
+ * come before this one. */
 enum { ROWS_FIRST_STEPS = GI_PASS_ESTIMATE };
 void rows_progress(const gi_context *gi, gi_pass pass);
 

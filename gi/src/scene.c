@@ -7,8 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float steps there or
- * more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
+/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float
+ * steps there or more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of
+ * 5 m. */
 static const float RAY_LIFT = 0x1p-18f;
 
 float scene_ray_lift(const gi_scene *s)
@@ -25,7 +26,7 @@ uint32_t scene_source_count(const gi_scene *s)
 	return s->slot_count - s->first_source;
 }
 
-scene_object *scene_object_in(const gi_scene *s, uint32_t slot)
+object_record *scene_object_in(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
@@ -62,9 +63,9 @@ static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
 	}
 }
 
-/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the flags by material: a node
- * is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
-void scene_update_exitance(gi_context *gi, scene_object *o)
+/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the flags by material: a
+ * node is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
+void scene_update_exitance(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
 	const gi_hierarchy *h = &o->hierarchy;
@@ -100,7 +101,7 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 	double sum[4] = {0}, area = 0;
 	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0, smooth = 0;
 	for (uint32_t slot = top->first_slot; slot < top->end_slot; slot++) {
-		const scene_object *o = &s->objects[s->slots[slot]];
+		const object_record *o = &s->objects[s->slots[slot]];
 		const gi_vec4 e = s->node_exitance[o->node_base];
 		const uint32_t own = s->topology[o->node_base].range.w;
 		for (int c = 0; c < 4; c++)

@@ -6,7 +6,7 @@
 #include "sky.h"
 #include "specular.h"
 
-enum { LIFT = 0, PACKETS = 1 };
+enum { LIFT = 0, PHOTONS = 1 };
 enum { AFTER_LISTING = 5 }; /* stage of prepare.comp */
 
 static gi_result make_programs(gi_context *gi, bool part)
@@ -68,7 +68,7 @@ void specular_rows_follow(gi_context *gi)
 		if (!paths[k])
 			continue;
 		gpu_set_floats(&gi->gpu, paths[k], LIFT, 1, 1, &lift);
-		gpu_set_uint(&gi->gpu, paths[k], PACKETS, gi->def.caustic_photons > 0);
+		gpu_set_uint(&gi->gpu, paths[k], PHOTONS, gi->def.caustic_photons > 0);
 		gpu_dispatch_indirect(&gi->gpu, paths[k], &gi->state, arguments);
 	}
 	bind_rows(gi);

@@ -23,7 +23,7 @@ void specular_rows_follow(gi_context *gi);
 uint32_t specular_rows_close_program(const gi_context *gi);
 /* An update of the rows ends: of some of them or all. */
 void specular_rows_done(gi_context *gi, bool part);
-/* May links through mirrors and glass bring what something emits, the sky's light or, where there are no packets, that
+/* May links through mirrors and glass bring what something emits, the sky's light or, where there are no photons, that
  * of any emitter? */
 bool specular_rows_bring_exitance(const gi_context *gi);
 void specular_rows_free(gi_context *gi);

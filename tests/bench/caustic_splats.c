@@ -9,7 +9,7 @@
 
 enum { CHUNK = 4096, MOST_STEPS = 64 };
 
-/* What a packet adds to a pixel. */
+/* What a photon adds to a pixel. */
 typedef struct splat {
 	uint32_t pixel;
 	vec3 radiance;
@@ -31,7 +31,7 @@ struct caustic_splats {
 	target targets[TRACE_MOST_OBJECTS];
 	uint32_t target_count;
 	/* Of the pass being traced. */
-	uint32_t first, packets;
+	uint32_t first, photons;
 	splat *splats;    /* CHUNK of each chunk, so that they are added in one order whatever the threads do */
 	uint32_t *counts; /* of each chunk */
 	uint32_t chunk_room;
@@ -84,13 +84,13 @@ void caustic_splats_update(caustic_splats *s)
 		}
 }
 
-/* A packet on its way. */
-typedef struct packet {
+/* A photon on its way. */
+typedef struct photon {
 	uint32_t number, pairs, seed;
 	vec3 origin, direction, flux;
-} packet;
+} photon;
 
-static void next_numbers(packet *p, float out[2])
+static void next_numbers(photon *p, float out[2])
 {
 	low_discrepancy_point(p->number, hash_pair(p->seed, p->pairs++), out);
 }
@@ -116,7 +116,7 @@ static float aim(const target *t, const vec3 from, const float numbers[2], vec3 
 }
 
 /* False where the lamp does not shine that way. */
-static bool emit(const caustic_splats *s, const target *t, packet *p)
+static bool emit(const caustic_splats *s, const target *t, photon *p)
 {
 	float place[2], way[2];
 	next_numbers(p, place);
@@ -126,14 +126,14 @@ static bool emit(const caustic_splats *s, const target *t, packet *p)
 	glm_vec3_muladds((float *)l.light->normal, trace_embree_lift(s->embree), p->origin);
 	const float solid_angle = aim(t, p->origin, way, p->direction);
 	const float cosine = glm_vec3_dot(p->direction, (float *)l.light->normal);
-	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->packets;
+	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->photons;
 	glm_vec3_scale((float *)l.light->exitance, share / l.density, p->flux);
 	return cosine > 0;
 }
 
-/* The pixel that shows where a packet ended. Shading by the smooth normal counts each way as it does for paths from the
+/* The pixel that shows where a photon ended. Shading by the smooth normal counts each way as it does for paths from the
  * eye (Veach, 1997, 5.3.2). */
-static bool find_splat(const caustic_splats *s, const packet *p, const trace_hit *hit, splat *out)
+static bool find_splat(const caustic_splats *s, const photon *p, const trace_hit *hit, splat *out)
 {
 	int x, y;
 	vec3 from, to_eye;
@@ -158,10 +158,10 @@ static bool find_splat(const caustic_splats *s, const packet *p, const trace_hit
 }
 
 /* False where nothing is seen of it. What meets another object first is that one's. */
-static bool trace_packet(const caustic_splats *s, uint32_t number, splat *out)
+static bool trace_photon(const caustic_splats *s, uint32_t number, splat *out)
 {
 	const target *t = &s->targets[number % s->target_count];
-	packet p = {.number = number / s->target_count,
+	photon p = {.number = number / s->target_count,
 		    .seed = hash_pair(s->seed ^ 0x5bd1e995u, number % s->target_count)};
 	if (!emit(s, t, &p))
 		return false;
@@ -182,10 +182,10 @@ static bool trace_packet(const caustic_splats *s, uint32_t number, splat *out)
 static void trace_chunk(void *user, uint32_t chunk)
 {
 	caustic_splats *s = user;
-	const uint32_t first = chunk * CHUNK, left = s->packets - first;
+	const uint32_t first = chunk * CHUNK, left = s->photons - first;
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < CHUNK && k < left; k++)
-		count += trace_packet(s, s->first + first + k, &s->splats[first + count]);
+		count += trace_photon(s, s->first + first + k, &s->splats[first + count]);
 	s->counts[chunk] = count;
 }
 
@@ -203,14 +203,14 @@ static bool make_room(caustic_splats *s, uint32_t chunks)
 	return true;
 }
 
-bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t packets, uint32_t threads, double *sums)
+bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t photons, uint32_t threads, double *sums)
 {
-	packets -= packets % s->target_count; /* each target's share is the same */
-	const uint32_t chunks = (packets + CHUNK - 1) / CHUNK;
+	photons -= photons % s->target_count; /* each target's share is the same */
+	const uint32_t chunks = (photons + CHUNK - 1) / CHUNK;
 	if (!make_room(s, chunks))
 		return false;
-	s->packets = packets;
-	s->first = pass * packets;
+	s->photons = photons;
+	s->first = pass * photons;
 	parallel_for(threads, chunks, trace_chunk, s);
 	for (uint32_t chunk = 0; chunk < chunks; chunk++)
 		for (uint32_t k = 0; k < s->counts[chunk]; k++) {

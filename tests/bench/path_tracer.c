@@ -14,7 +14,7 @@
 enum {
 	MOST_STEPS = 256,      /* of a path, mirrors and glass included */
 	ROULETTE_BOUNCES = 3,  /* diffuse ones that all paths live to see */
-	CAUSTIC_SHARE_BITS = 1 /* a packet of light for every so many pixels, as a power of two */
+	CAUSTIC_SHARE_BITS = 1 /* a photon for every so many pixels, as a power of two */
 };
 
 static const float LEAST_SURVIVAL = 0.05f;

@@ -1,5 +1,5 @@
-/* Light of a small lamp through a mirror ball and a glass ball, in a black box, against light traced forward through smooth
- * balls; then what moves. */
+/* Light of a small lamp through a mirror ball and a glass ball, in a black box, against light traced forward through
+ * smooth balls; then what moves. */
 #include "harness.h"
 #include "scenes/body.h"
 #include "scenes/shapes.h"
@@ -13,8 +13,8 @@
 
 static const float BLACK[3] = {0, 0, 0}, LAMP[3] = {1000, 1000, 1000};
 
-/* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and each gets
- * some hundred of the packets. */
+/* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and
+ * each gets some hundred of the photons. */
 enum { CELLS = 10, PHOTONS = 131072 };
 static const float BALL[3] = {0.1f, 0.7f, -0.1f}, RADIUS = 0.4f;
 
@@ -290,7 +290,7 @@ static gi_leaf *read_all(gi_context *gi, uint32_t *count)
 	return leaves;
 }
 
-/* No surface reflects, so that irradiance is what lamps and packets bring: the same bits as of a scene made at once. */
+/* No surface reflects, so that irradiance is what lamps and photons bring: the same bits as of a scene made at once. */
 static void check_same_as_new(moving_box *m, const gi_pose *poses)
 {
 	uint32_t count, new_count;
@@ -305,7 +305,7 @@ static void check_same_as_new(moving_box *m, const gi_pose *poses)
 	gi_context_destroy(fresh.box.gi);
 }
 
-/* Nothing moves any more: packets that a budget left out come frame by frame, and then there is nothing to do. */
+/* Nothing moves any more: photons that a budget left out come frame by frame, and then there is nothing to do. */
 static void comes_to_rest(gi_context *gi)
 {
 	gi_report report = {0};
@@ -333,7 +333,7 @@ static void test_moves(void **state)
 				poses[k] = random_pose(&random);
 		for (int k = 0; k < MOVERS; k++)
 			assert_gi(gi_set_pose(m.box.gi, m.movers[k], poses[k]));
-		/* Under a budget some packets are traced later; an exact update traces all. */
+		/* Under a budget some photons are traced later; an exact update traces all. */
 		assert_gi(gi_update(m.box.gi, frame % 3 ? &(gi_budget){.ms = 1} : NULL));
 		if (frame % 4 == 3) {
 			harness_update(m.box.gi);
@@ -377,7 +377,7 @@ static void test_moves_while_rows_are_new(void **state)
 	gi_context_destroy(m.box.gi);
 }
 
-/* What one ball is of, other balls' packets see too. */
+/* What one ball is of, other balls' photons see too. */
 static void test_other_glass(void **state)
 {
 	(void)state;

@@ -169,7 +169,7 @@ static void test_lamp(void **state)
 }
 
 /* A mirror upright on a floor shows the lamp again, behind it: the caustic is that image's light, where the mirror is
- * large enough. By packets and by paths alone. */
+ * large enough. By photons and by paths alone. */
 static void test_mirror_caustic(void **state)
 {
 	(void)state;
