@@ -1,7 +1,7 @@
 // What of the picture a leaf fills, for the camera that an update was given (gi_budget.view).
 
-// Leaves that are not seen light those that are: they count as this share of their size. Of the settings 1, 1/4, 1/16
-// and 1/64 this one leaves the picture least wrong (docs/accuracy.md).
+// Leaves that are not seen light those that are: they count as this share of their size. Less gains little more, and
+// loses where they are near (docs/accuracy.md).
 const float UNSEEN = 1.0 / 16.0;
 
 bool is_outside(vec4 plane, gi_node_geometry p)

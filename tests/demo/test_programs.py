@@ -275,6 +275,18 @@ class Programs(unittest.TestCase):
         for k, value in enumerate(pixels["global"]):
             self.assertLess(abs(pixels["direct"][k] + pixels["indirect"][k] - value), 2e-3 * largest, k)
 
+    def test_two_balls_under_a_budget(self):
+        """What an exact frame takes is told after frames that were not; kinds of balls are options."""
+        common = ["--frames", "2", "--row-tolerance", "0.3", "--caustic-photons", "64", "--out", self.path("out"), *TINY]
+        done = self.good("two_balls", "--balls", "glass,mirror", "--budget-ms", "1", *common)
+        self.assertRegex(done.stdout, r"an exact frame, ms +\d+\.\d")
+        with open(self.path("out/frame_0000_global.png"), "rb") as file:
+            turned = file.read()
+        done = self.good("two_balls", *common)
+        self.assertNotIn("an exact frame", done.stdout)
+        with open(self.path("out/frame_0000_global.png"), "rb") as file:
+            self.assertNotEqual(file.read(), turned)
+
     def test_buddha_of_a_file(self):
         figure = self.path("figure.obj", PYRAMID)
         self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"),
@@ -366,6 +378,11 @@ class Programs(unittest.TestCase):
                           ["--budget-fps", "-1"], ["--budget-fps", "x"], ["--budget-ms", "-0.5"], ["--budget-ms", ""]):
             self.bad("moving_buddha", *arguments, says=arguments[0])
             self.bad("gi_play", DOOR, *arguments, says=arguments[0])
+        for text in ("glass", "glass,", "glass,glas", "mirror,mirror,glass"):
+            self.bad("two_balls", "--balls", text, says="--balls " + text)
+        self.bad("moving_buddha", "--shadow-map", "32", says="--shadow-map")
+        self.bad("moving_buddha", "--caustic-photons", "-1", says="--caustic-photons")
+        self.bad("moving_buddha", "--levels", "9", says="--levels")
         self.bad("moving_buddha", "scene.gltf", says="scene.gltf")
         self.bad("gi_play", says="scene")
         self.bad("gi_play", DOOR, DOOR, says=DOOR)

@@ -191,6 +191,17 @@ typedef struct gi_context_def {
 	 * leaves. */
 	uint32_t pixel_lamps;
 
+	/* Texels a side of the depth maps that those lamps' shadows come from, 16 maps for one lamp or two; 64..4096,
+	 * default 512. Shadows are off by up to three texels: by half a per cent of the distance from the lamp where
+	 * casters fill 60 degrees of its view. Twice as many take four times the memory, 16 MiB at the default, and
+	 * up to four times the time when something moves. */
+	uint32_t shadow_map_size;
+
+	/* Shadows of curved objects are cast by what is drawn of them instead of by their leaves: as round as they
+	 * look, and a detailed mesh by itself, not by its cage. A frame in which something moves draws as many more
+	 * triangles into every map, 16 times as many at the default draw_levels. Default false. */
+	bool fine_shadows;
+
 	/* Photons that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
 	 * 16384. A photon takes some four rays, when something moved that it meets. 0: none; emitters are then found
 	 * by what rows see in mirrors and glass, as other surfaces are: right on the whole, but leaf by leaf mostly
