@@ -171,9 +171,14 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	uint target = load_target(at) & ~GI_TARGET_BLACK;
 	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
+<<<<<<< /tmp/ours
 	// Whose light it takes may change, or is not known.
 	bool any_leaf = (taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u;
 	if (any_leaf || from.smooth_part) {
+=======
+	// The leaf whose light the entry takes may change, or is not known.
+	if ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
+>>>>>>> /tmp/theirs
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
 	}
@@ -202,7 +207,7 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	include(s.others, from.others);
 	if (from.emits)
 		include(s.emitters, b);
-	// Of all static objects a row has about as much as it has of all.
+	// Of all static objects together a row has about as many entries as of everything.
 	uint unknown = from.object == frame.swept.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
 	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
@@ -222,7 +227,7 @@ sums sum_row(uint leaf, watch w)
 		float firm_others = s.firm_others, firm_emitters = s.firm_emitters;
 		for (uint k = 0u; k < count; k++) {
 			uvec4 e = load_entry(block.x + k);
-			// Any node may give way to another, few do.
+			// Any node of the cut may be replaced by another; few are.
 			bool traced = (cut && !keeps) || (e.w & GI_ENTRY_GONE) != 0u || is_flagged(w, p, e);
 			bool followed = false;
 #ifdef SPECULAR
@@ -285,7 +290,7 @@ void assess(uint leaf)
 	if (s.had == 0u && s.entries > 0u)
 		s.rays = max(s.rays, state[GI_STATE_ENTRIES] / frame.counts.x);
 	if (s.entries == 0u) {
-		rows[leaf].z = frame.update.x; // nothing of it can have changed
+		rows[leaf].z = frame.update.x; // nothing of the row can have changed: it is current
 		pending[leaf].key = uvec4(0u);
 		return;
 	}

@@ -16,7 +16,7 @@ layout(location = 1) uniform uint pair_count;
 // Photons that overlap: noise is about a tenth, and edges are sharp to the width of some.
 const float OVERLAP = 40.0;
 
-// A cell with fewer says little.
+// Cells with fewer photons than this say little of the density: a coarser level is asked.
 const uint ENOUGH = 16u;
 
 void main()

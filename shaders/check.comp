@@ -75,8 +75,8 @@ const uint STAGE_SWEPT = 0u, STAGE_BEGIN = 1u, STAGE_GO_ON = 2u;
 // Jacobi where it needs no more sweeps than this: it is then as good as Chebyshev, whose first steps are like it.
 const uint JACOBI_MOST = 8u;
 
-// What moved is wrong near it, and wrong again where that is seen: two sweeps of Jacobi take that away, and Chebyshev,
-// whose second step would bring four tenths of it back, begins behind them.
+// After a move B is off near the mover and, reflected once, where that place is seen. Two sweeps of Jacobi take both
+// away. Chebyshev begins after them, because its second step would bring four tenths of the error back.
 const uint LOCAL_SWEEPS = 3u;
 
 // Rounding of sums in floats, amplified more than AMPLIFIED times, would spoil a tolerance of 1e-4. From here on sweeps
@@ -92,7 +92,7 @@ const float BLOWN_UP = 10.0;
 // equal residuals come to depends on where they are, which nobody knows.
 const float NEARER = 0.33;
 
-// v of rows that amplified so many times more or less tells nothing of these.
+// Where the amplification changed by more than this factor, v of the rows before says nothing of the rows now.
 const float OTHER_ROWS = 16.0;
 
 // Times what rounding alone may leave. Near: errors of rounding as Chebyshev collects them; damped sweeps, (T R + R) /

@@ -1,3 +1,3 @@
 #version 450 core
-// In a scene without mirrors and glass.
+// The irradiance of each leaf by exitance (emitted.glsl), in a scene without mirrors and glass.
 #include "emitted.glsl"

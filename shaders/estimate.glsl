@@ -154,7 +154,7 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 				write_item(at + drawn, leaf, load_entry(k), pitch / part);
 		}
 	}
-	// Rounding may lose the last; and a row that sees nothing has none.
+	// Rounding may lose the last sample; a row that sees nothing has no samples.
 	for (; drawn < GI_ESTIMATE_GROUP_ITEMS; drawn++) {
 		items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
 		shares[at + drawn] = 0.0;

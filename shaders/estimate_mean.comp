@@ -42,7 +42,7 @@ totals of_leaf(gi_estimate_leaf r)
 		      w * w * vec2(dot(r.bias.xyz, r.bias.xyz), 1.0), floatBitsToUint(r.error.z));
 }
 
-// Light that returns for ever is no error that grows for ever: rooms this white have other leaks.
+// r is held below this: in rooms so white that light hardly ever ends the error does not grow without limit.
 const float MOST_RETURN = 0.98;
 
 void report(totals t)

@@ -42,11 +42,11 @@ struct candidate {
 	uint object;    // GI_NONE: it went, or there is none
 	bool first;     // of those of the row
 	obstacle box;   // where it is
-	place in_box;   // of the leaf
-	bool was;       // it was elsewhere
-	place in_trail; // in the box of where it was
-	place in_hull;  // in that of all
-	vec4 hull;      // ball about that
+	place in_box;   // where the leaf lies, as seen from that box
+	bool was;       // it was elsewhere when the row was refreshed
+	place in_trail; // the same for the box of where it was
+	place in_hull;  // the same for the box around both
+	vec4 hull;      // ball around the box of both
 	bool counts;
 };
 
@@ -70,8 +70,9 @@ candidate load_candidate(watch w, gi_node_geometry p, uint k, bool covered)
 	return s;
 }
 
-// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what
-// is seen in part.
+// May the candidate have changed what is seen of the node? One test serves three cases: an entry that is seen is held
+// against the box where the candidate is, one that several objects hide against where it was, one seen in part against
+// the box around both.
 bool crosses(candidate s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
 	vec4 ball = load_sphere(node);

@@ -13,7 +13,7 @@ void keep_below(float slope, float limit, inout vec2 interval)
 	interval.x = slope < 0.0 ? max(interval.x, t) : interval.x;
 }
 
-// What crossings ask of an object, loaded once for all entries of a row: loads are what they cost.
+// What the test for crossings needs of an object, loaded once for all entries of a row: the loads are its price.
 struct obstacle {
 	bool counts;              // it moved since the row was refreshed, and is there
 	vec4 row0, row1, row2;    // world_from_object
@@ -127,7 +127,7 @@ bool was_crossed(watch w, gi_node_geometry p, uint node)
 	return found;
 }
 
-// Of an entry whose pair need not be cut again; p is the leaf in the world.
+// Must an entry be traced again whose pair need not be cut again? p is the leaf in the world.
 bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 {
 	if (samples_of(entry) == 0u)

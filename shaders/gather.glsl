@@ -89,7 +89,7 @@ REAL largest(REAL3 x)
 	return max(x.x, max(x.y, x.z));
 }
 
-// Of x >= 0, the largest of three; what is nothing is no part of nothing.
+// The largest x / of over the channels, x >= 0; 0 where x is 0, HUGE at most.
 REAL ratio(REAL3 x, REAL3 of)
 {
 	REAL most = REAL(0.0);
@@ -245,7 +245,7 @@ void go_back(uint leaf, uint action)
 	store(leaf, next, next, m.exitance.xyz + next.xyz, lacks);
 }
 
-// Of a leaf that is none.
+// What a thread without a leaf found.
 void report_nothing()
 {
 	for (uint k = 0u; k < FOUND; k++)

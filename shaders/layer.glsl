@@ -1,5 +1,5 @@
-// A surface that is seen by way of others: as surface.glsl reads it, but for the material, in whose place there is what
-// it reflects, in nine bits a channel, as the bits of a float that is no odd one.
+// A surface that is seen in a mirror or through glass, in the form that surface.glsl reads. In the place of its
+// material stands its rho, nine bits a channel, packed as the bits of a normal float.
 #include "numbers.glsl"
 
 void store_layer(vec3 p, vec3 n, vec3 own, vec3 albedo, out vec4 place, out uvec4 look)

@@ -1,4 +1,4 @@
-// What surface.frag wrote.
+// Reads what surface.frag wrote of the surface in a pixel.
 #include "octahedron.glsl"
 
 layout(binding = GI_UNIT_PLACE) uniform sampler2D places; // xyz world position, w material

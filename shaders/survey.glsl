@@ -35,7 +35,7 @@
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
-// More movers than this are taken to be everywhere.
+// With more movers than this every row is taken to have one before it.
 const uint MOST_MOVERS = 16u;
 
 vec3 light_bound_of_all(uint what)

@@ -21,7 +21,8 @@ bool may_be_seen(gi_node_geometry p)
 	return dot(p.axis.xyz, to) > -(frame.view_eye.w * p.sphere.w + turn * length(to));
 }
 
-// Share of the picture that a leaf in sight fills: a projection to x / w, y / w makes of a small area A with the normal n
+// Share of the picture that a leaf in sight fills: a projection to x / w, y / w makes of a small area A with normal n
+//
 //     A dot(n, x (grad y cross grad w) + y (grad w cross grad x) + w (grad x cross grad y)) / w^3.
 float share_of_picture(gi_node_geometry p)
 {

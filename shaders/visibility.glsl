@@ -82,11 +82,11 @@ vec3 point_on(quad q, vec2 u)
 	return point_on_quad(q.a, q.b, q.c, q.d, u);
 }
 
-// Leaves of less than this part of what is summed up before them drown in it.
+// Leaves smaller than this part of the area summed up before them are lost in its rounding.
 const float LEAST_AREA = 1e-6;
 
-// One of the node's leaves, by area, or by number where the areas drown; u becomes where in the leaf's share it
-// was, uniform in [0, 1) again.
+// Chooses one of the node's leaves by u in [0, 1): by area, or by number where areas are lost in the rounding of their
+// sum. u is set to its place within the leaf's share, which is uniform in [0, 1) again.
 uint leaf_at(pair p, inout float u)
 {
 	uint low = p.t.range.y, high = low + p.t.range.z - 1u;
@@ -136,7 +136,7 @@ segment_end source_end(pair p, vec2 u, out vec3 m)
 	return end_on(p.source, leaf, point_on(q, u));
 }
 
-// Less than any transfer that is one.
+// Less than any transfer of light that counts.
 const float LEAST_TRANSFER = 1e-30;
 
 // How much light a segment carries, next to others of the same two surfaces, m: cos cos' area / d^2; 0 unless it leaves

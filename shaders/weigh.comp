@@ -22,7 +22,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 // What begins within what a sweep keeps to ends there but for rounding, and was not kept: T R is what is stored.
 const float WITHIN = 1.0 + 1.0 / 1048576.0;
 
-// Of two directions that are one but for so much of their product, one is enough.
+// Two vectors whose products differ from parallel ones by less than this share count as one direction.
 const float APART = 1e-4;
 
 struct sweep_of_leaf {

@@ -16,13 +16,14 @@ typedef struct gi_arena {
 	bool measuring;
 } gi_arena;
 
-/* From here on what is taken is counted. */
+/* Begins a count: until gi_arena_reserve what is taken is only added up. */
 void gi_arena_measure(gi_arena *arena);
 
-/* From here on it is there; what was taken before is gone. False: out of memory, the block is none. */
+/* Makes the block as large as was counted: what is taken now lies in it, what was taken before is gone. False: out of
+ * memory, there is no block. */
 bool gi_arena_reserve(gi_arena *arena);
 
-/* Not cleared; of nothing too. NULL while measuring. */
+/* The next part of the block, not cleared; a part of no bytes is one too. NULL while counting. */
 void *gi_arena_take(gi_arena *arena, size_t count, size_t size);
 
 void gi_arena_free(gi_arena *arena);

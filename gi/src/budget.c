@@ -193,7 +193,7 @@ void budget_learn(gi_context *gi)
 	gi_costs_learn(&r->costs, &spent);
 }
 
-/* A share; of nothing, what may be anything. */
+/* part / whole; 0 where part is 0, 3e38 where it is more than that. */
 static float share_of(float part, float whole)
 {
 	static const float most = 3e38f;

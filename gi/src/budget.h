@@ -8,7 +8,7 @@
 
 /* Made by the first update that has a budget. */
 typedef struct gi_budget_state {
-	bool made;     /* programs */
+	bool made;     /* the programs are there */
 	bool in_force; /* some rows may wait: bounds on them are kept up with B */
 	bool late;     /* some wait for lack of budget alone, as of the newest report: the next update goes on */
 	gi_costs costs;
@@ -22,15 +22,16 @@ typedef struct gi_budget_state {
 
 bool budget_is_exact(const gi_budget *budget);
 gi_result budget_check(const gi_context *gi, const gi_budget *budget);
-/* Programs and buffers, where they are not there yet. */
+/* Makes the programs and buffers that are not there yet. */
 gi_result budget_allocate(gi_context *gi);
-/* What is left of it where `ms` were taken already: of time all but those, though a tenth at least. */
+/* What is left of a budget of time after `ms` of it were used; a tenth of it at least. Other budgets stay. */
 gi_budget budget_less(const gi_budget *budget, float ms);
-/* Of the frame: limit, and of budget the rows to assess. */
+/* Sets frame->limit and, in frame->budget, how many rows may be assessed. */
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
-/* Is time what a solve is given, and not as many sweeps as it needs? */
+/* Does the budget limit the time of the solve? Else it takes as many sweeps as it needs. */
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget);
-uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget); /* that such a solve may take */
+/* How many sweeps a solve may take whose time is limited. */
+uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget);
 void budget_choose(gi_context *gi); /* the rows to refresh; the movers' poses must be in the world */
 void budget_bound(gi_context *gi);  /* after the solve: what waiting rows may be off by */
 void budget_report(const uint32_t *state, gi_report *out);

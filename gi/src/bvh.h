@@ -28,7 +28,8 @@ void gi_bvh_build_boxes(const gi_box *boxes, uint32_t count, gi_bvh_node *nodes,
 
 void gi_bvh_free(gi_bvh *bvh);
 
-/* The numbers of its primitives, the larger first, to be freed. NULL: out of memory. */
+/* The numbers of an object's primitives in order of area, the largest first. The caller frees them. NULL: out of
+ * memory. */
 uint32_t *gi_bvh_by_size(const gi_bvh *bvh);
 
 #endif

@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Objects of at most this many flat polygons are looked at polygon by polygon for walls, which hide nothing. */
+/* Of objects of at most this many flat polygons each polygon is asked whether it is a wall of the whole scene, which
+ * hides nothing. */
 enum { WALL_POLYGONS = 64 };
 
 /* All objects share this many bounding spheres. Each costs a lamp some 0.5 us when something moves, and a look at its

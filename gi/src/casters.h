@@ -13,7 +13,7 @@ struct gi_context;
 typedef struct caster_wall {
 	float corner[4][3]; /* rest frame */
 	gpu_range range;
-	bool hides; /* something, where it is now */
+	bool hides; /* where it is now it may hide something */
 } caster_wall;
 
 typedef struct gi_caster {

@@ -18,7 +18,7 @@ typedef struct cells_node {
 	uint32_t first, end; /* of its boxes, in `order` */
 } cells_node;
 
-/* What the tree is made of, for nobody else to look at. */
+/* A box's way through the cells, which the tree is sorted by; private to cells.c. */
 typedef struct cells_key {
 	uint64_t word[4];
 	uint32_t box;

@@ -195,7 +195,7 @@ static gi_result replace_scene(gi_context *gi)
 	return result;
 }
 
-/* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
+/* Has some material begun or ceased to emit since surfaces in one place were ranked? Then ranks change (rank.h). */
 static bool ranks_otherwise(object_record *o)
 {
 	bool changed = false;

@@ -26,18 +26,18 @@ struct gi_context {
 	gi_budget_state budget;
 	gi_solver solver;
 	gi_arena spare_arrays; /* of the scene before, for the next one */
-	gi_arena passing;      /* what a step of a commit takes, one after the other */
+	gi_arena passing;      /* scratch of a commit, which each step uses anew */
 	gi_arena grouping;     /* the tree of static objects */
-	gi_arena undo;         /* what it needs to the end */
-	gi_arena tree_arena;   /* what building the trees over the objects takes, for every frame */
+	gi_arena undo;         /* what a commit needs to undo itself where it fails */
+	gi_arena tree_arena;   /* scratch of every frame: building the trees over the objects */
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade;                 /* made by the first gi_draw */
 	gi_paths *paths;                 /* made by the first gi_trace_paths */
 	gi_smooth *smooth;               /* made by the first update of a scene with mirrors or glass */
 	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
-	gi_arena light_arena;            /* what lists emitters for them, for every frame */
-	gi_caustics *caustics;           /* likewise, where something emits */
+	gi_arena light_arena;            /* scratch of every frame: the emitters that send photons */
+	gi_caustics *caustics;           /* made by the same, where something emits */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
@@ -45,9 +45,9 @@ struct gi_context {
 	bool compiled;      /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
 	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
-	bool truncated;     /* a report said that a pool was full */
-	uint64_t wanted;    /* how many elements it lacked */
-	bool wanted_all;    /* and all rows were built: with those they fit */
+	bool truncated;     /* a report said that a pool was full: the rows are not whole */
+	uint64_t wanted;    /* how many elements the pool lacked */
+	bool wanted_all;    /* all rows were counted, so a pool larger by that holds them */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */

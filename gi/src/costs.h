@@ -23,11 +23,11 @@ void gi_price_add(gi_price *price, float ms);
 float gi_price_of(const gi_price *price);
 
 typedef struct gi_costs {
-	gi_price ray; /* of cut, factor, flag, trace and close together */
-	gi_price row; /* that is assessed */
+	gi_price ray; /* ms of cut, factor, flag, trace and close together, over the rays traced */
+	gi_price row; /* ms of a row that is assessed */
 	gi_price sweep;
-	gi_price
-	    fixed; /* what no number of rays changes: the other passes, on a software renderer what lies between too */
+	/* ms of what no number of rays changes: other passes and, on a software renderer, what lies between them. */
+	gi_price fixed;
 } gi_costs;
 
 /* One finished update, ms. */
@@ -40,11 +40,11 @@ typedef struct gi_spent {
 
 void gi_costs_learn(gi_costs *costs, const gi_spent *spent);
 
-/* However little time is left, some rows are refreshed: of a budget this much is, whatever came before. */
+/* Share of a budget that is always left for refreshing rows, whatever other things took. */
 #define GI_COSTS_LEAST_SHARE 0.1f
 
-/* How many fit into `ms` milliseconds: rays all but what the rest takes, rows to assess and sweeps their
- * shares, 32 rows and one sweep at least. 0 rays where their price is not known yet. */
+/* How many rays, rows to assess or sweeps fit into a budget of `ms` milliseconds. Rows and sweeps have fixed shares of
+ * it, 32 rows and one sweep at least; rays get what is left. 0 rays where their price is not known yet. */
 double gi_costs_rays(const gi_costs *costs, float ms);
 double gi_costs_rows(const gi_costs *costs, float ms);
 double gi_costs_sweeps(const gi_costs *costs, float ms);

@@ -44,9 +44,10 @@ static inline gi_vec3d unit_or(gi_vec3d v, gi_vec3d otherwise)
 	return length > 0.0 ? gi_vec3d_scale(v, 1.0 / length) : otherwise;
 }
 
-/* One more than asked for: no size is zero. */
+/* Allocates room for count + 1, so that no size is zero. Sets *enough to false where there is no memory. */
 void *gi_drawn_allocate(size_t count, size_t size, bool *enough);
-/* Light vertices; corners of leaves whose normals have at least this cosine share one. False: out of memory. */
+/* Makes the light vertices; corners in one place share one where the leaves' normals have at least this cosine. False:
+ * out of memory. */
 bool gi_drawn_make_lights(drawn_builder *s, double least_cosine);
 void gi_drawn_free_builder(drawn_builder *s);
 void gi_drawn_add_triangle(gi_drawn_surface *out, uint32_t a, uint32_t b, uint32_t c);

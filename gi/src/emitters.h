@@ -4,7 +4,8 @@
 
 #include "gi/gi.h"
 
-/* Of all objects of the scene; those whose part in it changed are relit. */
+/* Decides it for all materials of the scene. Objects for which it changed are marked relit, so that they are cut
+ * anew. */
 gi_result emitters_weigh(gi_context *gi);
 
 #endif

@@ -24,7 +24,7 @@ static gi_outcome outcome_of(const uint32_t *state)
 
 static gi_method method_of(const uint32_t *state)
 {
-	/* Polishing belongs to what came before it. */
+	/* Sweeps of GI_MANNER_POLISH count as those of the method before them. */
 	const bool chebyshev = state[GI_STATE_REACH_BITS] && state[GI_STATE_MANNER] != GI_MANNER_GIVEN_UP;
 	return chebyshev ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
 }
@@ -56,7 +56,7 @@ static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
 	r->reflected_max = 0;
 	for (int c = 0; c < 3; c++)
 		r->reflected_max = fmaxf(r->reflected_max, gi_float_from_bits(state[GI_STATE_SCALE_BITS + c]));
-	if (gi->scene.leaf_count == 0) { /* no sweep ran: what stands there is of a scene before */
+	if (gi->scene.leaf_count == 0) { /* no sweep ran: the words are those of an earlier scene */
 		r->residual = r->contraction = r->radiosity_max = r->reflected_max = 0;
 		r->amplification = 1;
 	}

@@ -42,8 +42,8 @@ typedef struct gpu {
 	gi_log log;
 	struct GladGLContext *gl; /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
 	char *shader_directory;   /* NULL: built in */
-	uint32_t mark;            /* an object that only the OpenGL context has that all the others are in */
-	bool lost;                /* that context is not current when all is freed: its objects are left to it */
+	uint32_t mark;            /* a vertex array's name, which tells this OpenGL context from others */
+	bool lost;                /* the OpenGL context is not current when all is freed: its objects are left alone */
 	uint32_t group_size;      /* threads of a compute group, a power of two */
 	uint64_t host_limit;      /* of a buffer, bytes; 0: none */
 	uint64_t block_bytes;     /* of a storage block, as promised or found by trial */
@@ -76,14 +76,14 @@ bool gpu_is_current(const gpu *g);
 /* GI_ERROR_WRONG_CONTEXT, and a line that names the public function, unless it is. */
 gi_result gpu_check_current(const gpu *g, const char *function);
 
-/* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
+/* Takes back the error of a call that OpenGL refused for lack of memory, so that the host does not find it. */
 void gpu_forget_errors(const gpu *g);
 
 /* What debuggers call the buffer of a binding (buffers.h). */
 const char *gpu_bound_label(uint32_t binding);
 /* What a debugger shows of OpenGL's objects: "gi " and what it is. `kind` as of glObjectLabel. */
 void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what);
-/* And of calls: what is issued between the two. Groups nest. */
+/* A debug group: debuggers show calls between begin and end under its name. Groups nest. */
 void gpu_group_begin(const gpu *g, const char *what);
 void gpu_group_end(const gpu *g);
 
@@ -98,12 +98,12 @@ const char *gpu_limit_text(const gpu *g, uint64_t limit);
  */
 gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
-/* Of data that mostly is as large as before: then into the same memory. */
+/* The same for data that mostly has the size it had before: then it goes into the same memory. */
 gi_result gpu_buffer_replace(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
 /* The same as allocating for what a commit makes anew, with room for an eighth more: in the memory that was kept of
  * an earlier one of this binding, where that is enough and not far too much. */
 gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data);
-/* Keeps its memory for that; large ones are freed. */
+/* Gives up a buffer; its memory is kept for gpu_buffer_renew, unless it is large. */
 void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding);
 void gpu_spares_free(gpu *g);
 void gpu_buffer_upload(gpu *g, gpu_buffer *buffer, uint64_t offset, uint64_t size, const void *data);

@@ -24,7 +24,7 @@ gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_a
 			  const uint32_t *indices);
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
 void gpu_mesh_draw(const gpu *g, const gpu_mesh *mesh, uint32_t program);
-/* So many times, gl_InstanceID counting. */
+/* Draws the mesh `count` times; gl_InstanceID tells which. */
 void gpu_mesh_draw_instances(const gpu *g, const gpu_mesh *mesh, uint32_t program, uint32_t count);
 void gpu_mesh_draw_lines(const gpu *g, const gpu_mesh *mesh, uint32_t program);
 
@@ -63,7 +63,7 @@ typedef struct gpu_target {
 gi_result gpu_target_create(gpu *g, gpu_target *target, const char *label, const gpu_format formats[2], bool depth,
 			    uint32_t width, uint32_t height);
 void gpu_target_free(gpu *g, gpu_target *target);
-/* The first colour of it to 0. */
+/* Clears the target's first colour to 0. */
 void gpu_target_clear(const gpu *g, const gpu_target *target);
 /* Read by texelFetch. */
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);
@@ -119,14 +119,14 @@ void gpu_draw_cull(const gpu *g, gpu_cull cull);
 /* Only the pixels lower..upper - 1 are drawn, until gpu_draw_unscissored(). */
 void gpu_draw_scissor(const gpu *g, const int lower[2], const int upper[2]);
 void gpu_draw_unscissored(const gpu *g);
-/* By the vertex shader's gl_ClipDistance. */
+/* Clips what is drawn by the vertex shader's gl_ClipDistance. */
 void gpu_draw_clip(const gpu *g, bool clip);
 /* Lines over what is drawn: what is there is multiplied by the colour, depths win by a little and are not written. */
 void gpu_draw_multiplied(const gpu *g, bool on, gpu_convention convention);
 
 /* What is drawn is added to what is there, whatever the depth. */
 void gpu_draw_added(const gpu *g, bool on);
-/* The same, where it lies no deeper; depths are not written. */
+/* The same, but only where it is no deeper than what is there; depths are not written. */
 void gpu_draw_added_in_front(const gpu *g, bool on, gpu_convention convention);
 
 /* A part of the buffer; offset a multiple of 256. */

@@ -55,7 +55,7 @@ static void give_ids(gi_scene *s, const object_record *place, object_record *o)
 	}
 }
 
-/* Leaves it as it is where it fails. */
+/* On failure the prepared object stays as it is. */
 static gi_result take_place(gi_context *gi, const object_record *built, gi_object *out)
 {
 	gi_scene *s = &gi->scene;

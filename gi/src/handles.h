@@ -12,7 +12,7 @@ struct gi_prepared_object {
 gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *out);
 /* On any thread. */
 gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepared_object **out);
-/* Frees it where all went well. */
+/* Takes a prepared object; it is freed where all went well. */
 gi_result handles_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out);
 void handles_free_place(gi_scene *scene, object_record *object); /* the object too */
 object_record *handles_find(const gi_context *gi, gi_object handle);

@@ -44,7 +44,7 @@ typedef struct child_list {
 	uint32_t *children;
 } child_list;
 
-/* A base face on its way into the cluster tree. */
+/* A base face while the cluster tree is built. */
 typedef struct cluster_item {
 	double key[6]; /* position / diagonal, normal * NORMAL_WEIGHT */
 	uint32_t face;

@@ -33,7 +33,7 @@ void lamp_view_place(lamp_view *view, const lamp_polygon *polygon, const gi_obje
 
 gi_vec3d lamp_view_point(const lamp_view *view, gi_vec3d world);
 
-/* Height over the lamp's plane from where on something casts: what lies in it does not, but for rounding. */
+/* What is lower than this over the lamp's plane, metres, casts no shadow: it lies in the plane but for rounding. */
 double lamp_view_lowest(const lamp_polygon *polygon, const lamp_view *view);
 
 /* Fits the window to the casters before the lamp; false when there are none. */

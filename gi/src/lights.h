@@ -13,12 +13,13 @@ typedef struct gi_lights {
 	double power; /* of all */
 } gi_lights;
 
-/* What counts of an exitance. */
+/* How strong an exitance counts: one of the two below. */
 typedef double gi_light_measure(gi_vec4 exitance);
 double lights_luminance(gi_vec4 exitance);
 double lights_largest(gi_vec4 exitance);
 
-/* As the scene was at the last gi_update: that is what the GPU has of it. In the arena's memory. False: out of it. */
+/* Lists the triangles as they were at the last gi_update, which is what the GPU has of the scene. The list lies in the
+ * arena. False: out of memory. */
 bool lights_find(const gi_scene *scene, gi_light_measure *measure, gi_arena *arena, gi_lights *out);
 
 /* Cuts the 32-bit line into slices for [first, end), as wide as triangles are powerful. Returns their power. */

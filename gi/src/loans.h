@@ -13,10 +13,10 @@ typedef struct loans {
 	uint32_t count;
 } loans;
 
-/* Finds who lends; the trees over the objects must be those of now. */
+/* Finds for each new leaf the one that lends its row; the trees over the objects must be up to date. */
 gi_result loans_find(gi_context *gi, loans *out);
 
-/* Copies the rows, before any is chosen. Frees the list. */
+/* Copies the lent rows on the GPU, before rows to refresh are chosen. Frees the list. */
 void loans_give(gi_context *gi, loans *loans);
 
 void loans_free(gi_context *gi, loans *loans);

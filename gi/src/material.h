@@ -12,7 +12,7 @@ bool material_emits(const gi_material *material);
 /* Fails with a line that names the object and the material's number. */
 bool material_is_valid(const gi_log *log, const gi_material *material, const char *object, uint32_t index);
 
-/* Likewise; `material` is what it is a part of. */
+/* The same for `specular`, which belongs to `material`. */
 bool material_specular_is_valid(const gi_log *log, const gi_specular *specular, const gi_material *material,
 				const char *object, uint32_t index);
 bool material_is_mirror(const gi_specular *specular);

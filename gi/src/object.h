@@ -44,7 +44,7 @@ typedef struct object_record {
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
 	uint32_t slot, node_base, leaf_base, vertex_base, bvh_base, primitive_base, material_base, light_base;
 	gi_vec4 world_lower, world_upper;
-	bool trails; /* where it was since every row has seen it: */
+	bool trails; /* some row has not seen it move yet; the box of all places where it was since then: */
 	gi_vec4 trail_lower, trail_upper;
 	gi_vec4 ceiling;  /* of its leaves, largest E / (1 - rho) of rgb; largest 1 / (1 - rho) */
 	bool plane;       /* all of it in one plane */
@@ -60,8 +60,8 @@ typedef struct object_record {
 /* For whom an object is built. */
 typedef struct object_builder {
 	const gi_log *log;
-	gpu *gpu;        /* which has to hold it; NULL: none, on any thread */
-	uint32_t number; /* of objects before it: how far the host is told that it is; where there is a gpu */
+	gpu *gpu;        /* its limits hold for the object; NULL: no context, any thread */
+	uint32_t number; /* of objects created before, for the host's progress callback; used where there is a gpu */
 } object_builder;
 
 gi_result object_build(const object_builder *builder, const gi_object_def *def, object_record *out);
@@ -69,14 +69,14 @@ void object_free(object_record *object);
 /* Lengths and places of objects, metres, are at most this: area times B, and the products of three lengths that rays
  * take, stay in the range of floats. */
 #define OBJECT_MAX_LENGTH 1e9f
-/* Products of three lengths end here at the lower end. */
+/* Areas of leaves, m2, are at least this, so that products of three lengths are no denormals. */
 #define OBJECT_MIN_AREA 1e-24f
-/* Whether the library takes the definition, but for what refining it shows. */
+/* Checks all of a definition that can be checked before it is refined. */
 gi_result object_check_def(const gi_log *log, const gi_object_def *def);
 /* About how many leaves an object would have; or exactly, by splitting its faces, false: memory ran out. */
 double object_estimate_leaves(const gi_object_def *def);
 bool object_count_leaves(const gi_object_def *def, uint64_t *count);
-/* A size in two digits, not less than it. */
+/* A size rounded up to two digits, as messages advise it. */
 double object_rounded_size(double size);
 bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object);
 

@@ -24,13 +24,13 @@ typedef struct occluder_mask {
 	double lower[3], scale[3]; /* cell = (q - lower) * scale; clear() sets them */
 } occluder_mask;
 
-/* No bits, for a scene inside the box. */
+/* Clears all bits and lays the grid over the box of the scene. */
 void occluder_mask_clear(occluder_mask *mask, const occluder_box *scene);
 
-/* The bits of all points that something in the box may hide a sample from. */
+/* Sets the bits of all points for which something inside the box may hide a sample of the lamp. */
 void occluder_mask_add(occluder_mask *mask, const occluder_box *box);
 
-/* Has any point in the box, or as near to it as a depth map's texels, its bit set? */
+/* Is a bit set for any point in the box, or next to it by up to a depth map's texel? */
 bool occluder_mask_any(const occluder_mask *mask, const occluder_box *box);
 
 #endif

@@ -8,7 +8,7 @@ struct gi_context;
 
 typedef struct gi_overlays {
 	uint32_t program;
-	gpu_mesh faces, edges; /* the leaves as two triangles, and their boundaries */
+	gpu_mesh faces, edges; /* two triangles a leaf, and the lines around it */
 } gi_overlays;
 
 /* Draws the view's overlay: lines over the picture, or a heat map in place of it. The host's framebuffer is bound. */

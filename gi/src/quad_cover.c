@@ -19,7 +19,8 @@ static double measured(const gi_hierarchy *h, uint32_t vertex, const measure *m)
 	return point ? gi_vec3d_length(to) : gi_vec3d_dot(m->across, to);
 }
 
-/* Of vertices as far but for rounding the first, so that a symmetric mesh has the same corners at every scale. */
+/* Of vertices equally far but for rounding the first is taken, so that a symmetric mesh has the same corners at every
+ * scale. */
 static uint32_t farthest(const gi_hierarchy *h, uint32_t first, uint32_t count, const measure *m)
 {
 	uint32_t best = h->topology[h->leaf_node[first]].corners.x;

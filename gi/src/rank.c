@@ -50,7 +50,7 @@ static void store(object_record *o, uint32_t number, uint32_t rank, gi_primitive
 {
 	const gi_primitive *p = &o->bvh.primitives[number];
 	const uint32_t first = gi_bits_from_float(p->a.w), end = gi_bits_from_float(p->b.w);
-	/* From low to high. */
+	/* Ranks in ascending order. */
 	if (o->lowest_rank == GI_NONE)
 		o->lowest_rank = rank;
 	o->highest_rank = rank;

@@ -14,10 +14,10 @@ typedef struct gi_rows {
 	uint32_t current;               /* every row has seen all that changed up to this one */
 	bool rebuild;                   /* everything is to be cut anew */
 	bool fitted;                    /* the pools held the rows at least once since the commit */
-	bool kept;                      /* the last commit kept them: no update ran since */
-	bool lost;                      /* and an object went */
-	uint32_t lost_update;           /* that saw the last one that went */
-	gi_vec4 lost_lower, lost_upper; /* where all those were that not every row has seen go */
+	bool kept;                      /* the last commit kept the rows, and no update ran since */
+	bool lost;                      /* likewise, and an object went in that commit */
+	uint32_t lost_update;           /* number of the update that saw the last object go */
+	gi_vec4 lost_lower, lost_upper; /* box of the objects that went and that not every row has seen go */
 	uint64_t entry_limit, link_limit;
 	ROWS_TABLES(BUFFER_MEMBER)
 	ROWS_POOLS(BUFFER_MEMBER)
@@ -35,7 +35,7 @@ enum { ROWS_PROGRAMS = 15 };
 void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 gi_result rows_allocate(gi_context *gi);
-/* What became of the objects of the scene before, slot by slot. */
+/* Where the objects of the scene before the commit are now, slot by slot. */
 typedef struct rows_moves {
 	gi_move *list;
 	uint32_t count, leaf_count, first_source; /* slots and leaves before */
@@ -51,14 +51,14 @@ gi_result rows_grow(gi_context *gi);
 gi_result rows_allocate_tables(gi_context *gi);
 gi_result rows_allocate_pools(gi_context *gi);
 uint64_t rows_most_entries(gi_context *gi, uint64_t wanted);
-/* An allocator's state, for a pool of more elements. */
+/* Sets a pool's allocator to a larger number of elements. */
 void rows_copy_pool(gi_context *gi, gpu_buffer *from, uint64_t from_limit, gpu_buffer *to, uint64_t to_limit);
-void rows_recycle(gi_context *gi); /* what was given back may be taken again */
+void rows_recycle(gi_context *gi); /* blocks that this update gave back may be taken by the next */
 gi_result rows_update(gi_context *gi, const gi_budget *budget);
-/* Where values of materials are all that changed: rows stay what they are. */
+/* For an update in which nothing but values of materials changed: rows stay as they are. */
 gi_result rows_relight(gi_context *gi);
 void rows_clear_counts(gi_context *gi); /* what a report counts of one update */
-/* Has no buffers of those that a commit makes, and deletes none: a copy of the rows has them. */
+/* Forgets the buffers that a commit makes anew without deleting them: a copy of the gi_rows owns them now. */
 void rows_forget(gi_rows *rows);
 void rows_release(gi_context *gi, gi_rows *rows); /* frees it */
 void rows_retire(gi_context *gi, gi_rows *rows);  /* likewise, but memory of tables is kept for the next commit */

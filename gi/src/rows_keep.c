@@ -89,7 +89,7 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 	gi_rows *r = &gi->rows;
 	/* What is seen in a mirror the row may have no other part of. */
 	bool blockers = false, shifted = gi->specular_rows != NULL;
-	uint32_t gone = 0; /* columns */
+	uint32_t gone = 0; /* columns of the table of segments: sources that are none any more */
 	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
 		gone += slot >= m->first_source && (went(m, slot) || m->list[slot].now.x < gi->scene.first_source);

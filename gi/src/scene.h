@@ -32,11 +32,11 @@ typedef struct gi_scene {
 	struct static_sum *sums; /* of each top (statics.h) */
 	uint32_t top_count;
 	bool automatic_static; /* GI_MOBILITY_AUTOMATIC is static, as of the last commit */
-	uint32_t
-	    statics_update; /* number of the row update that last saw an object come to the static ones or leave them */
+	/* Number of the row update that last saw an object come to the static ones or leave them. */
+	uint32_t statics_update;
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
-	bool shown_changed;      /* since the last update others are seen than before it, or fewer */
-	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
+	bool shown_changed;      /* since the last update an object was hidden, shown or destroyed */
+	bool regroup;            /* a static object moved or was hidden: the next update begins with a commit */
 	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
 
 	gi_arena arrays;             /* all of these, slots and tops: */
@@ -47,9 +47,9 @@ typedef struct gi_scene {
 	gi_uvec4 *tlas_packed;
 	gi_vec4 tlas_grid, tlas_cells;
 	uint32_t tlas_count; /* nodes that there is room for in each of two trees */
-	uint32_t tlas_all,
-	    tlas_inner; /* of all objects that are seen, of a tree of those that may lie between two others */
-	uint32_t tlas_inner_first, tlas_inner_end; /* of the latter, which may be the first tree */
+	/* Nodes of the tree over all objects that are seen, and of that over those that may lie between two others. */
+	uint32_t tlas_all, tlas_inner;
+	uint32_t tlas_inner_first, tlas_inner_end; /* where the second lies in tlas; it may be the first */
 
 	SCENE_BUFFERS(BUFFER_MEMBER)
 } gi_scene;
@@ -62,7 +62,7 @@ float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest su
 uint32_t scene_source_count(const gi_scene *scene);
 void scene_place_sky(gi_object_data *data);
 void scene_update_exitance(gi_context *gi, object_record *object);
-/* Of a node's flags, those that this sets. */
+/* The flags of a node that scene_update_exitance sets. */
 #define SCENE_MATERIAL_BITS (GI_NODE_EMITTER | GI_NODE_SMOOTH | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
 void scene_release(gi_context *gi, gi_scene *scene);         /* buffers and arrays, not the objects */

@@ -21,7 +21,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Objects' are far below. */
+/* Ids of the sky's nodes begin here, far above all objects'. */
 static const uint32_t FIRST_SKY_ID = 0xFFFF0000u;
 
 /* Does one closed room hold all other objects? */
@@ -32,7 +32,7 @@ static bool one_encloses_all(const gi_context *gi)
 		const object_record *room = &s->objects[k];
 		if (!object_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
 			continue;
-		/* Rounding of the boxes and what stands in a wall by a hair. Of the room's size, not of where it is. */
+		/* Boxes are rounded, and things stand a little inside a wall: a share of the room's size. */
 		float slack = 0;
 		for (int c = 0; c < 3; c++)
 			slack = fmaxf(slack, 1e-4f * ((&room->world_upper.x)[c] - (&room->world_lower.x)[c]));

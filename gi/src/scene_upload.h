@@ -10,7 +10,7 @@ typedef struct scene_before {
 	const object_record *objects; /* as they were: with their places in it */
 } scene_before;
 
-/* What this object's part of the old scene was, to carry its B over. */
+/* Where the object lay in the old scene, to copy its B to the new one. */
 typedef struct carried {
 	uint32_t index, node_base, leaf_base;
 } carried;

@@ -18,7 +18,7 @@ static void grow(screen_rect *rect, const uint32_t size[2], const double lower[2
 	}
 }
 
-/* By the cube around the ball: a corner at or behind the eye may be seen anywhere. */
+/* Projects the corners of the cube around the ball. Where one is at or behind the eye the ball may be anywhere. */
 void screen_rect_add(screen_rect *rect, const float m[16], const uint32_t size[2], gi_vec3d c, double radius)
 {
 	double lower[2] = {INFINITY, INFINITY}, upper[2] = {-INFINITY, -INFINITY};

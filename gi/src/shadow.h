@@ -28,7 +28,7 @@ typedef struct gi_shadow {
 	gpu_buffer mask_words;
 	shadow_seen seen[GI_LAMP_MAX]; /* of the maps that are drawn */
 	uint32_t drawn_lamps;          /* generation of gi_lamps that the maps show */
-	bool drawn;                    /* the maps show the poses below */
+	bool drawn;                    /* the maps were drawn for the poses in drawn_rows */
 	float (*drawn_rows)[12];       /* by slot */
 	struct lamp_box *boxes;        /* scratch: of the casters */
 } gi_shadow;

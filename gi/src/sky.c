@@ -110,7 +110,7 @@ bool sky_is_lit(const gi_context_def *def)
 	return e[0] + e[1] + e[2] > 0;
 }
 
-/* Its B is E, which no pass works out. */
+/* Writes the sky's B, which is its E: no pass computes it. */
 void sky_relight(gi_context *gi)
 {
 	gi_scene *s = &gi->scene;

@@ -8,7 +8,7 @@
 /* As a hierarchy of directions. False: out of memory. */
 bool sky_build(gi_hierarchy *out);
 bool sky_is_lit(const gi_context_def *def);
-/* Where the scene has a sky: its light is that of the definition. */
+/* Sets the sky's light to that of the definition, where the scene has a sky. */
 void sky_relight(gi_context *gi);
 
 #endif

@@ -121,8 +121,8 @@ static bool is_known_to_be_over(const gi_context *gi)
 	return !groups;
 }
 
-/* Does anything shine? Without light B is 0, which Jacobi from a bright start would near for ever: it starts from B =
- * E, the solution. */
+/* Does anything emit? Where nothing does the solution is B = E = 0, which sweeps from a bright start would approach
+ * for ever: the solve starts from there. */
 static bool is_lit(const gi_scene *s)
 {
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {

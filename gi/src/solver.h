@@ -6,7 +6,7 @@
 #include "gpu.h"
 
 typedef struct gi_solver {
-	bool cold;        /* start from B = E, though buffers hold another B; they begin with B = E */
+	bool cold;        /* the next solve starts from B = E, whatever B is in the buffers */
 	bool unconverged; /* of the newest report: another frame of sweeps would come nearer */
 	SOLVER_BUFFERS(BUFFER_MEMBER)
 	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, large_program,

@@ -11,7 +11,7 @@ gi_result specular_update(gi_context *gi);
 void specular_invalidate(gi_context *gi); /* after a commit */
 /* Is it of the committed scene? Not between a commit and the update after it: nor are the trees of rays. */
 bool specular_is_ready(const gi_context *gi);
-void specular_bind(const gi_context *gi); /* in places of others (gi_shared.h), behind scene_bind() and rows_bind() */
+void specular_bind(const gi_context *gi); /* at numbers that others use too (gi_shared.h): after bind_rows() */
 void specular_free(gi_context *gi);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Far above those of objects' nodes. */
+/* Ids of tops begin here, far above those of objects' nodes. */
 static const uint32_t FIRST_TOP_ID = 0xC0000000u;
 
 bool statics_hold(const gi_scene *s, gi_mobility mobility)

@@ -33,7 +33,7 @@ typedef struct static_tree {
 
 /* What a top is the sum of, all of it in the world. */
 typedef struct static_sum {
-	bool known; /* as of the scene before, where nothing below the top was placed anew since */
+	bool known; /* taken over from the scene before: nothing below the top moved since */
 	gi_vec3d centre, moment, axis;
 	double radius, area, shape; /* shape times area */
 	double cone;                /* half angle of the normals about the axis; pi: any direction */

@@ -18,8 +18,8 @@
  * off to be behind it (PLANE_SLACK of segments.glsl is this). */
 static const double HULL_SLACK = 2.5e-7;
 
-/* What comes within so many times that may lie in the plane for some ray: more than rounding adds in the frame of
- * another object. */
+/* Surfaces within so many times HULL_SLACK of the plane may count as in it for some ray: more than rounding adds in
+ * another object's frame. */
 static const double TOUCHING = 16;
 
 /* Cosine between the normals of two planes that may be one. */

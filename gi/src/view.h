@@ -1,4 +1,4 @@
-/* What a gi_view means. */
+/* Matrices and places that follow from a gi_view. */
 #ifndef GI_VIEW_H
 #define GI_VIEW_H
 

@@ -26,7 +26,8 @@ do for [kind in 'png svg'] {
 	}
 	set output folder . '/figure6.' . kind
 	set multiplot layout 1, 2
-	set key outside below reverse Left maxrows 3
+	set bmargin 11
+	set key at graph 0.5, -0.17 center top reverse Left maxrows 5 samplen 3
 	set title 'Frames a second'
 	set ylabel 'frames a second'
 	set format y '%g'

@@ -2,7 +2,8 @@
  * and without, both against an exact one. Prints a table; never passes or fails on a figure.
  *
  * The error of a picture is the RMS of the difference of its linear indirect radiance over the RMS of the exact
- * picture's, that of the scene the RMS of B - E over all leaves by area likewise: what the camera gains, others may lose.
+ * picture's, that of the scene the RMS of B - E over all leaves by area likewise: what the camera gains, others may
+ * lose.
  */
 #include "bench_options.h"
 #include "bench_scene.h"
