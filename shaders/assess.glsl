@@ -171,14 +171,9 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	uint target = load_target(at) & ~GI_TARGET_BLACK;
 	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
-<<<<<<< /tmp/ours
-	// Whose light it takes may change, or is not known.
+	// The leaf whose light the entry takes may change, or is not known.
 	bool any_leaf = (taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u;
 	if (any_leaf || from.smooth_part) {
-=======
-	// The leaf whose light the entry takes may change, or is not known.
-	if ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
->>>>>>> /tmp/theirs
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
 	}
