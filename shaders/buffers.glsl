@@ -534,6 +534,14 @@ gi_smooth_material load_smooth_material(uint n)
 }
 #endif
 
+#ifdef READ_SPECULAR_ENDS
+TEXELS(GI_BIND_SPECULAR_ENDS) specular_end_texels;
+uvec2 load_specular_end(uint n)
+{
+	return half_texel(specular_end_texels, n);
+}
+#endif
+
 #ifdef READ_CORNER_LIGHTS
 TEXELS(GI_BIND_CORNER_LIGHTS) corner_light_texels;
 uvec4 load_corner_lights(uint n)
@@ -682,6 +690,9 @@ STORAGE(GI_BIND_PENDING) pending_block { gi_pending pending[]; };
 #endif
 #ifdef WRITE_LIGHT_BOUNDS
 STORAGE(GI_BIND_LIGHT_BOUNDS) light_bounds_block { uint light_bounds[]; };
+#endif
+#ifdef WRITE_SPECULAR_ENDS
+STORAGE(GI_BIND_SPECULAR_ENDS) specular_ends_block { uvec2 specular_ends[]; };
 #endif
 #ifdef WRITE_ESTIMATE_ITEMS
 STORAGE(GI_BIND_ESTIMATE_ITEMS) estimate_items_block { uvec4 items[]; };

@@ -14,7 +14,7 @@
 #define READ_NODE_EXITANCE
 #define READ_LEAF_RADIOSITY
 #define READ_TOUCHED
-#ifdef CAUSTICS
+#ifdef SPECULAR
 #define READ_CAUSTIC_LIGHT
 #endif
 #define WRITE_LEAF_RADIOSITY
@@ -23,11 +23,15 @@
 #include "dispatch.glsl"
 #include "solve.glsl"
 #include "numbers.glsl"
+#ifdef SPECULAR
+#include "specular_link.glsl"
+#endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint all;
-#ifdef CAUSTICS
+#ifdef SPECULAR
 layout(location = 1) uniform uint caustics_undrawn; // 1: no pixel is lit by them
+layout(location = 2) uniform uint caustics;         // 1: there are some
 #endif
 
 const uint FOUND = 6u;
@@ -52,17 +56,32 @@ vec3 walk(uint leaf, uvec4 row)
 	dvec3 sum = dvec3(0.0lf), undrawn = dvec3(0.0lf);
 	double weights = 0.0lf;
 	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
-	for (uint k = row.x / 2u; 2u * k < end; k++) {
+	uint k = row.x / 2u;
+#ifdef SPECULAR
+	for (; 2u * k < end; k++) {
+		uvec4 link = load_two_links(k);
+		if (!is_specular(link))
+			break;
+		bool counts = (link.x & GI_LINK_PHOTONS) == 0u;
+		vec3 exitance = counts ? load_exitance(node_of(link)).xyz : vec3(0.0);
+		dvec3 light = dvec3(weights_of(link)) * dvec3(exitance);
+		sum += light;
+		undrawn += light;
+		weights += double(largest_weight_of(link));
+	}
+#endif
+	for (; 2u * k < end; k++) {
 		uvec4 two = load_two_links(k);
 		add(sum, undrawn, two.x, two.y);
 		add(sum, undrawn, two.z, two.w);
 		weights += double(uintBitsToFloat(two.y));
 		weights += double(uintBitsToFloat(two.w));
 	}
-#ifdef CAUSTICS
-	sum += dvec3(load_caustic_light(leaf).xyz);
-	if (caustics_undrawn != 0u)
-		undrawn += dvec3(load_caustic_light(leaf).xyz);
+#ifdef SPECULAR
+	if (caustics != 0u) {
+		sum += dvec3(load_caustic_light(leaf).xyz);
+		undrawn += dvec3(caustics_undrawn != 0u ? load_caustic_light(leaf).xyz : vec3(0.0));
+	}
 #endif
 	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
 	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);

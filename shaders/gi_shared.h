@@ -39,6 +39,7 @@ typedef struct gi_uvec4 {
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
 #define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
 #define GI_NODE_TOP 128u    /* of several static objects (statics.h): in the world's frame, its two children behind it */
+#define GI_NODE_SMOOTH 4096u   /* some leaf below it is a mirror or glass; set by the scene */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u
@@ -198,7 +199,8 @@ GI_STRUCT(gi_material_data) {
  *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
- *   statics: primitives of static objects, which are the first ones; 0, 0, 0
+ *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring what
+ *            something emits; 0, 0
  *
  *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
  *   view_eye: where it is; of a parallel projection the way to it, w 0
@@ -288,6 +290,12 @@ GI_STRUCT(gi_pending) {
 
 /* Behind an entry's target, the node whose B it takes: what is there neither emits nor reflects. */
 #define GI_TARGET_BLACK 0x80000000u
+
+/* A link, what the solve multiplies: x node, y weight as float bits. A row's first ones may be light through mirrors and glass
+ * (specular_path.comp), each in the place of two: x the node where its path ended and these bits, y z w a weight for each channel. */
+#define GI_LINK_SPECULAR 0x80000000u
+#define GI_LINK_PHOTONS 0x40000000u /* what the node emits comes by photons (caustics.c): the link has what it reflects */
+#define GI_LINK_NODE 0x3FFFFFFFu
 
 /* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
  * samples that see their object, w the sum of the form factors of entries that are no backs.
@@ -413,6 +421,8 @@ GI_STRUCT(gi_move) {
 #define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
 #define GI_STATE_ESTIMATE_RAYS 105u
 #define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
+#define GI_STATE_SPECULAR_PATHS 100u   /* entries that see a mirror or glass, to be followed */
+#define GI_STATE_ARGS_SPECULAR 36u     /* group counts, 3 words: a thread each */
 #define GI_STATE_WANTED 99u            /* how many smallest blocks a pool that was full lacked */
 #define GI_STATE_WORDS 132u
 
@@ -532,7 +542,7 @@ GI_STRUCT(gi_move) {
  *   //--------------- 16B ---------------
  *   origin.xyz  the vertex, lifted off its surface   origin.w  its path's number, a whole number below 2^24
  *   normal.xyz  there                                normal.w  its number along the path
- *   throughput.xyz                                   throughput.w 0
+ *   throughput.xyz                                   throughput.w 1: at a mirror or glass, normal is the direction it goes on in
  *   found.xyz   irradiance that the path found so far found.w 0
  *   sum.xyz     that of the slot's paths before it   sum.w 0
  */
@@ -553,6 +563,8 @@ GI_STRUCT(gi_path_slot) {
 #define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
 #define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
 #define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
+#define GI_BIND_SPECULAR_ENDS GI_BIND_PENDING    /* uvec2 per entry that sees a mirror or glass: as x of a link through it, and what of the
+						  * light arrives, ten bits a channel; of this update alone */
 #define GI_BIND_CAUSTIC_CELLS GI_BIND_TARGETS    /* uint: photons per cell of a hashed grid, level by level */
 
 /* Translucent objects, of scenes that have any (diffusion.c): in places of what a solve does not read. Rows: those of leaves, of

@@ -1,7 +1,8 @@
 #version 450 core
 // Group counts for the indirect dispatches that work through the queue and the lists of rows. STAGE 0: after the cuts;
-// 1: after flagging; 2: after closing; 3: rows to flag are listed; 4: rows to close are. Where a pool was full the rows
-// do not count, and nothing more is done about them: what is missing is known, and the next update makes room for it.
+// 1: after flagging; 2: after closing; 3: rows to flag are listed; 4: rows to close are; 5: entries that see a mirror
+// or glass are. Where a pool was full the rows do not count, and nothing more is done about them: what is missing is
+// known, and the next update makes room for it.
 #define READ_FRAME
 #define WRITE_ENTRY_POOL
 #define WRITE_LINK_POOL
@@ -22,6 +23,9 @@ void main()
 	} else if (stage == 1u) {
 		threads = min(state[GI_STATE_QUEUED], frame.limits.y);
 		arguments = GI_STATE_ARGS_TRACE;
+	} else if (stage == 5u) {
+		threads = state[GI_STATE_SPECULAR_PATHS];
+		arguments = GI_STATE_ARGS_SPECULAR;
 	} else if (stage >= 3u) {
 		uint rows = state[stage == 3u ? GI_STATE_CONCERNED_ROWS : GI_STATE_CHANGED_ROWS];
 		set_groups(stage == 3u ? GI_STATE_ARGS_FLAG : GI_STATE_ARGS_CLOSE, spread_groups(rows));

@@ -16,6 +16,15 @@ float largest_reflected()
 	    max(state[GI_STATE_SCALE_BITS], max(state[GI_STATE_SCALE_BITS + 1u], state[GI_STATE_SCALE_BITS + 2u])));
 }
 
+#ifdef SPECULAR
+// The same, channel by channel: of emitters too.
+vec3 reflected_most()
+{
+	uint at = GI_STATE_SCALE_BITS;
+	return uintBitsToFloat(uvec3(state[at], state[at + 1u], state[at + 2u]));
+}
+#endif
+
 // Rows of like bounds are parted by a hash, so that a bucket never holds too many; old ones go before new ones.
 //
 // Given time, what counts is the mean error in the long run. A row's error grows about as the movers go, and a bound

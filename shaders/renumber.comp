@@ -125,17 +125,21 @@ loss move_segments(uint leaf, gi_move mine)
 	return went;
 }
 
-// Returns how many stay.
+// Returns how many stay. One through mirrors and glass is in the place of two.
 uint move_links(uvec4 row)
 {
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
-	for (uint k = 0u; k < links_before; k++) {
+	for (uint k = 0u, size = 1u; k < links_before; k += size) {
 		uvec2 l = links[row.x + k];
-		uint node = load_node_move(l.x);
+		bool specular = (l.x & GI_LINK_SPECULAR) != 0u;
+		size = specular ? 2u : 1u;
+		uint node = load_node_move(specular ? l.x & GI_LINK_NODE : l.x);
 		if (node == GI_NONE)
 			continue;
-		links[row.x + stay] = uvec2(node, l.y);
-		stay++;
+		links[row.x + stay] = uvec2(specular ? node | (l.x & ~GI_LINK_NODE) : node, l.y);
+		if (specular)
+			links[row.x + stay + 1u] = links[row.x + k + 1u];
+		stay += size;
 	}
 	if (((row.x + stay) & 1u) == 1u && links_before > 0u)
 		links[row.x + stay] = uvec2(0u); // they are read in pairs

@@ -242,11 +242,13 @@ void budget_choose(gi_context *gi)
 	gpu_buffer_clear(&gi->gpu, &r->light_bounds, 0, r->light_bounds.size, 0);
 	gpu_buffer_clear(&gi->gpu, &r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
 	gpu_dispatch_groups(g, r->light_bounds_program, gi->scene.slot_count);
-	gpu_dispatch(g, r->survey_program, gi->scene.leaf_count);
+	gpu_dispatch(g, gi->specular_rows ? gi->specular_rows->survey_program : r->survey_program,
+		     gi->scene.leaf_count);
 	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_timer_begin(g, &r->assess_timer);
-	gpu_dispatch_indirect(g, r->assess_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_ASSESS);
+	gpu_dispatch_indirect(g, gi->specular_rows ? gi->specular_rows->assess_program : r->assess_program, &gi->state,
+			      sizeof(uint32_t) * GI_STATE_ARGS_ASSESS);
 	enlist(gi, REFRESH);
 	gpu_timer_end(g, &r->assess_timer);
 }

@@ -29,7 +29,7 @@ enum { FEWEST = 256 };
 /* What a photon is thought to take before one was measured, ms. */
 static const float FIRST_PRICE_SOFTWARE = 0.01f, FIRST_PRICE_GPU = 0.00001f;
 
-enum { PROGRAMS = 7 };
+enum { PROGRAMS = 6 };
 
 struct gi_caustics {
 	bool built;    /* photons are of the committed scene */
@@ -44,8 +44,7 @@ struct gi_caustics {
 	gi_price price;             /* of a photon */
 	uint64_t asked_frame;       /* an update in which so many were traced at least */
 	uint32_t asked_photons;
-	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program,
-	    radius_program;
+	uint32_t begin_program, trace_program, deposit_program, light_program, count_program, radius_program;
 	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
 };
 
@@ -57,10 +56,9 @@ static gi_result out_of_memory(const gi_context *gi)
 static void list_programs(gi_caustics *c, gpu_program_file list[PROGRAMS])
 {
 	const gpu_program_file programs[PROGRAMS] = {
-	    {"caustic_begin.comp", &c->begin_program},      {"caustic_trace.comp", &c->trace_program},
-	    {"caustic_deposit.comp", &c->deposit_program},  {"caustic_light.comp", &c->light_program},
-	    {"emitted_caustics.comp", &c->emitted_program}, {"caustic_count.comp", &c->count_program},
-	    {"caustic_radius.comp", &c->radius_program}};
+	    {"caustic_begin.comp", &c->begin_program},     {"caustic_trace.comp", &c->trace_program},
+	    {"caustic_deposit.comp", &c->deposit_program}, {"caustic_light.comp", &c->light_program},
+	    {"caustic_count.comp", &c->count_program},     {"caustic_radius.comp", &c->radius_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -374,11 +372,6 @@ gi_result caustics_update(gi_context *gi, const gi_budget *budget)
 	if (result)
 		caustics_invalidate(gi);
 	return result;
-}
-
-uint32_t caustics_emitted_program(const gi_context *gi)
-{
-	return gi->caustics ? gi->caustics->emitted_program : 0;
 }
 
 const gpu_buffer *caustics_light(const gi_context *gi)

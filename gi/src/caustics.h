@@ -13,10 +13,7 @@ typedef struct gi_caustics gi_caustics;
 gi_result caustics_update(gi_context *gi, const gi_budget *budget);
 /* Pairs may lack photons: the next update goes on. */
 bool caustics_are_late(const gi_context *gi);
-/* The program that adds what leaves receive through mirrors and glass (emitted_caustics.comp); 0: there is nothing to
- * add, and emitted.comp is used. */
-uint32_t caustics_emitted_program(const gi_context *gi);
-/* Binds the leaves' irradiance by caustics; call it after bind_rows(). */
+/* Binds the leaves' irradiance by caustics, for emitted_specular.comp; call it after bind_rows(), where there is any. */
 void caustics_bind_light(const gi_context *gi);
 const gpu_buffer *caustics_light(const gi_context *gi); /* vec4 a leaf; NULL: there is none */
 void caustics_invalidate(gi_context *gi);               /* after a commit */

@@ -16,6 +16,7 @@
 #include "shade.h"
 #include "solver.h"
 #include "specular.h"
+#include "specular_rows.h"
 
 struct gi_context {
 	uint32_t number; /* of all contexts of the program, from 1: handles have it */
@@ -32,12 +33,13 @@ struct gi_context {
 	gi_arena tree_arena;   /* scratch of every frame: building the trees over the objects */
 	gi_lamps lamps;
 	gi_estimate estimate;
-	gi_shade *shade;         /* made by the first gi_draw */
-	gi_paths *paths;         /* made by the first gi_trace_paths */
-	gi_smooth *smooth;       /* made by the first update of a scene with mirrors or glass */
-	gi_arena light_arena;    /* scratch of every frame: the emitters that send photons */
-	gi_caustics *caustics;   /* made by the same, where something emits */
-	gi_diffusion *diffusion; /* made by the first update of a scene with translucent objects */
+	gi_shade *shade;                 /* made by the first gi_draw */
+	gi_paths *paths;                 /* made by the first gi_trace_paths */
+	gi_smooth *smooth;               /* made by the first update of a scene with mirrors or glass */
+	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
+	gi_arena light_arena;            /* scratch of every frame: the emitters that send photons */
+	gi_caustics *caustics;           /* made by the same, where something emits */
+	gi_diffusion *diffusion;         /* made by the first update of a scene with translucent objects */
 	gpu_buffer state;
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];

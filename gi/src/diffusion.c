@@ -17,7 +17,8 @@ typedef struct counts {
 } counts;
 
 struct gi_diffusion {
-	bool built; /* for the committed scene */
+	bool built;    /* for the committed scene */
+	bool specular; /* the programs know links through mirrors and glass */
 	counts counts;
 	uint32_t gather_program, double_program, enter_program, mean_program, emitted_program, leave_program;
 	gpu_buffer rows, links, values;
@@ -26,9 +27,13 @@ struct gi_diffusion {
 static void list_programs(gi_diffusion *d, gpu_program_file list[PROGRAMS])
 {
 	const gpu_program_file programs[PROGRAMS] = {
-	    {"gather_translucent.comp", &d->gather_program}, {"gather_translucent_double.comp", &d->double_program},
-	    {"diffusion_enter.comp", &d->enter_program},     {"diffusion_mean.comp", &d->mean_program},
-	    {"diffusion_emitted.comp", &d->emitted_program}, {"diffusion_leave.comp", &d->leave_program}};
+	    {d->specular ? "gather_translucent_specular.comp" : "gather_translucent.comp", &d->gather_program},
+	    {d->specular ? "gather_double_translucent_specular.comp" : "gather_double_translucent.comp",
+	     &d->double_program},
+	    {d->specular ? "diffusion_enter_specular.comp" : "diffusion_enter.comp", &d->enter_program},
+	    {"diffusion_mean.comp", &d->mean_program},
+	    {"diffusion_emitted.comp", &d->emitted_program},
+	    {"diffusion_leave.comp", &d->leave_program}};
 	memcpy(list, programs, sizeof programs);
 }
 
@@ -127,6 +132,7 @@ static gi_result make(gi_context *gi)
 	gi->diffusion = gi_calloc(1, sizeof *gi->diffusion);
 	if (!gi->diffusion)
 		return out_of_memory(gi);
+	gi->diffusion->specular = gi->specular_rows != NULL;
 	gpu_program_file list[PROGRAMS];
 	list_programs(gi->diffusion, list);
 	const gi_result result = gpu_programs_compute(&gi->gpu, list, PROGRAMS);
@@ -141,6 +147,8 @@ gi_result diffusion_update(gi_context *gi)
 		diffusion_free(gi);
 		return GI_OK;
 	}
+	if (gi->diffusion && gi->diffusion->specular != (gi->specular_rows != NULL))
+		diffusion_free(gi);
 	gi_result result = gi->diffusion ? GI_OK : make(gi);
 	if (result || gi->diffusion->built)
 		return result;

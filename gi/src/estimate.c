@@ -17,6 +17,15 @@
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };
 
+/* Rows that may have links through mirrors and glass are read by a program of their own. */
+static gi_result make_specular_program(gi_context *gi)
+{
+	gi_specular_rows *rows = gi->specular_rows;
+	const bool wanted = rows && !rows->estimate_program;
+	const gpu_program_file file = {"estimate_specular.comp", rows ? &rows->estimate_program : NULL};
+	return wanted ? gpu_programs_compute(&gi->gpu, &file, 1) : GI_OK;
+}
+
 static gi_result make_programs(gi_context *gi)
 {
 	gi_estimate *e = &gi->estimate;
@@ -108,11 +117,12 @@ static void look_at(gi_context *gi, uint32_t first, uint32_t count)
 	gi_estimate *e = &gi->estimate;
 	const uint32_t salt = salt_of(gi->frame_number, first);
 	const float area = (float)e->area;
-	gpu_set_uint(&gi->gpu, e->samples_program, 0, salt);
-	gpu_set_uint(&gi->gpu, e->samples_program, 1, first);
-	gpu_set_uint(&gi->gpu, e->samples_program, 2, count);
-	gpu_set_uint(&gi->gpu, e->samples_program, 3, gi->def.estimate_leaves);
-	gpu_dispatch(&gi->gpu, e->samples_program, (uint64_t)GI_ESTIMATE_GROUPS * count);
+	const uint32_t samples = gi->specular_rows ? gi->specular_rows->estimate_program : e->samples_program;
+	gpu_set_uint(&gi->gpu, samples, 0, salt);
+	gpu_set_uint(&gi->gpu, samples, 1, first);
+	gpu_set_uint(&gi->gpu, samples, 2, count);
+	gpu_set_uint(&gi->gpu, samples, 3, gi->def.estimate_leaves);
+	gpu_dispatch(&gi->gpu, samples, (uint64_t)GI_ESTIMATE_GROUPS * count);
 	gpu_set_uint(&gi->gpu, e->trace_program, 0, salt ^ 0x68e31da4u);
 	gpu_set_uint(&gi->gpu, e->trace_program, 1, GI_ESTIMATE_ITEMS * count);
 	gpu_dispatch(&gi->gpu, e->trace_program, (uint64_t)GI_ESTIMATE_ITEMS * count);
@@ -131,6 +141,8 @@ gi_result estimate_update(gi_context *gi)
 	if (!leaves || !gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = make_programs(gi);
+	if (!result)
+		result = make_specular_program(gi);
 	if (!result)
 		result = make_chances(gi);
 	if (result)

@@ -186,8 +186,6 @@ static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
 {
 	gi_result result = diffusion_update(gi);
 	if (!result)
-		result = specular_update(gi);
-	if (!result)
 		result = caustics_update(gi, budget);
 	if (result) {
 		caustics_invalidate(gi);
@@ -199,8 +197,10 @@ static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
-	gi_result result = GI_OK;
 	gi->gpu.tag = gi->frame_number;
+	gi_result result = c.rows || c.light ? specular_update(gi) : GI_OK;
+	if (result)
+		return result;
 	if (c.rows) {
 		result = rows_update(gi, budget);
 		forget_what_was_shown(gi);

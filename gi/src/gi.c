@@ -217,6 +217,7 @@ void gi_context_destroy(gi_context *gi)
 	caustics_free(gi);
 	specular_free(gi);
 	diffusion_free(gi);
+	specular_rows_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
 	rows_free(gi);
@@ -560,7 +561,7 @@ gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, g
 	if (!o->specular)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	o->specular[material] = value;
-	o->material_changed = true;
+	o->relit = o->material_changed = true; /* what is seen in it is seen otherwise */
 	return GI_OK;
 }
 

@@ -40,6 +40,11 @@ bool material_is_glass(const gi_specular *s)
 	return !is_black(s->transmittance);
 }
 
+bool material_is_smooth(const gi_specular *s)
+{
+	return material_is_mirror(s) || material_is_glass(s);
+}
+
 /* What is wrong with it, or NULL. */
 static const char *fault_of(const gi_specular *s, const gi_material *m)
 {

@@ -16,6 +16,7 @@ bool material_is_valid(const gi_log *log, const gi_material *material, const cha
 bool material_specular_is_valid(const gi_log *log, const gi_specular *specular, const gi_material *material,
 				const char *object, uint32_t index);
 bool material_is_mirror(const gi_specular *specular);
+bool material_is_smooth(const gi_specular *specular);
 bool material_is_glass(const gi_specular *specular);
 
 #endif

@@ -150,7 +150,7 @@ bool object_is_smooth(const object_record *o)
 {
 	bool smooth = false;
 	for (uint32_t m = 0; o->specular && m < o->material_count && !smooth; m++)
-		smooth = material_is_mirror(&o->specular[m]) || material_is_glass(&o->specular[m]);
+		smooth = material_is_smooth(&o->specular[m]);
 	return smooth;
 }
 

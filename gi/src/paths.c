@@ -11,6 +11,7 @@
 #include "context.h"
 #include "host_memory.h"
 #include "lights.h"
+#include "specular.h"
 
 #include <string.h>
 
@@ -22,7 +23,7 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 enum { MOST_PATHS = 1 << 24 };
 
 struct gi_paths {
-	uint32_t program;
+	uint32_t program, specular_program; /* without mirrors and glass, and with; of the two what was wanted */
 	gpu_buffer sobol, lights, slots, going;
 };
 
@@ -88,10 +89,8 @@ static gi_result make_paths(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	uint32_t directions[GI_SOBOL_DIMENSIONS][32];
 	sobol_directions(directions);
-	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
-	if (!result)
-		result =
-		    gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
+	gi_result result =
+	    gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
 	if (result)
@@ -105,12 +104,26 @@ void paths_free(gi_context *gi)
 	if (!p)
 		return;
 	gpu_program_free(&gi->gpu, &p->program);
+	gpu_program_free(&gi->gpu, &p->specular_program);
 	gpu_buffer_free(&gi->gpu, &p->sobol);
 	gpu_buffer_free(&gi->gpu, &p->lights);
 	gpu_buffer_free(&gi->gpu, &p->slots);
 	gpu_buffer_free(&gi->gpu, &p->going);
 	gi_free(p);
 	gi->paths = NULL;
+}
+
+static uint32_t program_of(const gi_context *gi)
+{
+	return specular_is_ready(gi) ? gi->paths->specular_program : gi->paths->program;
+}
+
+static gi_result make_program(gi_context *gi)
+{
+	gi_paths *p = gi->paths;
+	const gpu_program_file plain = {"paths.comp", &p->program},
+			       specular = {"paths_specular.comp", &p->specular_program};
+	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, specular_is_ready(gi) ? &specular : &plain, 1);
 }
 
 /* ---- emitters ---- */
@@ -157,16 +170,19 @@ static uint32_t slots_of(const batch *b)
 static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 {
 	const gi_paths *p = gi->paths;
+	const uint32_t program = program_of(gi);
 	bind_scene(gi);
 	bind_rows(gi); /* for the frame's trees; the rest goes to others */
 	gpu_bind(&gi->gpu, GI_BIND_PATH_SLOTS, &p->slots);
 	gpu_bind(&gi->gpu, GI_BIND_PATH_GOING, &p->going);
 	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &p->lights);
 	gpu_bind(&gi->gpu, GI_BIND_PATH_SOBOL, &p->sobol);
-	gpu_set_uint(&gi->gpu, p->program, 5, seed);
-	gpu_set_uint(&gi->gpu, p->program, 6, s->light_count);
-	gpu_set_floats(&gi->gpu, p->program, 7, 4, 1, s->sky_and_lift);
-	gpu_set_floats(&gi->gpu, p->program, 8, 1, 1, &s->density);
+	if (specular_is_ready(gi))
+		specular_bind(gi);
+	gpu_set_uint(&gi->gpu, program, 5, seed);
+	gpu_set_uint(&gi->gpu, program, 6, s->light_count);
+	gpu_set_floats(&gi->gpu, program, 7, 4, 1, s->sky_and_lift);
+	gpu_set_floats(&gi->gpu, program, 8, 1, 1, &s->density);
 }
 
 /* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
@@ -177,11 +193,11 @@ static void run_batch(gi_context *gi, const batch *b, gi_path_slot *slots, doubl
 	gi_paths *p = gi->paths;
 	const uint32_t values[] = {b->first_leaf, b->leaves, b->first_path, b->paths, b->run}, count = slots_of(b);
 	for (int k = 0; k < 5; k++)
-		gpu_set_uint(&gi->gpu, p->program, k, values[k]);
+		gpu_set_uint(&gi->gpu, program_of(gi), k, values[k]);
 	gpu_buffer_fill(&gi->gpu, &p->slots, minus_one);
 	for (uint32_t going = 1; going;) {
 		gpu_buffer_clear(&gi->gpu, &p->going, 0, sizeof going, 0);
-		gpu_dispatch(&gi->gpu, p->program, count);
+		gpu_dispatch(&gi->gpu, program_of(gi), count);
 		gpu_buffer_read(&gi->gpu, &p->going, 0, sizeof going, &going);
 	}
 	gpu_buffer_read(&gi->gpu, &p->slots, 0, sizeof *slots * count, slots);
@@ -271,6 +287,8 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 		return GI_OK;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	gi_result result = make_paths(gi);
+	if (!result)
+		result = make_program(gi);
 	if (!result)
 		result = trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
 	gi_memory_from(before);

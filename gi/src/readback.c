@@ -40,6 +40,28 @@ static gi_result no_memory(const gi_context *gi)
 	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
+/* ---- links ---- */
+
+/* One of a row (gi_shared.h). */
+typedef struct row_link {
+	uint32_t node;
+	float weights[3];
+	bool specular, photons;
+} row_link;
+
+/* That in place `at` of the pool; returns how many places it takes. */
+static uint32_t link_at(const uint32_t *pool, uint32_t at, row_link *out)
+{
+	const uint32_t *words = pool + 2 * (size_t)at;
+	const bool specular = words[0] & GI_LINK_SPECULAR;
+	*out = (row_link){.node = specular ? words[0] & GI_LINK_NODE : words[0],
+			  .specular = specular,
+			  .photons = specular && words[0] & GI_LINK_PHOTONS};
+	for (int c = 0; c < 3; c++)
+		out->weights[c] = gi_float_from_bits(words[specular ? 1 + c : 1]);
+	return specular ? 2 : 1;
+}
+
 /* ---- leaves ---- */
 
 typedef struct leaf_arrays {
@@ -84,23 +106,24 @@ static gi_result add_caustics(gi_context *gi, gi_leaf *leaves, uint32_t count)
 static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count, const gi_uvec4 *headers)
 {
 	const gi_rows *r = &gi->rows;
-	gi_vec4 *b = read_buffer(gi, &gi->solver.radiosity, sizeof *b * gi->scene.node_count);
+	const uint32_t nodes = gi->scene.node_count;
+	gi_vec4 *light = read_buffer(gi, &gi->solver.radiosity, sizeof *light * GI_NODE_PARTS * nodes);
 	uint32_t *links = read_buffer(gi, &r->links, r->links.size);
-	for (uint32_t leaf = 0; b && links && leaf < count; leaf++) {
+	for (uint32_t leaf = 0; light && links && leaf < count; leaf++) {
 		const uint32_t first = headers[leaf].x, n = headers[leaf].y & GI_BLOCK_COUNT_MASK;
 		double h[3] = {0};
-		for (uint32_t k = 0; k < n; k++) {
-			const gi_vec4 node = b[links[2 * (first + k)]];
-			const double weight = gi_float_from_bits(links[2 * (first + k) + 1]);
-			h[0] += weight * node.x;
-			h[1] += weight * node.y;
-			h[2] += weight * node.z;
+		row_link link;
+		for (uint32_t k = 0; k < n;) {
+			k += link_at(links, first + k, &link);
+			const gi_vec4 *from = &light[(link.photons ? GI_NODE_R : GI_NODE_B) * nodes + link.node];
+			for (int c = 0; c < 3; c++)
+				h[c] += (double)link.weights[c] * (&from->x)[c];
 		}
 		for (int c = 0; c < 3; c++)
 			leaves[leaf].irradiance[c] = (float)h[c];
 	}
-	const bool ok = b && links;
-	gi_free(b);
+	const bool ok = light && links;
+	gi_free(light);
 	gi_free(links);
 	return ok ? add_caustics(gi, leaves, count) : no_memory(gi);
 }
@@ -194,6 +217,18 @@ gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, 
 	return result;
 }
 
+static gi_link public_link(const gi_scene *s, uint32_t leaf, const row_link *link)
+{
+	const float *w = link->weights;
+	gi_link out = {.leaf = leaf,
+		       .node = link->node,
+		       .weight = fmaxf(w[0], fmaxf(w[1], w[2])),
+		       .weights = {w[0], w[1], w[2]},
+		       .specular = link->specular};
+	leaf_range(s, link->node, &out.first_leaf, &out.leaf_count);
+	return out;
+}
+
 gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count)
 {
 	if (count)
@@ -205,18 +240,16 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 	if (!s->leaf_count)
 		return GI_OK;
 	gi_uvec4 *headers = read_buffer(gi, &gi->rows.headers, sizeof *headers * s->leaf_count);
-	uint32_t *pool = links ? read_buffer(gi, &gi->rows.links, gi->rows.links.size) : NULL;
-	if (!headers || (links && !pool))
+	uint32_t *pool = read_buffer(gi, &gi->rows.links, gi->rows.links.size);
+	if (!headers || !pool)
 		result = no_memory(gi);
 	for (uint32_t leaf = 0; !result && leaf < s->leaf_count; leaf++) {
 		const uint32_t n = headers[leaf].y & GI_BLOCK_COUNT_MASK;
-		for (uint32_t k = 0; k < n; k++, (*count)++) {
-			if (!links || *count >= capacity)
-				continue;
-			const uint32_t at = 2 * (headers[leaf].x + k);
-			gi_link *out = &links[*count];
-			*out = (gi_link){.leaf = leaf, .node = pool[at], .weight = gi_float_from_bits(pool[at + 1])};
-			leaf_range(s, out->node, &out->first_leaf, &out->leaf_count);
+		for (uint32_t k = 0; k < n; (*count)++) {
+			row_link link;
+			k += link_at(pool, headers[leaf].x + k, &link);
+			if (links && *count < capacity)
+				links[*count] = public_link(s, leaf, &link);
 		}
 	}
 	gi_free(headers);
@@ -238,10 +271,12 @@ static gi_result sum_links(gi_context *gi, const object_record *from, double *su
 		const gi_uvec4 header = headers[from->leaf_base + k];
 		const double a = from->hierarchy.geometry[from->hierarchy.leaf_node[k]].moment.w;
 		*area += a;
-		for (uint32_t l = 0; l < (header.y & GI_BLOCK_COUNT_MASK); l++) {
-			const gi_uvec4 range = s->topology[pool[2 * (header.x + l)]].range;
+		row_link link;
+		for (uint32_t l = 0; l < (header.y & GI_BLOCK_COUNT_MASK);) {
+			l += link_at(pool, header.x + l, &link);
+			const gi_uvec4 range = s->topology[link.node].range;
 			const uint32_t slot = range.w & GI_NODE_SKY ? s->sky_slot : leaves[range.y].y;
-			sums[slot] += a * gi_float_from_bits(pool[2 * (header.x + l) + 1]);
+			sums[slot] += link.specular ? 0 : a * link.weights[0];
 		}
 	}
 	gi_free(headers);

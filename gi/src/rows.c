@@ -20,6 +20,7 @@
 #include "host_memory.h"
 #include "loans.h"
 #include "sky.h"
+#include "specular_rows.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -400,7 +401,7 @@ static bool list_neighbours(const gi_context *gi, uint32_t mover, gi_slot_list *
 /* More emitting objects than this are not asked for one by one (survey.comp). */
 enum { MOST_EMITTERS = 32 };
 
-/* Appends the emitting objects, [*first, *end); first > end: too many. */
+/* Appends the emitting objects, [*first, *end); first > end: too many, or what they give comes by way of others. */
 static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *first, uint32_t *end)
 {
 	const gi_scene *s = &gi->scene;
@@ -410,7 +411,7 @@ static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *fi
 		if (s->topology[s->object_data[slot].nodes.x].range.w & GI_NODE_EMITTER)
 			ok = append(list, slot);
 	*end = list->count;
-	if (*end - *first > MOST_EMITTERS)
+	if (*end - *first > MOST_EMITTERS || specular_rows_bring_exitance(gi))
 		*first = *end + 1;
 	return ok;
 }
@@ -565,7 +566,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
-	    .statics = {static_primitives(s), 0, 0, 0},
+	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), 0, 0},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
@@ -687,6 +688,7 @@ static void trace(gi_context *gi)
 	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
 	if (gi->scene.statics_slot != GI_NONE)
 		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, arguments);
+	specular_rows_follow(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
 }
 
@@ -707,7 +709,9 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	if (p->cut_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
-	result = upload_object_lists(gi, p);
+	result = specular_rows_prepare(gi, p->part);
+	if (!result)
+		result = upload_object_lists(gi, p);
 	if (!result)
 		result = upload_plan(gi, p);
 	return !result && p->part ? loans_find(gi, &p->loans) : result;
@@ -809,12 +813,13 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	trace(gi);
 	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
 	prepare(gi, AFTER_TRACE);
-	run_indirect(gi, GI_PASS_CLOSE, r->close_program, GI_STATE_ARGS_CLOSE);
+	run_indirect(gi, GI_PASS_CLOSE, specular_rows_close_program(gi), GI_STATE_ARGS_CLOSE);
 	rows_recycle(gi);
 	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)
 		r->current = r->update;
 	forget_trails(gi);
+	specular_rows_done(gi, p.part);
 	return GI_OK;
 }
 

@@ -87,7 +87,8 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 			 const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	bool blockers = false, shifted = false;
+	/* What is seen in a mirror the row may have no other part of. */
+	bool blockers = false, shifted = gi->specular_rows != NULL;
 	uint32_t gone = 0; /* columns of the table of segments: sources that are none any more */
 	bool lost = false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {

@@ -45,9 +45,10 @@ void scene_place_sky(gi_object_data *data)
 
 /* ---- materials ---- */
 
-static void set_emitter(uint32_t *flags, bool emits, uint32_t steps)
+/* smooth: GI_NODE_SMOOTH or 0. */
+static void set_flags(uint32_t *flags, bool emits, uint32_t steps, uint32_t smooth)
 {
-	*flags &= ~SCENE_EMITTER_BITS;
+	*flags = (*flags & ~SCENE_MATERIAL_BITS) | smooth;
 	if (emits)
 		*flags |= GI_NODE_EMITTER | steps << GI_NODE_FINER_SHIFT;
 }
@@ -62,8 +63,8 @@ static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
 	}
 }
 
-/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
- * is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
+/* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the flags by material: a
+ * node is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
 void scene_update_exitance(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
@@ -75,7 +76,7 @@ void scene_update_exitance(gi_context *gi, object_record *o)
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
 		double sum[4] = {0}, area = 0;
-		uint32_t steps = 0;
+		uint32_t steps = 0, smooth = 0;
 		for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
 			const gi_material *m = &o->materials[h->leaf_material[leaf]];
 			const double a = h->geometry[h->leaf_node[leaf]].moment.w;
@@ -85,10 +86,12 @@ void scene_update_exitance(gi_context *gi, object_record *o)
 			area += a;
 			const uint32_t finer = o->emission[h->leaf_material[leaf]].steps;
 			steps = material_emits(m) && finer > steps ? finer : steps;
+			if (o->specular && material_is_smooth(&o->specular[h->leaf_material[leaf]]))
+				smooth = GI_NODE_SMOOTH;
 		}
 		s->node_exitance[o->node_base + n] = (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area),
 							       (float)(sum[2] / area), (float)(sum[3] / area)};
-		set_emitter(&s->topology[o->node_base + n].range.w, sum[0] + sum[1] + sum[2] > 0, steps);
+		set_flags(&s->topology[o->node_base + n].range.w, sum[0] + sum[1] + sum[2] > 0, steps, smooth);
 	}
 }
 
@@ -96,7 +99,7 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 {
 	gi_scene *s = &gi->scene;
 	double sum[4] = {0}, area = 0;
-	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0;
+	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0, smooth = 0;
 	for (uint32_t slot = top->first_slot; slot < top->end_slot; slot++) {
 		const object_record *o = &s->objects[s->slots[slot]];
 		const gi_vec4 e = s->node_exitance[o->node_base];
@@ -105,12 +108,13 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 			sum[c] += o->hierarchy.area * (&e.x)[c];
 		area += o->hierarchy.area;
 		emits |= own & GI_NODE_EMITTER;
+		smooth |= own & GI_NODE_SMOOTH;
 		const uint32_t finer = own >> GI_NODE_FINER_SHIFT & GI_NODE_FINER_MOST;
 		steps = finer > steps ? finer : steps;
 	}
 	s->node_exitance[top->node] =
 	    (gi_vec4){(float)(sum[0] / area), (float)(sum[1] / area), (float)(sum[2] / area), (float)(sum[3] / area)};
-	set_emitter(flags, emits, steps);
+	set_flags(flags, emits, steps, smooth);
 }
 
 void scene_release(gi_context *gi, gi_scene *s)

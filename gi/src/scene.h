@@ -64,7 +64,7 @@ uint32_t scene_source_count(const gi_scene *scene);
 void scene_place_sky(gi_object_data *data);
 void scene_update_exitance(gi_context *gi, object_record *object);
 /* The flags of a node that scene_update_exitance sets. */
-#define SCENE_EMITTER_BITS (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
+#define SCENE_MATERIAL_BITS (GI_NODE_EMITTER | GI_NODE_SMOOTH | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */
 void scene_release(gi_context *gi, gi_scene *scene);         /* buffers and arrays, not the objects */
 void scene_retire(gi_context *gi, gi_scene *scene); /* likewise, but their memory is kept for the next commit */

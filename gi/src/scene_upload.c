@@ -423,7 +423,7 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 		       sizeof *s->node_exitance * o->hierarchy.node_count);
 		for (uint32_t n = 0; n < o->hierarchy.node_count; n++)
 			s->topology[o->node_base + n].range.w |=
-			    before->topology[old[k].node_base + n].range.w & SCENE_EMITTER_BITS;
+			    before->topology[old[k].node_base + n].range.w & SCENE_MATERIAL_BITS;
 	}
 }
 

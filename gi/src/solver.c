@@ -100,7 +100,9 @@ static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
 	const uint64_t word = sizeof(uint32_t);
-	uint32_t in_single = s->gather_program, in_double = s->double_program;
+	const gi_specular_rows *through = gi->specular_rows;
+	uint32_t in_single = through ? through->gather_program : s->gather_program,
+		 in_double = through ? through->double_program : s->double_program;
 	const bool diffuses = diffusion_gathers(gi, &in_single, &in_double);
 	gpu_dispatch_indirect(&gi->gpu, in_single, &gi->state, word * GI_STATE_ARGS_GATHER);
 	gpu_dispatch_indirect(&gi->gpu, in_double, &gi->state, word * GI_STATE_ARGS_DOUBLE);
@@ -139,11 +141,14 @@ static void gather_emitted(gi_context *gi)
 {
 	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
 			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
-	const uint32_t through = caustics_emitted_program(gi), program = through ? through : gi->solver.emitted_program;
+	const bool through = gi->specular_rows, caustics = caustics_light(gi);
+	const uint32_t program = through ? gi->specular_rows->emitted_program : gi->solver.emitted_program;
 	if (through) {
-		caustics_bind_light(gi);
 		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
+		gpu_set_uint(&gi->gpu, program, 2, caustics);
 	}
+	if (caustics)
+		caustics_bind_light(gi);
 	gpu_set_uint(&gi->gpu, program, 0,
 		     through || gi->diffusion || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);

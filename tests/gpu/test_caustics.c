@@ -177,12 +177,14 @@ static uint32_t read_diffuse(gi_context *gi, gi_object ball, gi_leaf **out)
 	return kept;
 }
 
-/* H with photons less H without: what came through the ball, W. */
+/* H with the ball less H with a black one: what came through it, W. */
 static double *caustic_flux(bool glass, uint32_t faces, uint32_t photons, gi_leaf **leaves, uint32_t *count)
 {
 	double *flux = NULL;
 	for (int with = 0; with < 2; with++) {
-		box_scene s = open_box(glass, faces, with ? photons : 0);
+		box_scene s = open_box(glass, faces, photons);
+		if (!with)
+			assert_gi(gi_set_specular(s.gi, s.ball, 0, (gi_specular){0}));
 		harness_update(s.gi);
 		if (with)
 			free(*leaves);

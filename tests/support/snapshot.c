@@ -6,7 +6,7 @@
 
 /* Compared as bytes: no padding may hide in them. */
 _Static_assert(sizeof(gi_entry) == 8 * 4, "gi_entry has padding");
-_Static_assert(sizeof(gi_link) == 5 * 4, "gi_link has padding");
+_Static_assert(sizeof(gi_link) == 9 * 4, "gi_link has padding");
 
 static int order(uint32_t leaf_a, uint32_t node_a, uint32_t leaf_b, uint32_t node_b)
 {
@@ -24,7 +24,8 @@ static int order_entries(const void *a, const void *b)
 static int order_links(const void *a, const void *b)
 {
 	const gi_link *p = a, *q = b;
-	return order(p->leaf, p->node, q->leaf, q->node);
+	const int by_node = order(p->leaf, p->node, q->leaf, q->node);
+	return by_node ? by_node : memcmp(p, q, sizeof *p);
 }
 
 /* The order they come in is mostly the order wanted: then there is nothing to do. */

@@ -1,6 +1,7 @@
 /* Everything a context computed, read back and sorted: what tests compare.
  *
- * Reading fails the test on error. Sorted by (leaf, node), which is unique: a row holds a node once.
+ * Reading fails the test on error. Sorted by (leaf, node), which is unique but for links through mirrors and
+ * glass: a row holds a node once; those by all they are.
  */
 #ifndef TESTS_SNAPSHOT_H
 #define TESTS_SNAPSHOT_H

@@ -203,7 +203,9 @@ typedef struct gi_context_def {
 	bool fine_shadows;
 
 	/* Photons that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
-	 * 16384, 0: none. A photon takes some four rays, when something moved that it meets. */
+	 * 16384. A photon takes some four rays, when something moved that it meets. 0: none; emitters are then found
+	 * by what rows see in mirrors and glass, as other surfaces are: right on the whole, but leaf by leaf mostly
+	 * noise. */
 	uint32_t caustic_photons;
 
 	/* How many leaves an update that solved looks at to estimate the error of its rows
@@ -276,10 +278,12 @@ typedef struct gi_material {
  *
  * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees.
  * What emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are
- * many, leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect does not go
- * through them to leaves, for which they are black but for rho; it is seen in them all the same. Channel by channel
- * rho + reflectance and rho + transmittance are at most 1; what is missing is absorbed. A material has one of the
- * two, not both. */
+ * many, leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect, and the sky,
+ * lights leaves by way of them too: each ray of a row that ends on one goes on, by up to 16 surfaces, and what it finds
+ * counts for all of its entry, so that leaves beside a large mirror are some 3 % noisy, unbiased (docs/accuracy.md).
+ * Whenever something moves all of these rays are followed anew. Channel by channel rho + reflectance and rho +
+ * transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both; what a mirror
+ * reflects by its rho is seen directly alone, not in other mirrors. */
 typedef struct gi_specular {
 	float reflectance[3]; /* of a mirror, at any angle, each in [0,1]; its back is black */
 	/* Of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is refracted
@@ -754,11 +758,14 @@ typedef struct gi_entry {
 GI_API gi_result gi_read_entries(gi_context *gi, gi_entry *entries, uint64_t capacity, uint64_t *count);
 
 /* One link: what the solve multiplies. B_leaf = E + rho * sum weight * B_node. `node` is the leaf where one of the
- * entry's rays ended, or the patch of sky. */
+ * entry's rays ended, or the patch of sky; of a ray that met a mirror or glass there is another link, specular, to
+ * where it went from there. */
 typedef struct gi_link {
 	uint32_t leaf, node;
 	uint32_t first_leaf, leaf_count;
-	float weight; /* F V after the row was closed */
+	float weight;      /* F V after the row was closed; specular: the largest of weights */
+	float weights[3];  /* per RGB channel: weight, times what the mirrors and glass on the way leave of the light */
+	uint32_t specular; /* 1: through mirrors or glass. What emitters give comes as caustics, where there are any */
 } gi_link;
 
 GI_API gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint64_t *count);

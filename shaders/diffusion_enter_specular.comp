@@ -1,0 +1,4 @@
+#version 450 core
+// With what comes through mirrors and glass.
+#define SPECULAR
+#include "diffusion_enter.glsl"

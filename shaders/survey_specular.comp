@@ -1,0 +1,3 @@
+#version 450 core
+#define SPECULAR
+#include "survey.glsl"
