@@ -277,7 +277,8 @@ class Programs(unittest.TestCase):
 
     def test_two_balls_under_a_budget(self):
         """What an exact frame takes is told after frames that were not; kinds of balls are options."""
-        common = ["--frames", "2", "--row-tolerance", "0.3", "--caustic-photons", "64", "--out", self.path("out"), *TINY]
+        common = ["--frames", "2", "--row-tolerance", "0.3", "--caustic-photons", "64", "--out", self.path("out"),
+                  *TINY]
         done = self.good("two_balls", "--balls", "glass,mirror", "--budget-ms", "1", *common)
         self.assertRegex(done.stdout, r"an exact frame, ms +\d+\.\d")
         with open(self.path("out/frame_0000_global.png"), "rb") as file:
