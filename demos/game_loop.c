@@ -132,7 +132,7 @@ int main(int argc, char **argv)
 		const gi_pose pose = {{cosf(angle), .8f, sinf(angle)}, {0, sinf(angle / 2), 0, cosf(angle / 2)}};
 		glfwGetFramebufferSize(window, &width, &height);
 		const gi_view view = view_of(width, height);
-		const gi_budget budget = {.ms = 8, .view = width && height ? &view : NULL}; /* the rest is done in later frames */
+		const gi_budget budget = {.ms = 8, .view = width && height ? &view : NULL}; /* the rest: later */
 		check(gi_set_pose(gi, box, pose));
 		check(gi_update(gi, &budget));
 		glViewport(0, 0, width, height);

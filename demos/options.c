@@ -88,7 +88,7 @@ static const struct argp_option table[] = {
      "texels a side of the maps that their shadows come from, 64..4096 (512): more are finer and take longer", 1},
     {"fine-shadows", KEY_FINE_SHADOWS, 0, 0, "cast by what is drawn instead of by the leaves", 1},
     {"caustic-photons", KEY_PHOTONS, "N", 0,
-     "packets of light that each lamp sends through each mirror and glass, 0..1048576 (16384); 0: no caustics", 1},
+     "photons that each lamp sends through each mirror and glass, 0..1048576 (16384); 0: no caustics", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
     {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},

@@ -46,7 +46,7 @@ typedef struct options {
 	uint32_t pixel_lamps;  /* polygons lit per pixel */
 	uint32_t shadow_map;   /* texels a side of their depth maps; 0: the library's default */
 	bool fine_shadows;     /* cast by what is drawn */
-	uint32_t photons;      /* packets through each mirror and glass, where photons_given */
+	uint32_t photons;      /* through each mirror and glass, where photons_given */
 	bool photons_given;    /* else the library's default */
 	const char *images, *linear, *report, *field, *form_factors; /* files to write; NULL: none */
 	const char *out;                                             /* folder for what has no name of its own */

@@ -227,7 +227,7 @@ def figure_five(folder, outputs):
     s.tables = [("Radiance in the picture, W/(m² sr)", HEAD, listed(measures, ["radiance"])),
                 ("Distances to the truth", ["measure", "place", "value"],
                  [[m, p, digits(v[0])] for (m, p), v in measures.items() if not m.startswith("radiance")])]
-    s.notes = ["Plain radiosity has no caustics: here packets of light go from the lamp through mirrors and glass, by "
+    s.notes = ["Plain radiosity has no caustics: here photons go from the lamp through mirrors and glass, by "
                "Fresnel's and Snell's laws, and the floor shows them pixel by pixel (docs/architecture.md). The paper "
                "does not say how its own method makes them."]
     return s
