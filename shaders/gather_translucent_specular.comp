@@ -1,5 +1,5 @@
 #version 450 core
-// The gather in single precision, of a scene in which light is scattered below surfaces and goes through mirrors or glass.
+// The gather in single precision, where light is scattered below surfaces and goes through mirrors or glass.
 #define TRANSLUCENT
 #define SPECULAR
 #define REAL float

@@ -189,7 +189,9 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
 			      /* Light below the surface falls off within a leaf of the cage. */
-			      .levels = def->smooth_levels ? def->smooth_levels : def->buddha_subsurface ? 1 : 0,
+			      .levels = def->smooth_levels       ? def->smooth_levels
+					: def->buddha_subsurface ? 1
+								 : 0,
 			      .leaf_size = def->leaf_size,
 			      .rho = cornell_stone,
 			      .subsurface = def->buddha_subsurface,

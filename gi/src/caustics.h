@@ -13,7 +13,7 @@ typedef struct gi_caustics gi_caustics;
 gi_result caustics_update(gi_context *gi, const gi_budget *budget);
 /* Pairs may lack photons: the next update goes on. */
 bool caustics_are_late(const gi_context *gi);
-/* Binds the leaves' irradiance by caustics, for emitted_specular.comp; call it after bind_rows(), where there is any. */
+/* Binds the irradiance by caustics, for emitted_specular.comp. Call it after bind_rows(), where there is any. */
 void caustics_bind_light(const gi_context *gi);
 const gpu_buffer *caustics_light(const gi_context *gi); /* vec4 a leaf; NULL: there is none */
 void caustics_invalidate(gi_context *gi);               /* after a commit */
