@@ -1,12 +1,13 @@
-// How a shader gets at the library's buffers. It defines READ_name for those it reads and WRITE_name for those it writes
-// before it includes this file, and calls load_...() or assigns to ...[n]; which kind of access is behind that is decided
-// here:
+// How a shader gets at the library's buffers. It defines READ_name for those it reads and WRITE_name for those it
+// writes before it includes this file, and calls load_...() or assigns to ...[n]; which kind of access is behind that
+// is decided here:
 //
 //   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa
-//               25.0 loads from a storage block lane by lane and component by component, some 10 ns each; a texel is one
+//   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa
 //               vector load a lane, some 1 ns. A texture holds 2^27 texels (2 GiB) where a storage block is promised
 //               128 MiB there. On GPUs both go through the same caches.
-//   WRITE_name  a storage block, for stores and atomics. A shader that reads what it wrote in the same dispatch reads it
+//   WRITE_name  a storage block, for stores and atomics. A shader that reads what it wrote in the same dispatch reads
+//   it
 //               there: a texture does not promise to show it.
 //   READ_FRAME  a uniform block: the same for all threads.
 //
@@ -39,14 +40,15 @@ uint word(usamplerBuffer from, uint n)
 // Of a buffer of gi_node_geometry.
 gi_node_geometry geometry_texels(usamplerBuffer from, uint n)
 {
-	return gi_node_geometry(float_texel(from, 3u * n), float_texel(from, 3u * n + 1u), float_texel(from, 3u * n + 2u));
+	return gi_node_geometry(float_texel(from, 3u * n), float_texel(from, 3u * n + 1u),
+				float_texel(from, 3u * n + 2u));
 }
 
 #define TEXELS(binding_number) layout(binding = GI_TEXEL_UNIT + binding_number) uniform usamplerBuffer
 #define STORAGE(binding_number) layout(std430, binding = binding_number) restrict buffer
 
 #ifdef READ_FRAME
-layout(std140, binding = GI_BIND_FRAME) uniform frame_block { gi_frame frame; };
+layout(std140, binding = GI_UNIFORM_FRAME) uniform frame_block { gi_frame frame; };
 
 // Static objects are one source: the table of segments has a column for each slot from the first source on.
 uint source_count()
@@ -296,7 +298,8 @@ uvec4 load_row(uint n)
 
 #ifdef READ_LINKS
 TEXELS(GI_BIND_LINKS) link_texels;
-// Links 2 n and 2 n + 1: node and weight bits, twice. Blocks begin at multiples of four, and behind an odd last link is one of weight 0.
+// Links 2 n and 2 n + 1: node and weight bits, twice. Blocks begin at multiples of four, and behind an odd last link is
+// one of weight 0.
 uvec4 load_two_links(uint n)
 {
 	return texel(link_texels, n);
@@ -335,17 +338,7 @@ vec4 load_exitance(uint n)
 #endif
 
 #ifdef READ_STATE
-TEXELS(GI_BIND_STATE) state_texels;
-uint load_state(uint n)
-{
-	return word(state_texels, n);
-}
-
-// Words 4 n to 4 n + 3.
-uvec4 load_four_words(uint n)
-{
-	return texel(state_texels, n);
-}
+layout(std140, binding = GI_UNIFORM_STATE) uniform state_before_block { gi_state state_before; };
 #endif
 
 #ifdef READ_RUNS
@@ -363,8 +356,8 @@ uint load_suspect(uint n)
 	return word(suspect_texels, n);
 }
 
-// Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of where it was, 0 and
-// 1, and of that and where it is, 2 and 3.
+// Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of
+// where it was, 0 and 1, and of that and where it is, 2 and 3.
 uvec4 load_swept_change(uint k)
 {
 	return texel(suspect_texels, frame.swept.x + GI_SWEPT_PARTS * k);
@@ -436,7 +429,8 @@ uint load_choice(uint n)
 TEXELS(GI_BIND_PENDING) pending_texels;
 gi_pending load_pending(uint n)
 {
-	return gi_pending(texel(pending_texels, 3u * n), float_texel(pending_texels, 3u * n + 1u), float_texel(pending_texels, 3u * n + 2u));
+	return gi_pending(texel(pending_texels, 3u * n), float_texel(pending_texels, 3u * n + 1u),
+			  float_texel(pending_texels, 3u * n + 2u));
 }
 #endif
 
@@ -476,7 +470,8 @@ vec2 load_chance(uint n)
 TEXELS(GI_BIND_ESTIMATE_RESULTS) result_texels;
 gi_estimate_leaf load_result(uint n)
 {
-	return gi_estimate_leaf(float_texel(result_texels, 3u * n), float_texel(result_texels, 3u * n + 1u), float_texel(result_texels, 3u * n + 2u));
+	return gi_estimate_leaf(float_texel(result_texels, 3u * n), float_texel(result_texels, 3u * n + 1u),
+				float_texel(result_texels, 3u * n + 2u));
 }
 #endif
 
@@ -506,7 +501,8 @@ uvec4 load_smooth_normals(uint n)
 TEXELS(GI_BIND_SMOOTH_MATERIALS) smooth_material_texels;
 gi_smooth_material load_smooth_material(uint n)
 {
-	return gi_smooth_material(float_texel(smooth_material_texels, 2u * n), float_texel(smooth_material_texels, 2u * n + 1u));
+	return gi_smooth_material(float_texel(smooth_material_texels, 2u * n),
+				  float_texel(smooth_material_texels, 2u * n + 1u));
 }
 #endif
 
@@ -530,7 +526,8 @@ gi_photon load_photon(uint n)
 TEXELS(GI_BIND_CAUSTIC_PAIRS) caustic_pair_texels;
 gi_caustic_pair load_caustic_pair(uint n)
 {
-	return gi_caustic_pair(float_texel(caustic_pair_texels, 3u * n), float_texel(caustic_pair_texels, 3u * n + 1u), texel(caustic_pair_texels, 3u * n + 2u));
+	return gi_caustic_pair(float_texel(caustic_pair_texels, 3u * n), float_texel(caustic_pair_texels, 3u * n + 1u),
+			       texel(caustic_pair_texels, 3u * n + 2u));
 }
 #endif
 
@@ -639,7 +636,7 @@ STORAGE(GI_BIND_RADIOSITY) radiosity_block { vec4 radiosity[]; };
 STORAGE(GI_BIND_LEAF_RADIOSITY) leaf_radiosity_block { vec4 leaf_radiosity[]; };
 #endif
 #ifdef WRITE_STATE
-STORAGE(GI_BIND_STATE) state_block { uint state[]; };
+STORAGE(GI_BIND_STATE) state_block { gi_state state; };
 #endif
 #ifdef WRITE_LEAF_INDIRECT
 STORAGE(GI_BIND_LEAF_INDIRECT) leaf_indirect_block { vec4 leaf_indirect[]; };

@@ -1,7 +1,7 @@
 #version 450 core
-// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and to
-// refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken, so
-// every update gets on. Stages 1 and 3: group counts for the rows that were listed.
+// Under a budget: the lowest bucket that is still taken. Stages 0 and 2, before enlist.comp, of the rows to assess and
+// to refresh: one group adds up rows or rays from the top bucket on; the first bucket that holds any is always taken,
+// so every update gets on. Stages 1 and 3: group counts for the rows that were listed.
 #define READ_FRAME
 #define READ_CHOICES
 #define WRITE_STATE
@@ -41,11 +41,11 @@ uint threshold(uint first, uint budget)
 void count_groups()
 {
 	if (stage == ASSESS_GROUPS) {
-		state[GI_STATE_ASSESSED] = min(state[GI_STATE_ASSESSED], frame.rations.z);
-		set_groups(GI_STATE_ARGS_ASSESS, spread_groups(state[GI_STATE_ASSESSED]));
+		state.counts.assessed_rows = min(state.counts.assessed_rows, frame.rations.z);
+		state.assess = folded(spread_groups(state.counts.assessed_rows));
 	} else {
-		set_groups(GI_STATE_ARGS_CHOSEN, spread_groups(state[GI_STATE_CHOSEN]));
-		set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * source_count()));
+		state.chosen = folded(spread_groups(state.refresh.chosen_rows));
+		state.pairs = folded(groups_for(state.refresh.chosen_rows * source_count()));
 	}
 }
 
@@ -61,9 +61,9 @@ void main()
 	if (local > 0u)
 		return;
 	if (stage == ASSESS)
-		state[GI_STATE_ASSESS_THRESHOLD] = max(threshold(first, frame.rations.z), 1u);
+		state.budget.lowest_assessed = max(threshold(first, frame.rations.z), 1u);
 	else if (stage == REFRESH)
-		state[GI_STATE_THRESHOLD] = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
+		state.budget.lowest_chosen = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
 	else
 		count_groups();
 }

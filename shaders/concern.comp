@@ -1,6 +1,7 @@
 #version 450 core
-// Of an exact update: lists the rows that something that moved may concern, those of leaves that moved or before whose front
-// something was or is that moved and no static face hides (covered.comp). All others are current as they are. One thread a leaf.
+// Of an exact update: lists the rows that something that moved may concern, those of leaves that moved or before whose
+// front something was or is that moved and no static face hides (covered.comp). All others are current as they are. One
+// thread a leaf.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_WORLD
@@ -40,7 +41,7 @@ void main()
 		note_changed(leaf);
 	}
 	if (is_concerned(leaf, row.z))
-		list_row(leaf, GI_STATE_CONCERNED_ROWS);
+		list_row(leaf, atomicAdd(state.counts.concerned_rows, 1u));
 	else
 		rows[leaf].z = frame.update.x;
 }

@@ -208,7 +208,7 @@ void shift(inout old_part old, uint count)
 uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
-		uint count = state[GI_STATE_CHOSEN];
+		uint count = state.refresh.chosen_rows;
 		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count)
 						  : uvec2(GI_NONE);
 	}
@@ -268,7 +268,7 @@ bool fit_cut(uint room, bool counted, inout cut c)
 	if (c.keeps && again) {
 		if (fitting == c.block)
 			shift(c.old, c.size.fresh);
-		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.fresh);
+		c.queued = atomicAdd(state.counts.new_entries, c.size.fresh);
 	}
 	c.size.nodes = full ? min(c.size.nodes, room) : c.size.nodes;
 	c.block = full ? c.block : fitting;
@@ -301,7 +301,7 @@ void note_cut(cut c)
 {
 	segments[c.segment].xy = uvec2(c.block.x, (c.block.y & ~GI_BLOCK_COUNT_MASK) | c.size.nodes);
 	if (c.size.nodes != c.old_count)
-		atomicAdd(state[GI_STATE_ENTRIES], c.size.nodes - c.old_count);
+		atomicAdd(state.rows.entries, c.size.nodes - c.old_count);
 	if (c.size.nodes + c.old_count > 0u)
 		note_dirty(c.leaf, max(c.size.fresh, 1u));
 	bool was_seen = c.old_count > 0u && uintBitsToFloat(load_segment(c.segment).z) > 0.0;
@@ -313,9 +313,9 @@ void note_cut(cut c)
 void queue_cut(inout cut c)
 {
 	if (!c.keeps)
-		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.nodes);
+		c.queued = atomicAdd(state.counts.new_entries, c.size.nodes);
 	if (c.queued + c.size.fresh > frame.limits.y) {
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+		atomicOr(state.counts.overflow, 1u);
 		return;
 	}
 	for (uint k = 0u; k < c.size.nodes && !c.keeps; k++)

@@ -31,7 +31,7 @@ layout(location = 1) uniform uint caustics_undrawn; // 1: no pixel is lit by the
 #endif
 
 const uint FOUND = 6u;
-shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
+shared uint found[FOUND]; // rgb of gi_state_emitted: direct_bits, ceiling_bits
 
 // More than a double's sum of ten thousand weights is off by, and than a float's rounding.
 const double SUMMED = 1e-12lf, ROUNDED_DOWN = 1.0lf - 1.0lf / 4194304.0lf;
@@ -83,6 +83,16 @@ void report(uint leaf, vec3 emitted)
 	}
 }
 
+void report_group()
+{
+	atomicMax(state.emitted.direct_bits.x, found[0]);
+	atomicMax(state.emitted.direct_bits.y, found[1]);
+	atomicMax(state.emitted.direct_bits.z, found[2]);
+	atomicMax(state.emitted.ceiling_bits.x, found[3]);
+	atomicMax(state.emitted.ceiling_bits.y, found[4]);
+	atomicMax(state.emitted.ceiling_bits.z, found[5]);
+}
+
 void main()
 {
 	uint local = gl_LocalInvocationID.x, leaf = thread_number();
@@ -95,6 +105,6 @@ void main()
 		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
 	}
 	barrier();
-	if (local < FOUND)
-		atomicMax(state[GI_STATE_DIRECT_BITS + local], found[local]);
+	if (local == 0u)
+		report_group();
 }

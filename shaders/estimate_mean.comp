@@ -12,8 +12,8 @@
 #define WRITE_STATE
 #include "buffers.glsl"
 
-// Where it is dark: each leaf's error is taken over its own light, or over this part of the scene's where it has less, below
-// which nobody sees it. The common part of reflected errors is left out: it goes with the scene's light.
+// Where it is dark: each leaf's error is taken over its own light, or over this part of the scene's where it has less,
+// below which nobody sees it. The common part of reflected errors is left out: it goes with the scene's light.
 const float DARK = 0.01;
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -51,9 +51,9 @@ void report(totals t)
 	float pairs = w * w - t.pairs.y;
 	float bias = pairs > 0.0 ? max(0.0, (dot(t.bias.xyz, t.bias.xyz) - t.pairs.x) / pairs) : 0.0;
 	float gain = 1.0 / (1.0 - returned);
-	state[GI_STATE_ESTIMATE_SQUARED] = floatBitsToUint(t.mean.x / w + bias * (gain * gain - 1.0));
-	state[GI_STATE_ESTIMATE_POWER] = floatBitsToUint(t.mean.y / w);
-	state[GI_STATE_ESTIMATE_RAYS] = t.rays;
+	state.estimate.squared = t.mean.x / w + bias * (gain * gain - 1.0);
+	state.estimate.power = t.mean.y / w;
+	state.estimate.rays = t.rays;
 }
 
 float local_error(gi_estimate_leaf r, float power)
@@ -81,6 +81,6 @@ void main()
 		return;
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++)
 		share += shares[k];
-	state[GI_STATE_ESTIMATE_LOCAL] = floatBitsToUint(share / own.bias.w);
+	state.estimate.local = share / own.bias.w;
 	report(own);
 }

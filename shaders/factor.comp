@@ -205,7 +205,7 @@ factor_sums sum_factors(receiver r, source s, int side)
 void main()
 {
 	uint t = thread_number();
-	if (t >= min(state[GI_STATE_NEW], frame.limits.y))
+	if (t >= min(state.counts.new_entries, frame.limits.y))
 		return;
 	uint slot = load_queued(t);
 	uvec4 entry = load_entry(slot);

@@ -1,5 +1,6 @@
 #version 450 core
-// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current afterwards.
+// Queues the entries at rest that a mover may have changed (flag.glsl). One thread a row; the row is current
+// afterwards.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -32,8 +33,8 @@ uint row_to_look_at()
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u)
 		return chosen_row();
-	uint k = spread_number(state[GI_STATE_CONCERNED_ROWS]);
-	return k < state[GI_STATE_CONCERNED_ROWS] ? load_listed(k) : GI_NONE;
+	uint k = spread_number(state.counts.concerned_rows);
+	return k < state.counts.concerned_rows ? load_listed(k) : GI_NONE;
 }
 
 // What may have changed entries of a row: a mover, or of a leaf that moved one of its neighbours.
@@ -64,11 +65,13 @@ suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
 	s.in_trail = place_in(p.sphere.xyz, load_swept_corner(k, 0u).xyz, load_swept_corner(k, 1u).xyz);
 	s.in_hull = place_in(p.sphere.xyz, lower.xyz, upper.xyz);
 	s.hull = w.moved ? s.box.ball : ball_about(lower, upper);
-	s.counts = w.moved ? there || k == 0u : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
+	s.counts = w.moved ? there || k == 0u
+			   : k < frame.swept.y && change.x > w.since && !covered && reaches_before(s.hull, p);
 	return s;
 }
 
-// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what is seen in part.
+// One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what
+// is seen in part.
 bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
 	vec4 ball = load_sphere(node);
@@ -107,7 +110,8 @@ void main()
 				uvec4 block = load_segment(segment_of(leaf, source));
 				sky = (object_bvh(source).z & GI_OBJECT_SKY) != 0u;
 				at = block.x;
-				bool cut_anew = pair_is_dirty(w.mine, source, w.since) && !pair_keeps_nodes(w.mine, source, w.since);
+				bool cut_anew = pair_is_dirty(w.mine, source, w.since) &&
+						!pair_keeps_nodes(w.mine, source, w.since);
 				end = at + (cut_anew ? 0u : block.y & GI_BLOCK_COUNT_MASK);
 				source++;
 				continue;
@@ -115,15 +119,16 @@ void main()
 			uvec4 entry = load_entry(at);
 			at++;
 			// An entry that another suspect of the row was flagged for bears a mark (unmark.comp).
-			if (!is_flagged_for(w, p, s, entry, sky) || (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
+			if (!is_flagged_for(w, p, s, entry, sky) ||
+			    (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
 				continue;
 			if (frame.inner.w != 0u)
 				entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;
-			uint q = atomicAdd(state[GI_STATE_QUEUED], 1u);
+			uint q = atomicAdd(state.counts.queued, 1u);
 			if (q < frame.limits.y)
 				queue[q] = at - 1u;
 			else
-				atomicOr(state[GI_STATE_OVERFLOW], 1u);
+				atomicOr(state.counts.overflow, 1u);
 			flagged++;
 		}
 	}

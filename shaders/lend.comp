@@ -1,6 +1,6 @@
 #version 450 core
-// Leaves of objects that came borrow the row of a leaf near them, until their own is built: its links are copied, and the
-// row is marked, GI_ROW_OPEN. One thread a pair. Where the pool is full, or the leaf has a row, it stays as it is.
+// Leaves of objects that came borrow the row of a leaf near them, until their own is built: its links are copied, and
+// the row is marked, GI_ROW_OPEN. One thread a pair. Where the pool is full, or the leaf has a row, it stays as it is.
 #define READ_LOANS
 #define WRITE_ROWS
 #define WRITE_LINKS
@@ -44,5 +44,5 @@ void main()
 	for (uint l = 0u; l < (needed + 1u & ~1u); l++)
 		links[block.x + l] = links[row.x + l];
 	rows[pair.x] = uvec4(block.x, needed | (block.y & ~GI_BLOCK_COUNT_MASK), mine.z, row.w | GI_ROW_OPEN);
-	atomicAdd(state[GI_STATE_LINKS], needed);
+	atomicAdd(state.rows.links, needed);
 }

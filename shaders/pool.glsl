@@ -52,8 +52,9 @@ bool is_too_large(uint size_class, uint n)
 	return size_class >= class_of(n) + 2u;
 }
 
-// A block that holds `needed` elements: the one there was, its count untouched, another one, or none for none. Where the
-// pool is full a block that is too large stays; one that is too small becomes GI_NONE, and the frame's rows do not count.
+// A block that holds `needed` elements: the one there was, its count untouched, another one, or none for none. Where
+// the pool is full a block that is too large stays; one that is too small becomes GI_NONE, and the frame's rows do not
+// count.
 uvec2 fit_block(uvec2 block, uint needed)
 {
 	uint size_class = block.y >> 24u;
@@ -66,8 +67,8 @@ uvec2 fit_block(uvec2 block, uint needed)
 	if (next.x == GI_NONE && fits)
 		return block;
 	if (next.x == GI_NONE) {
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);
-		atomicAdd(state[GI_STATE_WANTED], 1u << class_of(needed));
+		atomicOr(state.counts.overflow, 1u);
+		atomicAdd(state.refresh.wanted, 1u << class_of(needed));
 		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
 	}
 	if (has)

@@ -1,7 +1,8 @@
 #version 450 core
 // A commit that keeps rows: objects came and went, so leaves, nodes and slots have other numbers. One thread a leaf of
-// the scene of before: its header and its segments go to their new places, and what lies in the pools is renumbered where it
-// is. What belonged to objects that went is given back; rows that lost something of it that they saw are marked, GI_ROW_OPEN.
+// the scene of before: its header and its segments go to their new places, and what lies in the pools is renumbered
+// where it is. What belonged to objects that went is given back; rows that lost something of it that they saw are
+// marked, GI_ROW_OPEN.
 #define READ_ENTRIES
 #define READ_TARGETS
 #define READ_OLD_SEGMENTS
@@ -65,8 +66,9 @@ bool has_block(uvec2 block)
 	return block.y >> 24u != GI_BLOCK_NO_CLASS;
 }
 
-// An object that went is no blocker that could be asked for: such entries are retested where something was. So are those that
-// static objects hid, where there are none any more; where these are only no longer the same flagging sees that.
+// An object that went is no blocker that could be asked for: such entries are retested where something was. So are
+// those that static objects hid, where there are none any more; where these are only no longer the same flagging sees
+// that.
 uint new_blocker(uint blocker)
 {
 	if (blocker >= GI_BLOCKER_STATICS)
@@ -92,7 +94,8 @@ void renumber_entries(uvec2 block, uint leaf, uint nodes, bool statics)
 			target = target == GI_NONE ? 0u : target;
 			node = gone != 0u || (e.w & GI_ENTRY_GONE) != 0u ? target : node;
 		}
-		entries[k] = uvec4(node, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | gone | leaf);
+		entries[k] =
+		    uvec4(node, e.y, (e.z & 0xFFFFu) | hidden_by << 16u, (e.w & ~GI_ENTRY_LEAF_MASK) | gone | leaf);
 		targets[k] = target | black;
 	}
 }
@@ -111,7 +114,8 @@ loss move_segments(uint leaf, gi_move mine)
 			if (has_block(segment.xy))
 				give_entries(segment.xy);
 			went.entries += segment.y & GI_BLOCK_COUNT_MASK;
-			went.seen = went.seen || ((segment.y & GI_BLOCK_COUNT_MASK) > 0u && uintBitsToFloat(segment.z) > 0.0);
+			went.seen =
+			    went.seen || ((segment.y & GI_BLOCK_COUNT_MASK) > 0u && uintBitsToFloat(segment.z) > 0.0);
 			continue;
 		}
 		segments[(leaf + mine.now.y) * (slots - new_first) + to.x - new_first] = segment;
@@ -149,8 +153,10 @@ void main()
 	uint links_before = row.y & GI_BLOCK_COUNT_MASK, stay = 0u;
 	loss went = move_segments(leaf, mine);
 	if (mine.now.x != GI_NONE) {
-		// Links to what went are of segments that went with it, but borrowed ones (lend.comp), whose row is open.
-		bool others = shifted != 0u || old_statics != GI_NONE || went.entries > 0u || (row.w & GI_ROW_OPEN) != 0u;
+		// Links to what went are of segments that went with it, but borrowed ones (lend.comp), whose row is
+		// open.
+		bool others =
+		    shifted != 0u || old_statics != GI_NONE || went.entries > 0u || (row.w & GI_ROW_OPEN) != 0u;
 		stay = others ? move_links(row) : links_before;
 		row.y = stay | (row.y & ~GI_BLOCK_COUNT_MASK);
 		row.w |= went.seen || stay < links_before ? GI_ROW_OPEN : 0u;
@@ -159,7 +165,7 @@ void main()
 		give_links(row.xy);
 	}
 	if (went.entries > 0u)
-		atomicAdd(state[GI_STATE_ENTRIES], 0u - went.entries);
+		atomicAdd(state.rows.entries, 0u - went.entries);
 	if (stay < links_before)
-		atomicAdd(state[GI_STATE_LINKS], 0u - (links_before - stay));
+		atomicAdd(state.rows.links, 0u - (links_before - stay));
 }

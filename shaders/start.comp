@@ -1,5 +1,6 @@
 #version 450 core
-// R = 0, B = E and v = 1 everywhere: what check.comp takes for a cold start. One thread a node. The sky reflects nothing and amplifies nothing.
+// R = 0, B = E and v = 1 everywhere: what check.comp takes for a cold start. One thread a node. The sky reflects
+// nothing and amplifies nothing.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE
@@ -14,10 +15,11 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint n = thread_number();
-	if (n < GI_STATE_DIRECT_BITS - GI_STATE_SCALE_BITS)
-		state[GI_STATE_SCALE_BITS + n] = 0u;
-	if (n == 0u)
-		state[GI_STATE_SEEN_BITS] = state[GI_STATE_ELLIPSE] = 0u;
+	if (n == 0u) {
+		state.solve.scale = vec4(0.0);
+		state.solve.seen = 0.0;
+		state.solve.ellipse = 0u;
+	}
 	if (n >= frame.counts.y)
 		return;
 	uvec4 range = load_range(n);

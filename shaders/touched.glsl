@@ -1,6 +1,7 @@
-// What an update touches of rows: four words a leaf in `touched`, part after part. How many of its entries were cut or flagged; 1 where
-// what closing reads of it is not what it was; which of what was swept a static face hides from it (covered.comp); and a list of leaves, of
-// the rows that something that moved may concern (concern.comp), later of those to close (changed.comp).
+// What an update touches of rows: four words a leaf in `touched`, part after part. How many of its entries were cut or
+// flagged; 1 where what closing reads of it is not what it was; which of what was swept a static face hides from it
+// (covered.comp); and a list of leaves, of the rows that something that moved may concern (concern.comp), later of
+// those to close (changed.comp).
 
 // Bits in a word: of what was swept the first ones.
 const uint MOST_COVERED = 32u;
@@ -8,7 +9,7 @@ const uint MOST_COVERED = 32u;
 void note_dirty(uint leaf, uint entries)
 {
 	if (atomicAdd(touched[leaf], entries) == 0u)
-		atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
+		atomicAdd(state.counts.dirty_rows, 1u);
 }
 
 void note_changed(uint leaf)
@@ -34,7 +35,7 @@ uint load_listed(uint k)
 }
 #endif
 
-void list_row(uint leaf, uint counter)
+void list_row(uint leaf, uint k)
 {
-	touched[3u * frame.counts.x + atomicAdd(state[counter], 1u)] = leaf;
+	touched[3u * frame.counts.x + k] = leaf;
 }

@@ -19,11 +19,12 @@ static void bind_budget(const gi_context *gi)
 void bind_rows(const gi_context *gi)
 {
 	const gi_rows *part = &gi->rows;
-	gpu_bind_uniforms(&gi->gpu, GI_BIND_FRAME, &part->frame);
+	gpu_bind_uniforms(&gi->gpu, GI_UNIFORM_FRAME, &part->frame);
 	ROWS_TABLES(BIND)
 	ROWS_POOLS(BIND)
 	ROWS_LISTS(BIND)
 	gpu_bind(&gi->gpu, GI_BIND_STATE, &gi->state);
+	gpu_bind_uniforms(&gi->gpu, GI_UNIFORM_STATE, &gi->state);
 	bind_budget(gi);
 }
 

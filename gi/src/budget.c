@@ -20,6 +20,7 @@
 
 #include "bits.h"
 #include "context.h"
+#include "state.h"
 
 #include <math.h>
 
@@ -175,15 +176,15 @@ static float share_of(float part, float whole)
 	return part / most < whole ? part / whole : most;
 }
 
-void budget_report(const uint32_t *state, gi_report *out)
+void budget_report(const gi_state *state, gi_report *out)
 {
-	out->waiting_rows = state[GI_STATE_WAITING_ROWS];
-	out->waiting_entries = state[GI_STATE_WAITING_ENTRIES];
-	out->assessed_rows = state[GI_STATE_ASSESSED];
+	out->waiting_rows = state->refresh.waiting_rows;
+	out->waiting_entries = state->refresh.waiting_entries;
+	out->assessed_rows = state->counts.assessed_rows;
 	out->stale_bound = out->stale_relative = 0;
 	if (!out->waiting_rows)
 		return;
-	out->stale_bound = gi_float_from_bits(state[GI_STATE_STALE_BITS]);
+	out->stale_bound = gi_float_from_bits(state->counts.stale_bits);
 	out->stale_relative = share_of(out->stale_bound, out->reflected_max);
 }
 
@@ -219,7 +220,7 @@ void budget_choose(gi_context *gi)
 	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_timer_begin(g, &r->assess_timer);
-	gpu_dispatch_indirect(g, r->assess_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_ASSESS);
+	gpu_dispatch_indirect(g, r->assess_program, &gi->state, STATE_OFFSET(assess));
 	enlist(gi, REFRESH);
 	gpu_timer_end(g, &r->assess_timer);
 }
@@ -227,7 +228,7 @@ void budget_choose(gi_context *gi)
 void budget_bound(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, budget.step_bits);
 	for (uint32_t stage = 0; stage < 2; stage++) {
 		gpu_set_uint(&gi->gpu, r->stale_program, 0, stage);
 		gpu_dispatch(&gi->gpu, r->stale_program, gi->scene.leaf_count);

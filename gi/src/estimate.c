@@ -13,6 +13,7 @@
 #include "binding.h"
 #include "context.h"
 #include "host_memory.h"
+#include "state.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };
@@ -126,8 +127,7 @@ gi_result estimate_update(gi_context *gi)
 {
 	const uint32_t leaves = gi->def.estimate_leaves;
 	if (!leaves && gi->estimate.results.name) /* there was one before the host wanted none */
-		gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ESTIMATE_LOCAL,
-				 sizeof(uint32_t) * (GI_STATE_ESTIMATE_RAYS + 1 - GI_STATE_ESTIMATE_LOCAL), 0);
+		STATE_CLEAR(gi, estimate);
 	if (!leaves || !gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = make_programs(gi);

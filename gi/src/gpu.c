@@ -408,8 +408,8 @@ void gpu_bind_uniforms(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 
 static void order_after(const gpu *g)
 {
-	g->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
-			     GL_BUFFER_UPDATE_BARRIER_BIT);
+	g->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
+			     GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)

@@ -20,6 +20,7 @@
 #include "host_memory.h"
 #include "loans.h"
 #include "sky.h"
+#include "state.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -581,29 +582,21 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 
 void rows_clear_counts(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, counts);
 }
 
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, refresh);
 	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * (GI_TOUCHED_PARTS - 1) * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		return;
 	}
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, rows);
 	reset_pool(gi, &r->entry_pool, r->entry_limit);
 	reset_pool(gi, &r->link_pool, r->link_limit);
 	clear_rows(gi);
@@ -624,11 +617,12 @@ static void prepare(gi_context *gi, uint32_t stage)
 	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
 }
 
-static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
+/* groups: where they stand in the state. */
+static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint64_t groups)
 {
 	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
-	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
+	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, groups);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
@@ -680,12 +674,11 @@ static bool flagging_would_end_early(const gi_context *gi)
 static void trace(gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
-	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
 	rows_progress(gi, GI_PASS_TRACE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
-	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
+	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, STATE_OFFSET(trace));
 	if (gi->scene.statics_slot != GI_NONE)
-		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, arguments);
+		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, STATE_OFFSET(trace));
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
 }
 
@@ -715,13 +708,13 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 void rows_recycle(gi_context *gi)
 {
 	prepare(gi, AFTER_CLOSE);
-	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
+	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, STATE_OFFSET(recycle));
 }
 
 static void cut_by(gi_context *gi, const plan *p, uint32_t program)
 {
 	if (p->part)
-		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_PAIRS);
+		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, STATE_OFFSET(pairs));
 	else
 		gpu_dispatch(&gi->gpu, program, p->cut_threads);
 }
@@ -746,8 +739,7 @@ static void find_covered(gi_context *gi, const plan *p)
 	if (gi->scene.statics_slot == GI_NONE || !p->swept)
 		return;
 	if (p->part)
-		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state,
-				      sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state, STATE_OFFSET(chosen));
 	else
 		gpu_dispatch(&gi->gpu, r->covered_program, gi->scene.leaf_count);
 }
@@ -764,7 +756,7 @@ static void flag(gi_context *gi, const plan *p)
 		prepare(gi, ROWS_LISTED);
 	}
 	gpu_dispatch_indirect(&gi->gpu, r->flag_program, &gi->state,
-			      sizeof(uint32_t) * (p->part ? GI_STATE_ARGS_CHOSEN : GI_STATE_ARGS_FLAG));
+			      p->part ? STATE_OFFSET(chosen) : STATE_OFFSET(flag));
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 }
 
@@ -799,16 +791,16 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	}
 	cut(gi, &p);
 	prepare(gi, AFTER_CUT);
-	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
+	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, STATE_OFFSET(factor));
 	if (!r->rebuild)
 		flag(gi, &p);
 	prepare(gi, AFTER_FLAG);
 	if (p.several && !r->rebuild)
-		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_TRACE);
+		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, STATE_OFFSET(trace));
 	trace(gi);
 	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
 	prepare(gi, AFTER_TRACE);
-	run_indirect(gi, GI_PASS_CLOSE, r->close_program, GI_STATE_ARGS_CLOSE);
+	run_indirect(gi, GI_PASS_CLOSE, r->close_program, STATE_OFFSET(close));
 	rows_recycle(gi);
 	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)

@@ -12,6 +12,7 @@
 #include "binding.h"
 #include "caustics.h"
 #include "context.h"
+#include "state.h"
 
 #include <string.h>
 
@@ -99,13 +100,12 @@ gi_result solver_allocate(gi_context *gi)
 static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
-	const uint64_t word = sizeof(uint32_t);
-	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, word * GI_STATE_ARGS_DOUBLE);
+	gpu_dispatch_indirect(&gi->gpu, s->gather_program, &gi->state, STATE_OFFSET(gather));
+	gpu_dispatch_indirect(&gi->gpu, s->double_program, &gi->state, STATE_OFFSET(gather_double));
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
-	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
-	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
+	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, STATE_OFFSET(hand_over));
+	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, STATE_OFFSET(check));
 }
 
 /* A software renderer has done all that was asked of it, so that to look costs nothing; what is queued and not wanted
@@ -114,7 +114,7 @@ static bool is_known_to_be_over(const gi_context *gi)
 {
 	uint32_t groups = 1;
 	if (gi->gpu.software)
-		gpu_buffer_read(&gi->gpu, &gi->state, sizeof groups * GI_STATE_ARGS_CHECK, sizeof groups, &groups);
+		gpu_buffer_read(&gi->gpu, &gi->state, STATE_OFFSET(check.x), sizeof groups, &groups);
 	return !groups;
 }
 
@@ -133,8 +133,7 @@ static bool is_lit(const gi_scene *s)
 /* What is emitted into each row, of the rows that this update refreshed or of all, and the bounds that follow. */
 static void gather_emitted(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
-			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
+	STATE_CLEAR(gi, emitted);
 	const uint32_t through = caustics_emitted_program(gi), program = through ? through : gi->solver.emitted_program;
 	if (through) {
 		caustics_bind_light(gi);
