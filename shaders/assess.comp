@@ -110,7 +110,7 @@ struct source_part {
 
 source_part load_source(uint object)
 {
-	uint root = object_nodes(object).x, flags = load_range(root).w;
+	uint root = object_nodes(object).x, flags = topology_range(root).w;
 	bool emits = (flags & GI_NODE_EMITTER) != 0u;
 	vec3 b = load_radiosity(root).xyz;
 	if ((object_bvh(object).z & GI_OBJECT_SKY) != 0u)
@@ -135,7 +135,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	s.unseen += touched && v == 0.0 && from.dark_sky ? f : 0.0;
 	if (v == 0.0 && !(touched && stays))
 		return;
-	bool emitter = from.emits && (load_range(e.x).w & GI_NODE_EMITTER) != 0u;
+	bool emitter = from.emits && (topology_range(e.x).w & GI_NODE_EMITTER) != 0u;
 	if (!touched) {
 		s.firm_others += emitter ? 0.0 : v;
 		s.firm_emitters += emitter ? v : 0.0;
@@ -145,7 +145,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
 	// Whose light it takes may change, or is not known.
-	if ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u) {
+	if ((taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && topology_range(e.x).z > 1u) {
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
 	}
@@ -203,7 +203,7 @@ sums sum_row(uint leaf, watch w)
 		if (s.firm_emitters > firm_emitters)
 			include(s.emitters, range(from.others.least, from.brightest));
 		if (cut)
-			add_cut(s, from, shape_of(p, load_range(load_leaf(leaf).x).w), w.moved, count);
+			add_cut(s, from, shape_of(p, topology_range(load_leaf(leaf).x).w), w.moved, count);
 	}
 	return s;
 }

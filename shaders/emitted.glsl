@@ -43,7 +43,7 @@ void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 		return;
 	dvec3 light = double(uintBitsToFloat(weight)) * dvec3(exitance);
 	sum += light;
-	if ((load_range(node).w & GI_NODE_LAMP) == 0u)
+	if ((topology_range(node).w & GI_NODE_LAMP) == 0u)
 		undrawn += light;
 }
 

@@ -5,7 +5,7 @@
 // reflected: a mean m with the part r of the light becomes m + r m + r^2 m + ... = m / (1 - r), where errors without
 // a common sign average out over a row. So
 //
-//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1),   |m|^2 = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
+//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1), |m|^2 = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
 //
 // the latter over pairs of different leaves, so that the samples' noise is not in it.
 #define READ_ESTIMATE_RESULTS
@@ -27,7 +27,7 @@ struct totals {
 };
 
 shared totals sums[GI_GROUP_SIZE];
-shared float shares[GI_GROUP_SIZE];
+shared float estimate_shares[GI_GROUP_SIZE];
 
 totals add(totals a, totals b)
 {
@@ -75,12 +75,12 @@ void main()
 	float power = own.mean.y / own.bias.w, share = 0.0;
 	for (uint k = t; k < all && power > 0.0; k += GI_GROUP_SIZE)
 		share += local_error(load_result(k), power);
-	shares[t] = share;
+	estimate_shares[t] = share;
 	barrier();
 	if (t > 0u)
 		return;
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++)
-		share += shares[k];
+		share += estimate_shares[k];
 	state.estimate.local = share / own.bias.w;
 	report(own);
 }

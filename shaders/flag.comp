@@ -74,7 +74,7 @@ suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
 // is seen in part.
 bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
-	vec4 ball = load_sphere(node);
+	vec4 ball = world_sphere(node);
 	bool is = seen && s.box.counts, was = mixed && s.was;
 	vec3 way = ball.xyz - p.sphere.xyz, turned = turned_into(s.box, way);
 	place o = s.in_box;

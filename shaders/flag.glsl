@@ -45,8 +45,8 @@ place place_in(vec3 o, vec3 lower, vec3 upper)
 	return place(upper - o, o - lower, BOX_SLACK * (all.x + all.y + all.z));
 }
 
-// Can a segment from within a ball about a point to within one about the point and `direction`, in the box's frame, meet the box? At share
-// t of its way it is within the radius between the two, so each side of the box bounds t.
+// Can a segment from within a ball about a point to within one about the point and `direction`, in the box's frame,
+// meet the box? At share t of its way it is within the radius between the two, so each side of the box bounds t.
 bool crosses_box(place o, vec3 d, float radius, float end_radius)
 {
 	float grown = radius + o.slack + BOX_SLACK * (abs(d.x) + abs(d.y) + abs(d.z)), growth = end_radius - radius;
@@ -80,7 +80,8 @@ watch watch_of(uint leaf)
 	uvec2 range = moved ? uvec2(object_bvh(mine).w, object_extra(mine).x) : frame.update.yz;
 	uint object = range.x < range.y ? load_suspect(range.x) : mine;
 	bool statics = frame.swept.w != GI_NONE && moved_since(frame.swept.w, since);
-	return watch(mine, since, moved, statics, range, load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
+	return watch(mine, since, moved, statics, range,
+		     load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
 }
 
 // Which objects hid an entry is not known; of static ones that is of no concern while they are what they were.
@@ -94,29 +95,32 @@ bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
 	if (!by.counts)
 		return false;
 	return sky ? cone_meets(by.ball, p.sphere, ball)
-		   : crosses_box(place_of(by, p.sphere.xyz), turned_into(by, ball.xyz - p.sphere.xyz), p.sphere.w, ball.w);
+		   : crosses_box(place_of(by, p.sphere.xyz), turned_into(by, ball.xyz - p.sphere.xyz), p.sphere.w,
+				 ball.w);
 }
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
 {
-	vec4 ball = load_sphere(node);
-	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u;
+	vec4 ball = world_sphere(node);
+	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
 	for (uint k = w.suspects.x + 1u; k < w.suspects.y && !found; k++)
-		found = crosses(load_obstacle(load_suspect(k), w.moved || moved_since(load_suspect(k), w.since)), p, ball, sky);
+		found = crosses(load_obstacle(load_suspect(k), w.moved || moved_since(load_suspect(k), w.since)), p,
+				ball, sky);
 	return found;
 }
 
 // Can something have hidden samples of the entry that was there when its row was refreshed, and is not there now?
 bool was_crossed(watch w, gi_node_geometry p, uint node)
 {
-	vec4 ball = load_sphere(node);
-	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u, found = false;
+	vec4 ball = world_sphere(node);
+	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u, found = false;
 	for (uint k = 0u; k < frame.swept.y && !found; k++) {
 		uvec4 change = load_swept_change(k);
 		vec4 lower = load_swept_corner(k, 0u), upper = load_swept_corner(k, 1u);
-		obstacle box = obstacle(change.z != 0u && change.x > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
-					vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, ball_about(lower, upper));
+		obstacle box =
+		    obstacle(change.z != 0u && change.x > w.since, vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0),
+			     vec4(0.0, 0.0, 1.0, 0.0), lower.xyz, upper.xyz, ball_about(lower, upper));
 		found = crosses(box, p, ball, sky);
 	}
 	return found;
@@ -128,7 +132,8 @@ bool is_flagged(watch w, gi_node_geometry p, uvec4 entry)
 	if (samples_of(entry) == 0u)
 		return false; // form factor zero
 	uint visible = entry.z & 0xFFFFu, blocker = entry.z >> 16u;
-	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
+	bool blocker_moved = w.moved ? blocker != GI_BLOCKER_NONE && blocker != w.mine
+				     : blocker < GI_BLOCKER_STATICS && moved_since(blocker, w.since);
 	if (!w.moved && is_hidden_by_several(w, blocker))
 		blocker_moved = was_crossed(w, p, entry.x);
 	return blocker_moved || (visible != 0u && may_cross(w, p, entry.x));

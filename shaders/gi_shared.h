@@ -7,6 +7,7 @@
 #define GI_SHARED_H
 
 #ifdef GL_core_profile
+#include "buffer_numbers.glsl"
 #define GI_VEC4 vec4
 #define GI_UVEC4 uvec4
 #define GI_UINT uint
@@ -506,7 +507,7 @@ GI_STRUCT(gi_state) {
  * less, to this. */
 #define GI_DARK_SHARE 1e-5f
 
-/* Words a leaf of GI_BIND_TOUCHED (touched.glsl). */
+/* Words a leaf of the buffer TOUCHED (touched.glsl). */
 #define GI_TOUCHED_PARTS 4u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
@@ -518,67 +519,13 @@ GI_STRUCT(gi_state) {
 #define GI_POOL_PENDING_LIST 32u   /* GI_POOL_PENDING_MAX pairs: offset, class */
 #define GI_POOL_PENDING_MAX 131072u
 
-/* A buffer is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number; the frame as a uniform block. */
+/* A buffer (buffer_list.h) is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number. */
 #define GI_TEXEL_UNIT 4
-#define GI_BIND_COUNT 37
 
 /* Uniform blocks: the frame; the state as it was before a dispatch, or one lamp (shade_shared.h). */
 #define GI_UNIFORM_FRAME 0
 #define GI_UNIFORM_STATE 1
 #define GI_UNIFORM_LAMP 1
-
-#define GI_BIND_FRAME 0
-#define GI_BIND_OBJECTS 1
-#define GI_BIND_TOPOLOGY 2
-#define GI_BIND_REST 3
-#define GI_BIND_WORLD 4
-#define GI_BIND_VERTICES_REST 5
-#define GI_BIND_VERTICES_WORLD 6
-#define GI_BIND_LEAVES 7
-#define GI_BIND_MATERIALS 8
-#define GI_BIND_BVH 9
-#define GI_BIND_PRIMITIVES 10
-#define GI_BIND_TLAS 11
-#define GI_BIND_SEGMENTS 12
-#define GI_BIND_ENTRIES 13
-#define GI_BIND_ENTRY_POOL 14
-#define GI_BIND_QUEUE 15
-#define GI_BIND_ROWS 16
-#define GI_BIND_LINKS 17
-#define GI_BIND_LINK_POOL 18
-#define GI_BIND_RADIOSITY 19       /* GI_NODE_PARTS: area means of leaves */
-#define GI_BIND_LEAF_RADIOSITY 20  /* GI_LEAF_PARTS */
-#define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
-#define GI_BIND_STATE 22
-#define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_SUSPECTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
-#define GI_BIND_WIDE_NODES 25      /* nodes of more than GI_WIDE_LEAVES leaves */
-#define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
-#define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
-#define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
-#define GI_BIND_LIGHT 29           /* vec4 per light vertex */
-#define GI_BIND_TOUCHED 30         /* GI_TOUCHED_PARTS uint per leaf (touched.glsl) */
-#define GI_BIND_SPREAD 31
-#define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
-#define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_SHINE 34           /* GI_SHINE_WORDS uint per object slot, and for all */
-#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
-#define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
-
-/* A commit's own (renumber.comp): the rows of before, and what became of objects. */
-#define GI_BIND_OLD_SEGMENTS GI_BIND_WIDE_NODES
-#define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
-#define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
-#define GI_BIND_NODE_MOVES GI_BIND_SUSPECTS    /* uint per node before */
-
-/* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
-#define GI_BIND_LOANS GI_BIND_WIDE_NODES
-
-/* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
-#define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
-#define GI_BIND_PATH_GOING GI_BIND_QUEUE       /* uint: 1 while a slot has a vertex to go */
-#define GI_BIND_PATH_LIGHTS GI_BIND_ENTRIES    /* 3 uvec4 per emitting triangle, in the world */
-#define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
 
 /* An emitting triangle: its corners as float bits, and in the fourth words
  *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 a leaf of its primitive */
@@ -600,17 +547,6 @@ GI_STRUCT(gi_path_slot) {
 	GI_VEC4 found;
 	GI_VEC4 sum;
 } GI_END(gi_path_slot)
-
-/* Mirrors and glass, of scenes that have any (specular.c, caustics.c): in places of what their dispatches do not read. */
-#define GI_BIND_SMOOTH GI_BIND_SPREAD            /* uvec4 per primitive: normals at its corners (smooth.h) */
-#define GI_BIND_SMOOTH_MATERIALS GI_BIND_CHOICES /* gi_smooth_material per material */
-#define GI_BIND_CORNER_LIGHTS GI_BIND_ROWS       /* uvec4 per leaf: the light vertices at its corners */
-#define GI_BIND_PHOTONS GI_BIND_PENDING          /* gi_photon, those of a pair one after the other */
-#define GI_BIND_CAUSTIC_PAIRS GI_BIND_SHINE      /* gi_caustic_pair */
-#define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
-#define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
-#define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
-#define GI_BIND_CAUSTIC_CELLS GI_BIND_TARGETS    /* uint: photons per cell of a hashed grid, level by level */
 
 /* The smooth part of a material: specular, and in w the index of refraction; transmittance. */
 GI_STRUCT(gi_smooth_material) {
@@ -652,12 +588,6 @@ GI_STRUCT(gi_photon) {
 
 #define GI_CAUSTIC_LEVELS 8u      /* of the grid, each twice as coarse as the one before */
 #define GI_CAUSTIC_CELLS 65536u   /* of a level */
-
-/* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
-#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
-#define GI_BIND_ESTIMATE_SHARES GI_BIND_SUSPECTS     /* float per item: what its F V counts */
-#define GI_BIND_ESTIMATE_CHANCES GI_BIND_WIDE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
-#define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
 
 /* A chosen leaf has this many items in all, in independent groups. */
 #define GI_ESTIMATE_ITEMS 512u

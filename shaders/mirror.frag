@@ -1,6 +1,6 @@
 #version 450 core
-// What is seen in a mirror, or through glass: where the ray from the eye ends, as a surface for the lamps' passes to light
-// (layer.glsl). One of two ways at the first surface, the one that carries more at the others.
+// What is seen in a mirror, or through glass: where the ray from the eye ends, as a surface for the lamps' passes to
+// light (layer.glsl). One of two ways at the first surface, the one that carries more at the others.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -13,6 +13,7 @@
 #define READ_TLAS
 #define READ_LIGHT
 #define READ_SMOOTH
+#define READ_SMOOTH_MATERIALS
 #define READ_CORNER_LIGHTS
 #include "buffers.glsl"
 #include "shade_shared.h"
@@ -40,14 +41,17 @@ const uint STEPS = 12u;
 // Of a point of a leaf: the light of its corners.
 vec3 indirect_at(uint leaf, vec3 rest)
 {
-	vec3 a = load_leaf_corner(leaf, 0u).xyz, b = load_leaf_corner(leaf, 1u).xyz, c = load_leaf_corner(leaf, 2u).xyz, d = load_leaf_corner(leaf, 3u).xyz;
+	vec3 a = load_leaf_corner(leaf, 0u).xyz, b = load_leaf_corner(leaf, 1u).xyz, c = load_leaf_corner(leaf, 2u).xyz,
+	     d = load_leaf_corner(leaf, 3u).xyz;
 	uvec4 lights = load_corner_lights(leaf);
 	vec3 n = cross(c - a, d - b);
 	bool second = dot(n, cross(c - a, rest - a)) > 0.0 && c != d;
 	vec3 p = second ? c : b, q = second ? d : c;
 	float whole = dot(n, cross(p - a, q - a));
-	float at_p = clamp(dot(n, cross(rest - a, q - a)) / whole, 0.0, 1.0), at_q = clamp(dot(n, cross(p - a, rest - a)) / whole, 0.0, 1.0);
-	vec3 light_a = load_light(lights.x).xyz, light_p = load_light(second ? lights.z : lights.y).xyz, light_q = load_light(second ? lights.w : lights.z).xyz;
+	float at_p = clamp(dot(n, cross(rest - a, q - a)) / whole, 0.0, 1.0),
+	      at_q = clamp(dot(n, cross(p - a, rest - a)) / whole, 0.0, 1.0);
+	vec3 light_a = load_light(lights.x).xyz, light_p = load_light(second ? lights.z : lights.y).xyz,
+	     light_q = load_light(second ? lights.w : lights.z).xyz;
 	return light_a * max(1.0 - at_p - at_q, 0.0) + light_p * at_p + light_q * at_q;
 }
 
@@ -83,7 +87,9 @@ void main()
 		nearest hit = find_nearest(r.origin, r.direction, lift);
 		on = hit.object != GI_NONE;
 		if (!on) {
-			store_layer(vec3(0.0), vec3(0.0, 0.0, 1.0), mode == MODE_INDIRECT ? vec3(0.0) : r.throughput * sky.xyz / PI, vec3(0.0), place, look);
+			store_layer(vec3(0.0), vec3(0.0, 0.0, 1.0),
+				    mode == MODE_INDIRECT ? vec3(0.0) : r.throughput * sky.xyz / PI, vec3(0.0), place,
+				    look);
 			break;
 		}
 		uint material = load_leaf(floatBitsToUint(load_primitive(hit.primitive).a.w)).z;

@@ -1,5 +1,6 @@
 #version 450 core
-// After a solve: R and B of every node that covers few leaves, R as their area mean in double precision. One thread a node.
+// After a solve: R and B of every node that covers few leaves, R as their area mean in double precision. One thread a
+// node.
 #define READ_FRAME
 #define READ_TOPOLOGY
 #define READ_NODE_EXITANCE
@@ -17,7 +18,7 @@ void main()
 	uint n = thread_number();
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	// No link leads to a top: rays to one end on leaves.
 	if (range.z > GI_WIDE_LEAVES || (range.w & (GI_NODE_SKY | GI_NODE_TOP)) != 0u)
 		return;

@@ -19,7 +19,7 @@ void main()
 {
 	uint local = gl_LocalInvocationID.x;
 	uint n = load_wide_node(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint k = local; k < range.z; k += GI_GROUP_SIZE) {
@@ -33,8 +33,8 @@ void main()
 	barrier();
 	if (local > 0u)
 		return;
-	// One thread adds them up: halving takes a barrier a step, each of which llvmpipe compiles into a function's end and
-	// beginning (Mesa 25.0: 0.1 s for six).
+	// One thread adds them up: halving takes a barrier a step, each of which llvmpipe compiles into a function's
+	// end and beginning (Mesa 25.0: 0.1 s for six).
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++) {
 		sum += partial[k];
 		area += partial_area[k];

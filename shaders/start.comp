@@ -22,7 +22,7 @@ void main()
 	}
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	bool sky = (range.w & GI_NODE_SKY) != 0u;
 	vec4 b = vec4(load_exitance(n).xyz, 0.0), r = vec4(0.0, 0.0, 0.0, sky ? 0.0 : 1.0);
 	radiosity[GI_NODE_B * frame.counts.y + n] = b;

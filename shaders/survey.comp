@@ -94,7 +94,7 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	vec3 dim = scene_shine(GI_SHINE_OTHERS), all = scene_shine(GI_SHINE_ALL);
 	limits l = whole_row(received_by(leaf, m), dim, all,
-			     emitter_weight(leaf, shape_of(p, load_range(load_leaf(leaf).x).w), mine, since));
+			     emitter_weight(leaf, shape_of(p, topology_range(load_leaf(leaf).x).w), mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);
 	float off = expected_off(row.bound, max(m.rho.x, max(m.rho.y, m.rho.z)));
 	float worth = worth_of(off * share_of_movers(p, mine, since), p, 1u);

@@ -10,13 +10,14 @@ struct quad {
 
 quad load_leaf_quad(uint leaf)
 {
-	return quad(load_leaf_corner(leaf, 0u).xyz, load_leaf_corner(leaf, 1u).xyz, load_leaf_corner(leaf, 2u).xyz, load_leaf_corner(leaf, 3u).xyz);
+	return quad(load_leaf_corner(leaf, 0u).xyz, load_leaf_corner(leaf, 1u).xyz, load_leaf_corner(leaf, 2u).xyz,
+		    load_leaf_corner(leaf, 3u).xyz);
 }
 
 quad load_quad(uvec4 corners)
 {
-	return quad(rest_vertex(corners.x), rest_vertex(corners.y), rest_vertex(corners.z),
-		    rest_vertex(corners.w));
+	return quad(load_rest_vertex(corners.x).xyz, load_rest_vertex(corners.y).xyz, load_rest_vertex(corners.z).xyz,
+		    load_rest_vertex(corners.w).xyz);
 }
 
 struct pair {
@@ -70,13 +71,14 @@ pair load_pair(uvec4 entry)
 	return p;
 }
 
-// Points keep this share of a leaf's width off its edges: on the edge itself they would lie in the wall that rises there,
-// which then could not hide anything from them.
+// Points keep this share of a leaf's width off its edges: on the edge itself they would lie in the wall that rises
+// there, which then could not hide anything from them.
 const float INSET = 1e-3;
 
 vec3 point_on(quad q, vec2 u)
 {
-	u = q.c == q.d ? mix(vec2(max(u.x, u.y), min(u.x, u.y)), vec2(2.0, 1.0) / 3.0, 3.0 * INSET) : mix(u, vec2(0.5), 2.0 * INSET);
+	u = q.c == q.d ? mix(vec2(max(u.x, u.y), min(u.x, u.y)), vec2(2.0, 1.0) / 3.0, 3.0 * INSET)
+		       : mix(u, vec2(0.5), 2.0 * INSET);
 	return point_on_quad(q.a, q.b, q.c, q.d, u);
 }
 
@@ -95,8 +97,8 @@ uint leaf_at(pair p, inout float u)
 		u = clamp(number - float(k), 0.0, 0.99999994);
 		return low + k;
 	}
-	// The first try is where it would be were all leaves alike, the second beside it, then halves: the same leaf whatever
-	// is tried.
+	// The first try is where it would be were all leaves alike, the second beside it, then halves: the same leaf
+	// whatever is tried.
 	uint middle = low + uint(u * float(p.t.range.z));
 	float end = all;
 	for (uint step = 0u; low < high; step++) {
@@ -142,7 +144,8 @@ const float LEAST_TRANSFER = 1e-30;
 float transfer(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 {
 	// Of the triangle of the receiver that the point is on (point_on_quad).
-	vec3 normal = u.x >= u.y || p.mine.c == p.mine.d ? cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a) : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
+	vec3 normal = u.x >= u.y || p.mine.c == p.mine.d ? cross(p.mine.b - p.mine.a, p.mine.c - p.mine.a)
+							 : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
 	if (!p.same)
 		normal = direction_to_world(p.receiver, normal);
 	if (p.sky)

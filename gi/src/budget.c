@@ -66,10 +66,9 @@ gi_result budget_allocate(gi_context *gi)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t bytes;
-	} sizes[] = {
-	    {&r->choices, gpu_bound_label(GI_BIND_CHOICES), sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-	    {&r->pending, gpu_bound_label(GI_BIND_PENDING), sizeof(gi_pending) * leaves},
-	    {&r->shine, gpu_bound_label(GI_BIND_SHINE), sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	} sizes[] = {{&r->choices, buffer_labels.CHOICES, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+		     {&r->pending, buffer_labels.PENDING, sizeof(gi_pending) * leaves},
+		     {&r->shine, buffer_labels.SHINE, sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
@@ -238,9 +237,8 @@ void budget_bound(gi_context *gi)
 void budget_free(gi_context *gi)
 {
 	gi_rations *r = &gi->rations;
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
-	BUDGET_BUFFERS(FREE)
-#undef FREE
+	gi_rations *owner = r;
+	BUDGET_BUFFERS(BUFFER_FREE)
 	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program, &r->choose_program,
 				&r->enlist_program, &r->stale_program,  &r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)

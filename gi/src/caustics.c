@@ -46,7 +46,7 @@ struct gi_caustics {
 	uint32_t asked_packets;
 	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program,
 	    radius_program;
-	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
+	CAUSTIC_BUFFERS(BUFFER_MEMBER)
 };
 
 static gi_result out_of_memory(const gi_context *gi)
@@ -87,9 +87,8 @@ void caustics_free(gi_context *gi)
 	gpu_program_file list[PROGRAMS];
 	list_programs(c, list);
 	gpu_programs_free(&gi->gpu, list, PROGRAMS);
-	gpu_buffer *buffers[] = {&c->lights, &c->pairs, &c->paths, &c->photons, &c->sums, &c->light, &c->cells};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
+	gi_caustics *owner = c;
+	CAUSTIC_BUFFERS(BUFFER_FREE)
 	gi_free(c->traced);
 	gi_free(c->pair_list);
 	gi_free(c);
@@ -211,11 +210,12 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t size;
-	} wanted[] = {{&c->paths, "caustics: paths", sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
-		      {&c->photons, "caustics: packets", sizeof(gi_photon) * (uint64_t)pairs * photons},
-		      {&c->sums, "caustics: sums", sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
-		      {&c->light, "caustics: light", sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
-		      {&c->cells, "caustics: cells", sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
+	} wanted[] = {
+	    {&c->paths, buffer_labels.CAUSTIC_PATHS, sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
+	    {&c->photons, buffer_labels.PHOTONS, sizeof(gi_photon) * (uint64_t)pairs * photons},
+	    {&c->sums, buffer_labels.CAUSTIC_SUMS, sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
+	    {&c->light, buffer_labels.CAUSTIC_LIGHT, sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
+	    {&c->cells, buffer_labels.CAUSTIC_CELLS, sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof wanted / sizeof *wanted; k++)
 		if (wanted[k].buffer->size != wanted[k].size)
@@ -233,9 +233,9 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->anew += pairs[k].power.z > 0;
 	gi_result result =
-	    gpu_buffer_replace(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
+	    gpu_buffer_replace(&gi->gpu, &c->pairs, buffer_labels.CAUSTIC_PAIRS, sizeof *pairs * c->pair_count, pairs);
 	if (!result)
-		result = gpu_buffer_replace(&gi->gpu, &c->lights, "caustics: lights",
+		result = gpu_buffer_replace(&gi->gpu, &c->lights, buffer_labels.CAUSTIC_LIGHTS,
 					    sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
@@ -247,15 +247,9 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 
 static void bind(const gi_context *gi)
 {
-	const gi_caustics *c = gi->caustics;
+	const gi_caustics *owner = gi->caustics;
 	specular_bind(gi);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &c->lights);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PAIRS, &c->pairs);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PATHS, &c->paths);
-	gpu_bind(&gi->gpu, GI_BIND_PHOTONS, &c->photons);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_SUMS, &c->sums);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_CELLS, &c->cells);
-	caustics_bind_light(gi);
+	CAUSTIC_BUFFERS(BUFFER_BIND)
 }
 
 static void run_photons(gi_context *gi, uint32_t program)

@@ -36,7 +36,7 @@ struct gi_context {
 	gi_smooth *smooth;     /* made by the first update of a scene with mirrors or glass */
 	gi_arena light_arena;  /* what lists emitters for them, for every frame */
 	gi_caustics *caustics; /* likewise, where something emits */
-	gpu_buffer state;
+	CONTEXT_BUFFERS(BUFFER_MEMBER)
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;

@@ -7,6 +7,7 @@
 
 #include "gi/gi.h"
 #include "gi_shared.h"
+#include "buffers.h"
 #include "log.h"
 
 typedef struct gpu_buffer {
@@ -79,8 +80,6 @@ gi_result gpu_check_current(const gpu *g, const char *function);
 /* After a call that OpenGL refused for want of memory: its error is not the host's to find. */
 void gpu_forget_errors(const gpu *g);
 
-/* What debuggers call the buffer of a binding (buffers.h). */
-const char *gpu_bound_label(uint32_t binding);
 /* What a debugger shows of OpenGL's objects: "gi " and what it is. `kind` as of glObjectLabel. */
 void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what);
 /* And of calls: what is issued between the two. Groups nest. */

@@ -71,7 +71,9 @@ static char *copy_of(const char *source)
 static gi_result load_shader(const gpu *g, const char *name, char **out)
 {
 	*out = NULL;
-	if (g->shader_directory)
+	/* What is declared of buffers goes with what the library binds, wherever the rest comes from. */
+	if (g->shader_directory && strcmp(name, "buffer_numbers.glsl") != 0 &&
+	    strcmp(name, "buffer_declarations.glsl") != 0)
 		return read_shader_file(g, name, out);
 	for (const gi_shader_source *s = gi_shader_sources; s->name; s++)
 		if (strcmp(s->name, name) == 0) {

@@ -23,7 +23,7 @@ enum { MOST_PATHS = 1 << 24 };
 
 struct gi_paths {
 	uint32_t program;
-	gpu_buffer sobol, lights, slots, going;
+	PATH_BUFFERS(BUFFER_MEMBER)
 };
 
 /* What the shader is told of the scene. */
@@ -91,9 +91,9 @@ static gi_result make_paths(gi_context *gi)
 	gi_result result = gpu_programs_compute(&gi->gpu, &(gpu_program_file){"paths.comp", &p->program}, 1);
 	if (!result)
 		result =
-		    gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
+		    gpu_buffer_allocate(&gi->gpu, &p->sobol, buffer_labels.PATH_SOBOL, sizeof directions, directions);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, buffer_labels.PATH_GOING, sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -101,15 +101,12 @@ static gi_result make_paths(gi_context *gi)
 
 void paths_free(gi_context *gi)
 {
-	gi_paths *p = gi->paths;
-	if (!p)
+	gi_paths *owner = gi->paths;
+	if (!owner)
 		return;
-	gpu_program_free(&gi->gpu, &p->program);
-	gpu_buffer_free(&gi->gpu, &p->sobol);
-	gpu_buffer_free(&gi->gpu, &p->lights);
-	gpu_buffer_free(&gi->gpu, &p->slots);
-	gpu_buffer_free(&gi->gpu, &p->going);
-	gi_free(p);
+	gpu_program_free(&gi->gpu, &owner->program);
+	PATH_BUFFERS(BUFFER_FREE)
+	gi_free(owner);
 	gi->paths = NULL;
 }
 
@@ -122,7 +119,7 @@ static gi_result upload_lights(gi_context *gi, path_scene *out)
 	if (!lights_find(&gi->scene, lights_luminance, &arena, &l))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	lights_set_slices(&l, 0, l.count);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, buffer_labels.PATH_LIGHTS,
 						     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
@@ -156,17 +153,14 @@ static uint32_t slots_of(const batch *b)
 
 static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 {
-	const gi_paths *p = gi->paths;
+	const gi_paths *owner = gi->paths;
 	bind_scene(gi);
 	bind_rows(gi); /* for the frame's trees; the rest goes to others */
-	gpu_bind(&gi->gpu, GI_BIND_PATH_SLOTS, &p->slots);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_GOING, &p->going);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &p->lights);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_SOBOL, &p->sobol);
-	gpu_set_uint(&gi->gpu, p->program, 5, seed);
-	gpu_set_uint(&gi->gpu, p->program, 6, s->light_count);
-	gpu_set_floats(&gi->gpu, p->program, 7, 4, 1, s->sky_and_lift);
-	gpu_set_floats(&gi->gpu, p->program, 8, 1, 1, &s->density);
+	PATH_BUFFERS(BUFFER_BIND)
+	gpu_set_uint(&gi->gpu, owner->program, 5, seed);
+	gpu_set_uint(&gi->gpu, owner->program, 6, s->light_count);
+	gpu_set_floats(&gi->gpu, owner->program, 7, 4, 1, s->sky_and_lift);
+	gpu_set_floats(&gi->gpu, owner->program, 8, 1, 1, &s->density);
 }
 
 /* Dispatches until no slot has a path left; adds what they found to totals. Waits. */
@@ -218,7 +212,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
 	if (!result && gi->paths->slots.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, "paths: slots", bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, buffer_labels.PATH_SLOTS, bytes, NULL);
 	if (result)
 		return result;
 	gi_path_slot *slots = gi_malloc(bytes);

@@ -81,21 +81,21 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, gpu_bound_label(GI_BIND_ENTRIES),
-					       sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result =
+	    gpu_buffer_allocate(g, &r->entries, buffer_labels.ENTRIES, sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, gpu_bound_label(GI_BIND_TARGETS),
-					     sizeof(uint32_t) * r->entry_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->targets, buffer_labels.TARGETS, sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, gpu_bound_label(GI_BIND_QUEUE),
-					     sizeof(uint32_t) * r->entry_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->queue, buffer_labels.QUEUE, sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, gpu_bound_label(GI_BIND_LINKS),
-					     2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->links, buffer_labels.LINKS, 2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, gpu_bound_label(GI_BIND_ENTRY_POOL), r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, buffer_labels.ENTRY_POOL, r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, gpu_bound_label(GI_BIND_LINK_POOL), r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, buffer_labels.LINK_POOL, r->link_limit);
 	return result;
 }
 
@@ -477,7 +477,7 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, gpu_bound_label(GI_BIND_SUSPECTS), 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, buffer_labels.SUSPECTS, 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
 	gi->rows.suspect_list = list; /* its memory, for the next time */
@@ -489,8 +489,7 @@ static gi_result upload_plan(gi_context *gi, const plan *p)
 	gi_rows *r = &gi->rows;
 	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
 	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result =
-		    gpu_buffer_allocate(&gi->gpu, &r->runs, gpu_bound_label(GI_BIND_RUNS), bytes + bytes / 2, NULL);
+		gi_result result = gpu_buffer_allocate(&gi->gpu, &r->runs, buffer_labels.RUNS, bytes + bytes / 2, NULL);
 		if (result)
 			return result;
 	}
@@ -820,36 +819,30 @@ gi_result rows_relight(gi_context *gi)
 }
 
 /* What a commit makes anew; lists and the frame stay. */
-void rows_forget(gi_rows *r)
+void rows_forget(gi_rows *owner)
 {
-#define FORGET(name, buffer, label) r->buffer = (gpu_buffer){0};
-	ROWS_TABLES(FORGET)
-	ROWS_POOLS(FORGET)
-#undef FORGET
+	ROWS_TABLES(BUFFER_FORGET)
+	ROWS_POOLS(BUFFER_FORGET)
 }
 
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
-
-void rows_release(gi_context *gi, gi_rows *r)
+void rows_release(gi_context *gi, gi_rows *owner)
 {
-	ROWS_TABLES(FREE)
-	ROWS_POOLS(FREE)
+	ROWS_TABLES(BUFFER_FREE)
+	ROWS_POOLS(BUFFER_FREE)
 }
 
-void rows_retire(gi_context *gi, gi_rows *r)
+void rows_retire(gi_context *gi, gi_rows *owner)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &r->buffer, GI_BIND_##name);
-	ROWS_TABLES(RETIRE)
-#undef RETIRE
-	rows_release(gi, r);
+	ROWS_TABLES(BUFFER_RETIRE)
+	rows_release(gi, owner);
 }
 
 void rows_free(gi_context *gi)
 {
-	gi_rows *r = &gi->rows;
-	rows_release(gi, r);
-	ROWS_LISTS(FREE)
-	gpu_buffer_free(&gi->gpu, &r->frame);
-	gi_free(r->run_data);
-	gi_free(r->suspect_list.slots);
+	gi_rows *owner = &gi->rows;
+	rows_release(gi, owner);
+	ROWS_LISTS(BUFFER_FREE)
+	ROWS_UNIFORMS(BUFFER_FREE)
+	gi_free(owner->run_data);
+	gi_free(owner->suspect_list.slots);
 }

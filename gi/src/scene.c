@@ -114,17 +114,15 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
-	SCENE_BUFFERS(FREE)
-#undef FREE
+	gi_scene *owner = s;
+	SCENE_BUFFERS(BUFFER_FREE)
 	gi_arena_free(&s->arrays);
 }
 
 void scene_retire(gi_context *gi, gi_scene *s)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
-	SCENE_BUFFERS(RETIRE)
-#undef RETIRE
+	gi_scene *owner = s;
+	SCENE_BUFFERS(BUFFER_RETIRE)
 	gi_arena_free(&gi->spare_arrays);
 	gi->spare_arrays = s->arrays;
 	s->arrays = (gi_arena){0};

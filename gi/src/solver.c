@@ -182,21 +182,18 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 
 void solver_forget(gi_solver *s)
 {
-#define FORGET(name, buffer, label) s->buffer = (gpu_buffer){0};
-	SOLVER_BUFFERS(FORGET)
-#undef FORGET
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_FORGET)
 }
 
 void solver_release(gi_context *gi, gi_solver *s)
 {
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
-	SOLVER_BUFFERS(FREE)
-#undef FREE
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_FREE)
 }
 
 void solver_retire(gi_context *gi, gi_solver *s)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
-	SOLVER_BUFFERS(RETIRE)
-#undef RETIRE
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_RETIRE)
 }
