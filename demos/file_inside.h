@@ -3,7 +3,7 @@
 #define DEMOS_FILE_INSIDE_H
 
 #include "camera.h"
-#include "scene_file.h"
+#include "import_file.h"
 
 #include <stdbool.h>
 

@@ -4,7 +4,7 @@
 #ifndef DEMOS_FILE_RAYS_H
 #define DEMOS_FILE_RAYS_H
 
-#include "scene_file.h"
+#include "import_file.h"
 
 #include <cglm/cglm.h>
 

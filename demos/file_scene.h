@@ -5,7 +5,7 @@
 #include "camera.h"
 #include "gi/gi.h"
 #include "options.h"
-#include "scene_file.h"
+#include "import_file.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -5,7 +5,7 @@
 #define DEMOS_FILE_SIDES_H
 
 #include "options.h"
-#include "scene_file.h"
+#include "import_file.h"
 
 /* Gives faces the sides that are asked for. two_sided ON: every face that is no lamp gets both. AUTO: follows light
  * from the lamps; faces lit from behind alone are turned round, objects lit on both sides, or whose fronts are walls of

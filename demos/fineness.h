@@ -2,7 +2,7 @@
 #ifndef DEMOS_FINENESS_H
 #define DEMOS_FINENESS_H
 
-#include "scene_file.h"
+#include "import_file.h"
 
 /* What a scene's objects share the leaves by. */
 typedef struct fineness {

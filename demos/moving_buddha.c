@@ -6,7 +6,7 @@
 #include "figure.h"
 #include "player.h"
 #include "progress.h"
-#include "scene_file.h"
+#include "import_file.h"
 #include "scenes/cornell.h"
 
 #include <cglm/cglm.h>

@@ -37,6 +37,7 @@ enum {
 	KEY_SHADERS,
 	KEY_TWO_SIDED,
 	KEY_IMAGES,
+	KEY_LINEAR,
 	KEY_REPORT,
 	KEY_FIELD,
 	KEY_FORM_FACTORS,
@@ -83,6 +84,8 @@ static const struct argp_option table[] = {
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
     {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
+    {"linear", KEY_LINEAR, "PATTERN", 0,
+     "a PFM each frame: radiance before exposure and tone mapping, W/(m2 sr), e.g. frame_%04d.pfm", 2},
     {"report", KEY_REPORT, "FILE", 0, "a CSV line each frame", 2},
     {"field", KEY_FIELD, "PATTERN", 0, "a PLY of all leaves each frame, e.g. field_%04d.ply", 2},
     {"form-factors", KEY_FORM_FACTORS, "FILE", 0, "a CSV of form factors between the objects, after the last frame", 2},
@@ -266,6 +269,9 @@ static void parse_output(options *o, int key, const char *text)
 	switch (key) {
 	case KEY_IMAGES:
 		o->images = checked_pattern(o, "--images", text);
+		break;
+	case KEY_LINEAR:
+		o->linear = checked_pattern(o, "--linear", text);
 		break;
 	case KEY_REPORT:
 		o->report = checked_name(o, "--report", text);

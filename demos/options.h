@@ -44,8 +44,8 @@ typedef struct options {
 	double budget_fps;     /* frames a second that budgets keep; 0: every update is exact */
 	bool budget_fps_given; /* else a window keeps them and a recording is exact */
 	uint32_t pixel_lamps;  /* polygons lit per pixel */
-	const char *images, *report, *field, *form_factors; /* files to write; NULL: none */
-	const char *out;                                    /* folder for what has no name of its own */
+	const char *images, *linear, *report, *field, *form_factors; /* files to write; NULL: none */
+	const char *out;                                             /* folder for what has no name of its own */
 } options;
 
 /* To be a child of a program's own parser; its input is an options made by options_default. */

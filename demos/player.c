@@ -80,12 +80,15 @@ static bool open_gi(player *p)
 static bool open_picture(player *p)
 {
 	p->target = engine_target_create(p->o->width, p->o->height, p->message, sizeof p->message);
-	p->pixels = malloc(3 * (size_t)p->o->width * (size_t)p->o->height);
-	if (p->target && !p->pixels)
+	const size_t values = 3 * (size_t)p->o->width * (size_t)p->o->height;
+	p->pixels = malloc(values);
+	p->radiance = p->o->linear ? malloc(values * sizeof *p->radiance) : NULL;
+	const bool has_memory = p->pixels && (p->radiance || !p->o->linear);
+	if (p->target && !has_memory)
 		snprintf(p->message, sizeof p->message, "out of memory for a picture");
-	if (p->target && p->pixels && engine_context_has_window(p->context))
+	if (p->target && has_memory && engine_context_has_window(p->context))
 		p->hud = engine_hud_create(p->message, sizeof p->message);
-	return p->target && p->pixels && (p->hud || !engine_context_has_window(p->context));
+	return p->target && has_memory && (p->hud || !engine_context_has_window(p->context));
 }
 
 static void choose_frames(player *p)
@@ -125,6 +128,7 @@ static void end(player *p)
 	engine_target_destroy(p->target);
 	engine_context_destroy(p->context);
 	free(p->pixels);
+	free(p->radiance);
 	free(p->poses);
 }
 
@@ -175,7 +179,7 @@ static void show(player *p, const gi_report *report)
 static bool fit_window(player *p)
 {
 	const int width = engine_context_width(p->context), height = engine_context_height(p->context);
-	if (p->recording || p->o->images || width < 1 || height < 1)
+	if (p->recording || p->o->images || p->o->linear || width < 1 || height < 1)
 		return true;
 	return engine_target_resize(p->target, width, height, p->message, sizeof p->message);
 }

@@ -3,6 +3,7 @@
 
 #include "image.h"
 #include "output.h"
+#include "pfm.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -77,8 +78,8 @@ static bool can_write_in(player *p, const char *folder)
 bool player_check_files(player *p)
 {
 	const options *o = p->o;
-	return can_write_frames(p, o->images) && can_write_frames(p, o->field) && can_write(p, o->form_factors) &&
-	       can_write(p, o->report);
+	return can_write_frames(p, o->images) && can_write_frames(p, o->linear) && can_write_frames(p, o->field) &&
+	       can_write(p, o->form_factors) && can_write(p, o->report);
 }
 
 static bool uses_out(const player *p)
@@ -113,7 +114,7 @@ static bool is_gallery_frame(const player *p)
 
 bool player_wants_picture(const player *p)
 {
-	return p->o->images || is_gallery_frame(p);
+	return p->o->images || p->o->linear || is_gallery_frame(p);
 }
 
 static bool write_picture(player *p, const char *name)
@@ -145,6 +146,17 @@ static bool write_gallery(player *p)
 	return written;
 }
 
+/* Of the player's own mode, which is drawn last. */
+static bool write_linear(player *p)
+{
+	char name[PLAYER_PATH];
+	if (!name_frame(p, p->o->linear, p->frame, name))
+		return false;
+	engine_target_read_radiance(p->target, p->radiance);
+	return engine_pfm_write(name, engine_target_width(p->target), engine_target_height(p->target), p->radiance,
+				p->message, sizeof p->message);
+}
+
 static bool write_field(player *p)
 {
 	char name[PLAYER_PATH];
@@ -161,6 +173,8 @@ bool player_write_frame(player *p)
 		written = name_frame(p, p->o->images, p->frame, name) && write_picture(p, name);
 	else if (is_gallery_frame(p))
 		written = write_gallery(p);
+	if (written && p->o->linear)
+		written = write_linear(p);
 	if (written && p->o->field)
 		written = write_field(p);
 	return written;
@@ -203,6 +217,8 @@ void player_print_end(const player *p)
 		snprintf(more, sizeof more, "/frame_*.png (%u: direct, indirect, global)", p->pictures);
 		print_place("pictures", p->o->out, more);
 	}
+	if (p->o->linear)
+		print_place("linear pictures", p->o->linear, "");
 	if (p->o->field)
 		print_place("fields", p->o->field, "");
 	if (p->o->form_factors)

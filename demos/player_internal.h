@@ -20,6 +20,7 @@ typedef struct player {
 	engine_hud *hud; /* NULL without a window */
 	gi_context *gi;
 	uint8_t *pixels;   /* of a picture on its way to a file */
+	float *radiance;   /* the same of a linear one; NULL: none is written */
 	progress progress; /* until the first picture */
 
 	bool recording;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OBJECTS = 8, BALL_FACES = 12 };
+enum { OBJECTS = 8 };
 
 static const float EXPOSURE = 1.6f;
 
@@ -23,9 +23,6 @@ typedef struct two_balls {
 } two_balls;
 
 static const char *const NAMES[OBJECTS] = {"floor", "ceiling", "back", "left", "right", "light", "mirror", "glass"};
-
-static const gi_specular SPECULAR[2] = {{.reflectance = {.92f, .92f, .92f}},
-					{.transmittance = {1, 1, 1}, .index = 1.5f}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -54,8 +51,8 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	cornell_def def = cornell_def_default();
 	def.leaf_size = b->options.leaf_size;
 	def.buddha = false;
-	def.ball_faces = BALL_FACES;
-	def.ball_specular = SPECULAR;
+	def.ball_faces = CORNELL_SMOOTH_BALL_FACES;
+	def.ball_specular = cornell_mirror_and_glass;
 	const gi_result result = cornell_create(gi, &def, &b->box);
 	if (result && !message[0])
 		snprintf(message, message_size, "the box cannot be built: %s", gi_result_text(result));
@@ -66,18 +63,14 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	return result == GI_OK;
 }
 
-/* The glass ball rolls round the middle, the mirror opposite. */
 static gi_result animate(void *user, gi_context *gi, double time_s)
 {
 	const two_balls *b = user;
-	const float angle = (float)time_s * (2 * GLM_PIf / 8), heights[2] = {.95f, .8f}, radius[2] = {1.3f, 1.25f};
 	gi_result result = GI_OK;
 	for (int k = 0; !result && k < 2; k++) {
-		const float turn = angle + (k ? .25f * GLM_PIf : 1.25f * GLM_PIf);
-		gi_pose pose = gi_pose_identity();
-		pose.position[0] = glm_clamp(radius[k] * sinf(turn) + (k ? b->pushed[0] : 0), -REACH, REACH);
-		pose.position[1] = heights[k];
-		pose.position[2] = glm_clamp(radius[k] * cosf(turn) + (k ? b->pushed[1] : 0), -REACH, REACH);
+		gi_pose pose = cornell_rolling_ball_pose(k, (float)time_s);
+		pose.position[0] = glm_clamp(pose.position[0] + (k ? b->pushed[0] : 0), -REACH, REACH);
+		pose.position[2] = glm_clamp(pose.position[2] + (k ? b->pushed[1] : 0), -REACH, REACH);
 		result = gi_set_pose(gi, b->box.balls[k], pose);
 	}
 	return result;

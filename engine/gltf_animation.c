@@ -6,9 +6,9 @@
 #include <string.h>
 
 /* Of two keys of one time the last counts: exporters round. Values move with their times. */
-static uint32_t drop_equal_times(scene_channel *channel)
+static uint32_t drop_equal_times(import_channel *channel)
 {
-	uint32_t parts = channel->interpolation == SCENE_CUBIC ? 3 : 1, kept = 0;
+	uint32_t parts = channel->interpolation == IMPORT_CUBIC ? 3 : 1, kept = 0;
 	size_t size = (size_t)parts * channel->components;
 	for (uint32_t i = 0; i < channel->key_count; i++) {
 		if (kept > 0 && channel->times[i] == channel->times[kept - 1])
@@ -23,7 +23,7 @@ static uint32_t drop_equal_times(scene_channel *channel)
 }
 
 /* NULL, or what is wrong with them. */
-static const char *fault_of_times(const scene_channel *channel)
+static const char *fault_of_times(const import_channel *channel)
 {
 	for (uint32_t i = 0; i < channel->key_count; i++) {
 		float previous = i > 0 ? channel->times[i - 1] : 0;
@@ -33,12 +33,12 @@ static const char *fault_of_times(const scene_channel *channel)
 	return NULL;
 }
 
-static bool read_interpolation(const cJSON *sampler, scene_channel *channel)
+static bool read_interpolation(const cJSON *sampler, import_channel *channel)
 {
-	static const char *const names[] = {"LINEAR", "STEP", "CUBICSPLINE"}; /* in the order of scene_interpolation */
+	static const char *const names[] = {"LINEAR", "STEP", "CUBICSPLINE"}; /* in the order of import_interpolation */
 	const char *text = gltf_text(sampler, "interpolation");
 	for (int i = 0; i < 3; i++) {
-		channel->interpolation = (scene_interpolation)i;
+		channel->interpolation = (import_interpolation)i;
 		if (strcmp(text ? text : names[0], names[i]) == 0)
 			return true;
 	}
@@ -46,9 +46,9 @@ static bool read_interpolation(const cJSON *sampler, scene_channel *channel)
 }
 
 /* A rotation of zero length has no direction; between keys that are opposite there is none either, but that passes. */
-static const char *fault_of_values(const scene_channel *channel)
+static const char *fault_of_values(const import_channel *channel)
 {
-	uint32_t parts = channel->interpolation == SCENE_CUBIC ? 3 : 1;
+	uint32_t parts = channel->interpolation == IMPORT_CUBIC ? 3 : 1;
 	for (size_t i = 0; i < (size_t)channel->key_count * parts; i++) {
 		const float *values = channel->values + i * channel->components;
 		float length2 = 0;
@@ -65,7 +65,7 @@ static const char *fault_of_values(const scene_channel *channel)
 
 /* NULL, or what is wrong. Values beyond the keys' are not looked at. */
 static const char *read_channel(const gltf_document *document, const cJSON *sampler, uint32_t components,
-				scene_channel *channel)
+				import_channel *channel)
 {
 	int64_t input = -1, output = -1;
 	const char *fault;
@@ -79,7 +79,7 @@ static const char *read_channel(const gltf_document *document, const cJSON *samp
 	const gltf_accessor *values = times ? gltf_find_accessor(document, output, components, &fault) : NULL;
 	if (!values)
 		return fault;
-	uint64_t parts = channel->interpolation == SCENE_CUBIC ? 3 : 1;
+	uint64_t parts = channel->interpolation == IMPORT_CUBIC ? 3 : 1;
 	if (values->count < parts * times->count)
 		return "it has fewer values than keys";
 	channel->times = gltf_floats(times);
@@ -91,12 +91,12 @@ static const char *read_channel(const gltf_document *document, const cJSON *samp
 	return fault ? fault : fault_of_values(channel);
 }
 
-/* SCENE_PROPERTIES: nothing of a transform. */
+/* IMPORT_PROPERTIES: nothing of a transform. */
 static int property_of(const char *path)
 {
-	static const char *const names[SCENE_PROPERTIES] = {"translation", "rotation", "scale"};
+	static const char *const names[IMPORT_PROPERTIES] = {"translation", "rotation", "scale"};
 	int property = 0;
-	while (property < SCENE_PROPERTIES && !(path && strcmp(path, names[property]) == 0))
+	while (property < IMPORT_PROPERTIES && !(path && strcmp(path, names[property]) == 0))
 		property++;
 	return property;
 }
@@ -130,15 +130,15 @@ static bool add_channel(gltf_document *document, const cJSON *from, uint32_t com
 			int32_t *number)
 {
 	engine_scene_graph *graph = document->loader->scene->graph;
-	scene_channel channel = {0};
+	import_channel channel = {0};
 	*number = -2;
 	const char *fault = within_budget(document, from) ? read_channel(document, from, components, &channel)
 							  : "the animations would take too much memory";
-	scene_channel *grown =
+	import_channel *grown =
 	    fault ? NULL : realloc(graph->channels, (graph->channel_count + 1) * sizeof *graph->channels);
 	if (grown) {
-		scene_note_many(document->loader, drop_equal_times(&channel), subject,
-				"animation keys of equal times are dropped but for the last");
+		import_note_many(document->loader, drop_equal_times(&channel), subject,
+				 "animation keys of equal times are dropped but for the last");
 		graph->channels = grown;
 		graph->channels[graph->channel_count] = channel;
 		*number = (int32_t)graph->channel_count++;
@@ -147,20 +147,20 @@ static bool add_channel(gltf_document *document, const cJSON *from, uint32_t com
 	free(channel.times);
 	free(channel.values);
 	if (!fault)
-		return scene_fail(document->loader, "out of memory for animations");
-	scene_note(document->loader, subject, "animation channels are left out: %s", fault);
+		return import_fail(document->loader, "out of memory for animations");
+	import_note(document->loader, subject, "animation channels are left out: %s", fault);
 	return true;
 }
 
-static bool play(gltf_document *document, sampler *from, scene_node *node, int property, const char *subject)
+static bool play(gltf_document *document, sampler *from, import_node *node, int property, const char *subject)
 {
 	engine_scene *scene = document->loader->scene;
-	int32_t *number = &from->channels[property == SCENE_ROTATION];
-	if (*number == -1 && !add_channel(document, from->from, property == SCENE_ROTATION ? 4 : 3, subject, number))
+	int32_t *number = &from->channels[property == IMPORT_ROTATION];
+	if (*number == -1 && !add_channel(document, from->from, property == IMPORT_ROTATION ? 4 : 3, subject, number))
 		return false;
 	if (*number < 0)
 		return true;
-	const scene_channel *channel = &scene->graph->channels[*number];
+	const import_channel *channel = &scene->graph->channels[*number];
 	node->channels[property] = *number;
 	scene->duration_s = fmax(scene->duration_s, (double)channel->times[channel->key_count - 1]);
 	return true;
@@ -178,16 +178,17 @@ static bool bind_channel(gltf_document *document, const cJSON *channel, const sa
 		return true; /* the target of an extension, which is told */
 	const char *name = found ? document->node_names[node_number] : NULL;
 	if (path && strcmp(path, "weights") == 0)
-		scene_note(document->loader, name, "animations of morph targets are not read");
-	else if (!found || property == SCENE_PROPERTIES || !(wanted >= 0 && wanted < all->count))
-		scene_note(document->loader, name,
-			   "animation channels without a node, a property or a sampler are left out");
+		import_note(document->loader, name, "animations of morph targets are not read");
+	else if (!found || property == IMPORT_PROPERTIES || !(wanted >= 0 && wanted < all->count))
+		import_note(document->loader, name,
+			    "animation channels without a node, a property or a sampler are left out");
 	else if (document->loader->scene->graph->nodes[node_number].has_matrix)
-		scene_note(
+		import_note(
 		    document->loader, name,
 		    "animations of nodes with a matrix are left out; they must have translation, rotation, scale");
 	else if (document->loader->scene->graph->nodes[node_number].channels[property] >= 0)
-		scene_note(document->loader, name, "further animations of one property are left out: the first counts");
+		import_note(document->loader, name,
+			    "further animations of one property are left out: the first counts");
 	else
 		return play(document, &all->items[(uint32_t)wanted],
 			    &document->loader->scene->graph->nodes[node_number], property, name);
@@ -199,7 +200,7 @@ static bool read_animation(gltf_document *document, const cJSON *from)
 	const cJSON *item, *array = gltf_member(from, "samplers");
 	samplers all = {.items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *all.items)};
 	if (!all.items)
-		return scene_fail(document->loader, "out of memory for animations");
+		return import_fail(document->loader, "out of memory for animations");
 	cJSON_ArrayForEach(item, array) all.items[all.count++] = (sampler){item, {-1, -1}};
 	bool read = true;
 	cJSON_ArrayForEach(item, gltf_member(from, "channels")) read = read && bind_channel(document, item, &all);

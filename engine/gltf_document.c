@@ -1,5 +1,5 @@
 #include "gltf_document.h"
-#include "scene_path.h"
+#include "import_path.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -128,9 +128,9 @@ uint8_t *gltf_read_beside(const gltf_document *document, const char *uri, size_t
 	uint8_t *bytes = NULL;
 	char *name = strdup(uri);
 	snprintf(why, why_size, name ? "has a zero byte in its name" : "is more than there is memory for");
-	if (name && scene_unescape(name)) {
-		FILE *file = scene_open_below(document->loader->path, name, why, why_size);
-		bytes = scene_read_all(file, limit, size, why, why_size);
+	if (name && import_unescape(name)) {
+		FILE *file = import_open_below(document->loader->path, name, why, why_size);
+		bytes = import_read_all(file, limit, size, why, why_size);
 	}
 	free(name);
 	return bytes;
@@ -146,8 +146,8 @@ static bool read_uri(gltf_document *document, gltf_buffer *buffer, const char *u
 	if (buffer->bytes)
 		return true;
 	if (document->tables[GLTF_BUFFERS].count == 1)
-		return scene_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
-	scene_note(document->loader, uri, "a buffer %s", why);
+		return import_fail(document->loader, "its buffer \"%.200s\" %s", uri, why);
+	import_note(document->loader, uri, "a buffer %s", why);
 	*stated = 0;
 	return true;
 }
@@ -159,16 +159,18 @@ static bool read_buffer(gltf_document *document, uint32_t number)
 	const char *uri = gltf_text(object, "uri");
 	size_t stated = 0;
 	if (!gltf_size(object, "byteLength", &stated))
-		return scene_fail(document->loader, "the byteLength of buffer %u is no size of at most 4 GiB", number);
+		return import_fail(document->loader, "the byteLength of buffer %u is no size of at most 4 GiB", number);
 	if (uri && !read_uri(document, buffer, uri, &stated))
 		return false;
 	if (!uri && number == 0 && document->binary)
 		*buffer = (gltf_buffer){(uint8_t *)document->binary, document->binary_size, true};
 	if (buffer->size < stated)
-		return scene_fail(document->loader, "buffer %u has %zu bytes of the %zu it states; the file is cut off",
-				  number, buffer->size, stated);
+		return import_fail(document->loader,
+				   "buffer %u has %zu bytes of the %zu it states; the file is cut off", number,
+				   buffer->size, stated);
 	document->bytes_read += buffer->borrowed ? 0 : buffer->size;
-	return document->bytes_read < MAX_FILE_SIZE || scene_fail(document->loader, "its buffers hold more than 4 GiB");
+	return document->bytes_read < MAX_FILE_SIZE ||
+	       import_fail(document->loader, "its buffers hold more than 4 GiB");
 }
 
 static bool read_buffers(gltf_document *document)
@@ -176,7 +178,7 @@ static bool read_buffers(gltf_document *document)
 	uint32_t count = document->tables[GLTF_BUFFERS].count;
 	document->buffers = calloc(count + 1, sizeof *document->buffers);
 	if (!document->buffers)
-		return scene_fail(document->loader, "out of memory");
+		return import_fail(document->loader, "out of memory");
 	for (uint32_t i = 0; i < count; i++) {
 		if (!read_buffer(document, i))
 			return false;
@@ -199,20 +201,20 @@ static bool split_glb(gltf_document *document, const char **json, size_t *json_s
 	const uint8_t *file = document->file;
 	size_t size = document->file_size;
 	if (size < 20 || little_endian(file + 4) != 2 || little_endian(file + 16) != GLB_JSON)
-		return scene_fail(document->loader, "is no glTF 2.0 binary file");
+		return import_fail(document->loader, "is no glTF 2.0 binary file");
 	*json = (const char *)file + 20;
 	*json_size = little_endian(file + 12);
 	if (*json_size > size - 20)
-		return scene_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its JSON are there",
-				  size - 20, *json_size);
+		return import_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its JSON are there",
+				   size - 20, *json_size);
 	size_t second = 20 + (*json_size + 3) / 4 * 4;
 	if (second + 8 > size || little_endian(file + second + 4) != GLB_BIN)
 		return true;
 	document->binary = file + second + 8;
 	document->binary_size = little_endian(file + second);
 	return document->binary_size <= size - second - 8 ||
-	       scene_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its buffer are there",
-			  size - second - 8, document->binary_size);
+	       import_fail(document->loader, "the file is cut off: %zu of the %zu bytes of its buffer are there",
+			   size - second - 8, document->binary_size);
 }
 
 static bool parse(gltf_document *document)
@@ -225,12 +227,13 @@ static bool parse(gltf_document *document)
 	const char *end = json;
 	document->root = cJSON_ParseWithLengthOpts(json, json_size, &end, 0);
 	if (!cJSON_IsObject(document->root))
-		return scene_fail(document->loader, "is no JSON from byte %zu of %zu on; the file is broken or cut off",
-				  (size_t)(end - json), json_size);
+		return import_fail(document->loader,
+				   "is no JSON from byte %zu of %zu on; the file is broken or cut off",
+				   (size_t)(end - json), json_size);
 	const char *version = gltf_text(gltf_member(document->root, "asset"), "version");
 	if (!version || strncmp(version, "2.", 2) != 0)
-		return scene_fail(document->loader, "is not glTF 2.x (asset.version is \"%.20s\")",
-				  version ? version : "");
+		return import_fail(document->loader, "is not glTF 2.x (asset.version is \"%.20s\")",
+				   version ? version : "");
 	return true;
 }
 
@@ -241,14 +244,14 @@ static bool make_table(gltf_document *document, gltf_array which)
 	gltf_table *table = &document->tables[which];
 	table->items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *table->items);
 	if (!table->items)
-		return scene_fail(document->loader, "out of memory");
+		return import_fail(document->loader, "out of memory");
 	if (array && !cJSON_IsArray(array))
-		return scene_fail(document->loader, "\"%s\" must be an array", array_names[which]);
+		return import_fail(document->loader, "\"%s\" must be an array", array_names[which]);
 	cJSON_ArrayForEach(item, array)
 	{
 		if (!cJSON_IsObject(item))
-			scene_note(document->loader, NULL, "members of \"%s\" that are no objects are taken as empty",
-				   array_names[which]);
+			import_note(document->loader, NULL, "members of \"%s\" that are no objects are taken as empty",
+				    array_names[which]);
 		table->items[table->count++] = cJSON_IsObject(item) ? item : &empty;
 	}
 	return true;
@@ -279,9 +282,9 @@ static bool check_extensions(gltf_document *document)
 	{
 		const char *name = cJSON_GetStringValue(item);
 		if (name && is_one_of(name, geometric, sizeof geometric / sizeof geometric[0]))
-			return scene_fail(document->loader, "needs %s, which is not read; export without it", name);
+			return import_fail(document->loader, "needs %s, which is not read; export without it", name);
 		if (name && !is_one_of(name, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
-			scene_note(document->loader, name, "extensions that the file requires are not read");
+			import_note(document->loader, name, "extensions that the file requires are not read");
 	}
 	return true;
 }
@@ -292,10 +295,10 @@ static void note_extension(gltf_document *document, const cJSON *extension, cons
 	    is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
 		return;
 	if (strcmp(extension->string, "KHR_lights_punctual") == 0)
-		scene_note(document->loader, subject,
-			   "lights of KHR_lights_punctual are not read; give lamps an area and an emissive material");
+		import_note(document->loader, subject,
+			    "lights of KHR_lights_punctual are not read; give lamps an area and an emissive material");
 	else
-		scene_note(document->loader, subject, "uses of %.60s are not read", extension->string);
+		import_note(document->loader, subject, "uses of %.60s are not read", extension->string);
 }
 
 /* Extensions of everything below an item; extras are nobody's business. cJSON nests 1,000 deep at most. */
@@ -350,10 +353,10 @@ static bool make_side_tables(gltf_document *document)
 	return true;
 }
 
-bool gltf_open(gltf_document *document, scene_loader *loader)
+bool gltf_open(gltf_document *document, import_loader *loader)
 {
 	*document = (gltf_document){.loader = loader};
-	document->file = scene_read_file(loader, &document->file_size);
+	document->file = import_read_file(loader, &document->file_size);
 	if (!document->file)
 		return false;
 	document->bytes_read = document->file_size;
@@ -365,7 +368,7 @@ bool gltf_open(gltf_document *document, scene_loader *loader)
 	}
 	note_all_extensions(document);
 	if (!make_side_tables(document))
-		return scene_fail(loader, "out of memory");
+		return import_fail(loader, "out of memory");
 	return read_buffers(document);
 }
 

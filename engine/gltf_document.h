@@ -7,7 +7,7 @@
 #ifndef ENGINE_GLTF_DOCUMENT_H
 #define ENGINE_GLTF_DOCUMENT_H
 
-#include "scene_build.h"
+#include "import_build.h"
 
 #include <cjson/cJSON.h>
 
@@ -66,7 +66,7 @@ typedef struct gltf_image {
 } gltf_image;
 
 typedef struct gltf_document {
-	scene_loader *loader;
+	import_loader *loader;
 	uint8_t *file; /* the whole file */
 	size_t file_size;
 	size_t bytes_read;     /* of the file and its buffers */
@@ -92,7 +92,7 @@ typedef struct gltf_document {
 /* Reads the file, its buffers and where its accessors lie. Call gltf_close() whatever the result; failures are reported
  * to the loader.
  */
-bool gltf_open(gltf_document *document, scene_loader *loader);
+bool gltf_open(gltf_document *document, import_loader *loader);
 void gltf_close(gltf_document *document);
 
 /* A member, or NULL. object may be NULL. */

@@ -7,7 +7,7 @@
 static void note_unread(gltf_document *document, bool found, const char *material, const char *text)
 {
 	if (found)
-		scene_note(document->loader, material, "%s", text);
+		import_note(document->loader, material, "%s", text);
 }
 
 /* Multiplies by the mean of a texture; without one, or where it cannot be read, leaves alone. */
@@ -23,10 +23,10 @@ static void apply_mean(gltf_document *document, const cJSON *reference, const ch
 	if (image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
 		for (int c = 0; c < 3; c++)
 			color[c] *= (double)mean[c];
-		scene_note(document->loader, material, "emissive textures are read as their mean");
+		import_note(document->loader, material, "emissive textures are read as their mean");
 		return;
 	}
-	scene_note(document->loader, material, "emissive textures are left out: %s", fault);
+	import_note(document->loader, material, "emissive textures are left out: %s", fault);
 }
 
 static void read_emission(gltf_document *document, const cJSON *from, engine_scene_material *material)
@@ -34,7 +34,7 @@ static void read_emission(gltf_document *document, const cJSON *from, engine_sce
 	double factor[3] = {0, 0, 0}, strength = 1;
 	const cJSON *extension = gltf_extension(from, "KHR_materials_emissive_strength");
 	if (!gltf_numbers(from, "emissiveFactor", 3, factor) || !gltf_number(extension, "emissiveStrength", &strength))
-		scene_note(document->loader, material->name, "emissions that are no finite numbers are left out");
+		import_note(document->loader, material->name, "emissions that are no finite numbers are left out");
 	if (factor[0] != 0 || factor[1] != 0 || factor[2] != 0)
 		apply_mean(document, gltf_member(from, "emissiveTexture"), material->name, factor);
 	for (int c = 0; c < 3; c++)
@@ -50,7 +50,7 @@ static void read_colour(gltf_document *document, const cJSON *from, const char *
 	bool sound = !given && old ? gltf_numbers(old, "diffuseFactor", 4, color)
 				   : gltf_numbers(surface, "baseColorFactor", 4, color);
 	if (!sound)
-		scene_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
+		import_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
 	note_unread(document, gltf_member(surface, "baseColorTexture") || gltf_member(old, "diffuseTexture"), name,
 		    "textures of base colours are not read, their factors are");
 }
@@ -122,7 +122,7 @@ static void read_smoothness(gltf_document *document, const cJSON *from, const do
 
 static bool read_material(gltf_document *document, const cJSON *from)
 {
-	engine_scene_material *material = scene_add_material(document->loader, gltf_text(from, "name"));
+	engine_scene_material *material = import_add_material(document->loader, gltf_text(from, "name"));
 	double color[4] = {0.5, 0.5, 0.5, 1};
 	if (!material)
 		return false;
@@ -143,9 +143,9 @@ bool gltf_material_number(gltf_document *document, const cJSON *primitive, uint3
 {
 	int64_t material = -1;
 	if (!gltf_index(document, primitive, "material", GLTF_MATERIALS, &material))
-		scene_note(document->loader, NULL, "materials that the file does not hold are taken as grey");
+		import_note(document->loader, NULL, "materials that the file does not hold are taken as grey");
 	if (material < 0)
-		return scene_default_material(document->loader, number);
+		return import_default_material(document->loader, number);
 	uint32_t *known = &document->materials[material];
 	if (*known == 0) {
 		if (!read_material(document, document->tables[GLTF_MATERIALS].items[material]))

@@ -86,7 +86,7 @@ static const gltf_accessor *optional(const reading *r, const primitive *p, const
 		found = NULL;
 	}
 	if (!found && gltf_member(attributes, key))
-		scene_note(r->document->loader, r->name, "attributes %s are left out: %s", key, fault);
+		import_note(r->document->loader, r->name, "attributes %s are left out: %s", key, fault);
 	return found;
 }
 
@@ -101,8 +101,8 @@ static void find_targets(reading *r, const cJSON *from, primitive *p)
 		if (!moves)
 			continue;
 		if (p->target_count == MAX_TARGETS) {
-			scene_note(r->document->loader, r->name, "morph targets beyond %d active ones are left out",
-				   MAX_TARGETS);
+			import_note(r->document->loader, r->name, "morph targets beyond %d active ones are left out",
+				    MAX_TARGETS);
 			return;
 		}
 		p->targets[p->target_count] = moves;
@@ -243,7 +243,7 @@ static bool triangle_material(reading *r, const primitive *p, const uint32_t ver
 		for (int c = 0; c < 3; c++)
 			mean[c] += (float)color[c] / 3;
 	}
-	return scene_tinted_material(r->document->loader, p->material, mean, material);
+	return import_tinted_material(r->document->loader, p->material, mean, material);
 }
 
 static bool add_triangle(reading *r, const primitive *p, uint32_t t)
@@ -292,11 +292,11 @@ static bool add_primitive(reading *r, const cJSON *from)
 	primitive p = {.mode = mode_of(from)};
 	const char *fault;
 	if (p.mode < 0) {
-		scene_note(document->loader, r->name, "points and lines are not read");
+		import_note(document->loader, r->name, "points and lines are not read");
 		return true;
 	}
 	if (!open_primitive(r, from, &p, &fault)) {
-		scene_note(document->loader, r->name, "parts of meshes are left out: %s", fault);
+		import_note(document->loader, r->name, "parts of meshes are left out: %s", fault);
 		document->loader->meshes_broken = true;
 		return true;
 	}
@@ -326,13 +326,13 @@ bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *nod
 	const cJSON *from, *weights = gltf_member(node, "weights");
 	reading r = {document, skin, weights ? weights : gltf_member(mesh, "weights"), name, out, 0};
 	if (!make_numbers(document) || !make_room(out, gltf_count_corners(document, mesh)))
-		return scene_fail(document->loader, "out of memory for meshes");
+		return import_fail(document->loader, "out of memory for meshes");
 	cJSON_ArrayForEach(from, gltf_member(mesh, "primitives"))
 	{
 		if (!add_primitive(&r, from))
 			return false;
 	}
-	scene_note_many(document->loader, r.left_out, name, SCENE_BROKEN_FACES);
+	import_note_many(document->loader, r.left_out, name, IMPORT_BROKEN_FACES);
 	document->loader->meshes_broken = document->loader->meshes_broken || r.left_out > 0;
 	float *positions = realloc(out->positions, ((size_t)out->vertex_count + 1) * 3 * sizeof(float));
 	out->positions = positions ? positions : out->positions;
@@ -362,7 +362,7 @@ bool gltf_read_skin(gltf_document *document, int64_t number, gltf_skin *out, con
 			return false;
 		if (inverse)
 			gltf_element(inverse, count, bind);
-		scene_multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
+		import_multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
 	}
 	return out->matrices != NULL && count > 0;
 }

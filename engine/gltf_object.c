@@ -10,7 +10,7 @@ enum { CORNERS_OF_OBJECT = 64 };
 
 /* ---- how much there will be -------------------------------------------------------------------------------------- */
 
-static const char *const instance_properties[SCENE_PROPERTIES] = {"TRANSLATION", "ROTATION", "SCALE"};
+static const char *const instance_properties[IMPORT_PROPERTIES] = {"TRANSLATION", "ROTATION", "SCALE"};
 
 /* Attributes of a node's instances, or NULL. */
 static const cJSON *instance_attributes(const cJSON *node)
@@ -24,19 +24,19 @@ static const gltf_accessor *instance_accessor(const gltf_document *document, con
 	const char *fault;
 	if (!gltf_index(document, attributes, instance_properties[property], GLTF_ACCESSORS, &number))
 		return NULL;
-	return gltf_find_accessor(document, number, property == SCENE_ROTATION ? 4 : 3, &fault);
+	return gltf_find_accessor(document, number, property == IMPORT_ROTATION ? 4 : 3, &fault);
 }
 
 /* Accessors of a node's instances, NULL where one has none, and as many as the shortest of them has; 1 without. */
 typedef struct instances {
-	const gltf_accessor *properties[SCENE_PROPERTIES];
+	const gltf_accessor *properties[IMPORT_PROPERTIES];
 	uint32_t count;
 } instances;
 
 static instances find_instances(const gltf_document *document, const cJSON *attributes)
 {
 	instances all = {.count = UINT32_MAX};
-	for (int property = 0; property < SCENE_PROPERTIES; property++) {
+	for (int property = 0; property < IMPORT_PROPERTIES; property++) {
 		all.properties[property] = instance_accessor(document, attributes, property);
 		if (all.properties[property] && all.properties[property]->count < all.count)
 			all.count = all.properties[property]->count;
@@ -71,7 +71,7 @@ bool gltf_count_objects(gltf_document *document, gltf_objects *objects)
 	objects->uses = calloc((size_t)meshes->count + 1, sizeof *objects->uses);
 	objects->skin_corners = calloc((size_t)skins->count + 1, sizeof *objects->skin_corners);
 	if (!objects->mesh_corners || !objects->meshes || !objects->uses || !objects->skin_corners)
-		return scene_fail(document->loader, "out of memory for meshes");
+		return import_fail(document->loader, "out of memory for meshes");
 	/* Members too: each node that has a skin or weights goes through them again. */
 	for (uint32_t m = 0; m < meshes->count; m++)
 		objects->mesh_corners[m] =
@@ -84,7 +84,7 @@ bool gltf_count_objects(gltf_document *document, gltf_objects *objects)
 		count_node(document, objects, nodes->items[n]);
 	/* 24 bytes a corner while a mesh is read */
 	return objects->corners <= budget ||
-	       scene_fail(
+	       import_fail(
 		   document->loader,
 		   "its nodes place so many copies of its meshes that they need %.3g GB (%llu corners of faces); "
 		   "from a file of this size at most %llu corners are read",
@@ -104,7 +104,7 @@ void gltf_free_objects(const gltf_document *document, gltf_objects *objects)
 
 /* ---- refinement -------------------------------------------------------------------------------------------------- */
 
-static void read_scheme(gltf_document *document, const cJSON *gi, scene_object_def *def)
+static void read_scheme(gltf_document *document, const cJSON *gi, import_object_def *def)
 {
 	static const char *const schemes[] = {"bilinear", "catmull-clark", "loop"}; /* in the order of engine_scheme */
 	const char *text = gltf_text(gi, "scheme");
@@ -117,19 +117,19 @@ static void read_scheme(gltf_document *document, const cJSON *gi, scene_object_d
 			return;
 		}
 	}
-	scene_note(document->loader, def->name,
-		   "extras.gi.scheme other than \"catmull-clark\", \"loop\" or \"bilinear\" is taken as bilinear");
+	import_note(document->loader, def->name,
+		    "extras.gi.scheme other than \"catmull-clark\", \"loop\" or \"bilinear\" is taken as bilinear");
 }
 
-static void read_levels(gltf_document *document, const cJSON *gi, scene_object_def *def)
+static void read_levels(gltf_document *document, const cJSON *gi, import_object_def *def)
 {
 	double levels = 0;
 	bool sound = gltf_number(gi, "levels", &levels);
 	def->levels = (uint32_t)fmax(0, fmin(levels, ENGINE_SCENE_MAX_LEVELS));
 	if (!sound || levels != def->levels)
-		scene_note(document->loader, def->name,
-			   "extras.gi.levels that are no whole number of 0 to %d are cut to it",
-			   ENGINE_SCENE_MAX_LEVELS);
+		import_note(document->loader, def->name,
+			    "extras.gi.levels that are no whole number of 0 to %d are cut to it",
+			    ENGINE_SCENE_MAX_LEVELS);
 }
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
@@ -147,21 +147,21 @@ static bool shared_mesh(gltf_document *document, gltf_objects *objects, int64_t 
 		*kept = (engine_mesh){0};
 		return true;
 	}
-	return engine_mesh_copy(kept, out) || scene_fail(document->loader, "out of memory for meshes");
+	return engine_mesh_copy(kept, out) || import_fail(document->loader, "out of memory for meshes");
 }
 
 /* In world space, as the joints are at rest; the node's own place does not count then. */
 static bool skinned_mesh(gltf_document *document, const cJSON *node, const cJSON *mesh, int64_t number,
-			 scene_object_def *def, engine_mesh *out)
+			 import_object_def *def, engine_mesh *out)
 {
 	gltf_skin skin = {0};
 	const char *fault;
 	bool sound = gltf_read_skin(document, number, &skin, &fault);
 	if (sound) {
-		scene_note(document->loader, def->name, "skins are read as they are at rest");
+		import_note(document->loader, def->name, "skins are read as they are at rest");
 		def->node = document->loader->scene->graph->node_count - 1;
 	} else {
-		scene_note(document->loader, def->name, "skins are left out: %s", fault);
+		import_note(document->loader, def->name, "skins are left out: %s", fault);
 	}
 	bool read = gltf_read_mesh(document, mesh, node, sound ? &skin : NULL, def->name, out);
 	free(skin.matrices);
@@ -171,11 +171,11 @@ static bool skinned_mesh(gltf_document *document, const cJSON *node, const cJSON
 /* ---- objects ----------------------------------------------------------------------------------------------------- */
 
 /* Gives node `to` the place of an instance below its node. */
-static void place_instance(const instances *all, uint32_t instance, int32_t parent, scene_node *to)
+static void place_instance(const instances *all, uint32_t instance, int32_t parent, import_node *to)
 {
-	double *const values[SCENE_PROPERTIES] = {to->translation, to->rotation, to->scale};
+	double *const values[IMPORT_PROPERTIES] = {to->translation, to->rotation, to->scale};
 	to->parent = parent;
-	for (int property = 0; property < SCENE_PROPERTIES; property++) {
+	for (int property = 0; property < IMPORT_PROPERTIES; property++) {
 		if (all->properties[property])
 			gltf_element(all->properties[property], instance, values[property]);
 	}
@@ -185,7 +185,7 @@ static void place_instance(const instances *all, uint32_t instance, int32_t pare
 }
 
 static bool add_instances(gltf_document *document, gltf_objects *objects, const cJSON *from, int64_t mesh,
-			  scene_object_def *def)
+			  import_object_def *def)
 {
 	engine_scene_graph *graph = document->loader->scene->graph;
 	const cJSON *attributes = instance_attributes(from);
@@ -200,19 +200,19 @@ static bool add_instances(gltf_document *document, gltf_objects *objects, const 
 			graph->order[graph->order_count++] = def->node;
 			place_instance(&all, i, (int32_t)node, &graph->nodes[def->node]);
 		}
-		added = added && scene_add_object(document->loader, def, &copy);
+		added = added && import_add_object(document->loader, def, &copy);
 		engine_mesh_free(&copy);
 	}
 	return added;
 }
 
-static bool add_one(gltf_document *document, const cJSON *from, int64_t mesh, int64_t skin, scene_object_def *def)
+static bool add_one(gltf_document *document, const cJSON *from, int64_t mesh, int64_t skin, import_object_def *def)
 {
 	const cJSON *from_mesh = document->tables[GLTF_MESHES].items[mesh];
 	engine_mesh own = {0};
 	bool read = skin >= 0 ? skinned_mesh(document, from, from_mesh, skin, def, &own)
 			      : gltf_read_mesh(document, from_mesh, from, NULL, def->name, &own);
-	read = read && scene_add_object(document->loader, def, &own);
+	read = read && import_add_object(document->loader, def, &own);
 	engine_mesh_free(&own);
 	return read;
 }
@@ -224,14 +224,14 @@ static bool read_object(gltf_document *document, gltf_objects *objects, uint32_t
 	const char *name = gltf_text(from, "name");
 	if (!gltf_index(document, from, "mesh", GLTF_MESHES, &mesh) ||
 	    !gltf_index(document, from, "skin", GLTF_SKINS, &skin)) {
-		scene_note(document->loader, name, "meshes or skins that the file does not hold are left out");
+		import_note(document->loader, name, "meshes or skins that the file does not hold are left out");
 		document->loader->meshes_broken = true;
 	}
 	if (mesh < 0)
 		return true;
 	/* Exporters that leave nodes unnamed tend to name meshes. */
-	scene_object_def def = {.name = name ? name : gltf_text(document->tables[GLTF_MESHES].items[mesh], "name"),
-				.node = node};
+	import_object_def def = {.name = name ? name : gltf_text(document->tables[GLTF_MESHES].items[mesh], "name"),
+				 .node = node};
 	const cJSON *gi = gltf_member(gltf_member(from, "extras"), "gi");
 	read_scheme(document, gi, &def);
 	read_levels(document, gi, &def);
@@ -244,8 +244,8 @@ static bool read_object(gltf_document *document, gltf_objects *objects, uint32_t
 
 bool gltf_read_objects(gltf_document *document, gltf_objects *objects, const bool *in_scene)
 {
-	scene_mark_moving(document->loader->scene->graph);
-	scene_pose_graph(document->loader->scene->graph, NULL); /* for skins */
+	import_mark_moving(document->loader->scene->graph);
+	import_pose_graph(document->loader->scene->graph, NULL); /* for skins */
 	objects->next_node = document->tables[GLTF_NODES].count;
 	for (uint32_t n = 0; n < document->tables[GLTF_NODES].count; n++) {
 		if (in_scene[n] && !read_object(document, objects, n))

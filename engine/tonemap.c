@@ -146,8 +146,9 @@ void engine_target_tonemap(engine_target *target, float exposure)
 }
 
 /* GL's first row is the bottom one. */
-static void flip_rows(uint8_t *rgb, size_t row_bytes, int height)
+static void flip_rows(void *pixels, size_t row_bytes, int height)
 {
+	uint8_t *rgb = pixels;
 	for (int top = 0, bottom = height - 1; top < bottom; top++, bottom--) {
 		uint8_t *a = rgb + (size_t)top * row_bytes, *b = rgb + (size_t)bottom * row_bytes;
 		for (size_t i = 0; i < row_bytes; i++) {
@@ -158,15 +159,25 @@ static void flip_rows(uint8_t *rgb, size_t row_bytes, int height)
 	}
 }
 
+static void read_texture(GLuint texture, GLenum type, size_t row_bytes, int height, void *pixels)
+{
+	glPixelStorei(GL_PACK_ALIGNMENT, 1);
+	glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+	glGetTextureImage(texture, 0, GL_RGB, type, (GLsizei)(row_bytes * (size_t)height), pixels);
+	glPixelStorei(GL_PACK_ALIGNMENT, 4);
+	flip_rows(pixels, row_bytes, height);
+}
+
 void engine_target_read(engine_target *target, uint8_t *rgb)
 {
 	const surfaces *s = &target->surfaces;
-	size_t row_bytes = 3 * (size_t)s->width;
-	glPixelStorei(GL_PACK_ALIGNMENT, 1);
-	glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-	glGetTextureImage(s->picture, 0, GL_RGB, GL_UNSIGNED_BYTE, (GLsizei)(row_bytes * (size_t)s->height), rgb);
-	glPixelStorei(GL_PACK_ALIGNMENT, 4);
-	flip_rows(rgb, row_bytes, s->height);
+	read_texture(s->picture, GL_UNSIGNED_BYTE, 3 * (size_t)s->width, s->height, rgb);
+}
+
+void engine_target_read_radiance(engine_target *target, float *rgb)
+{
+	const surfaces *s = &target->surfaces;
+	read_texture(s->radiance, GL_FLOAT, 3 * sizeof *rgb * (size_t)s->width, s->height, rgb);
 }
 
 void engine_target_present(engine_target *target, int window_width, int window_height)

@@ -50,6 +50,10 @@ void engine_target_tonemap(engine_target *target, float exposure);
 /* Reads the picture: 3 * width * height bytes, top row first. Waits until drawing is done. */
 void engine_target_read(engine_target *target, uint8_t *rgb);
 
+/* Reads the radiance that was drawn, before exposure and tone mapping: 3 * width * height floats, W/(m2 sr), top row
+ * first, to the 11 bits that a half float has. Waits until drawing is done. */
+void engine_target_read_radiance(engine_target *target, float *rgb);
+
 /* Stretches the picture over framebuffer 0 of the given size; binds framebuffer 0. Nothing for sizes of 0. */
 void engine_target_present(engine_target *target, int window_width, int window_height);
 

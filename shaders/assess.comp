@@ -22,12 +22,12 @@
 #define READ_SEGMENTS
 #define READ_ENTRIES
 #define READ_TARGETS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_ROWS
 #define WRITE_CHOICES
 #define WRITE_PENDING
@@ -117,11 +117,11 @@ source_part load_source(uint object)
 		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits);
 	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false);
 	for (uint c = 0u; c < 3u; c++) {
-		uint at = GI_SHINE_WORDS * object + c;
-		from.others.most[c] = uintBitsToFloat(load_shine(at + GI_SHINE_OTHERS));
-		from.brightest[c] = uintBitsToFloat(load_shine(at + GI_SHINE_ALL));
+		uint at = GI_LIGHT_BOUND_WORDS * object + c;
+		from.others.most[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_OTHERS));
+		from.brightest[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_ALL));
 		from.others.least[c] =
-		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_shine(at + GI_SHINE_LEAST));
+		    (flags & GI_NODE_BACK) != 0u ? 0.0 : uintBitsToFloat(~load_light_bound(at + GI_LIGHT_BOUND_LEAST));
 	}
 	return from;
 }

@@ -35,8 +35,8 @@
 	X(36, LEAF_QUADS, leaf_quads_gpu, leaf_corner, vec4, HOST, "corners of leaves") \
 	/* area mean of E; in w of rho */ \
 	X(21, NODE_EXITANCE, node_exitance_gpu, exitance, vec4, HOST, "exitance of nodes") \
-	/* of more than GI_WIDE_LEAVES leaves */ \
-	X(25, WIDE_NODES, wide_nodes_gpu, wide_node, uint, HOST, "wide nodes") \
+	/* of more than GI_LARGE_NODE_LEAVES leaves */ \
+	X(25, LARGE_NODES, large_nodes_gpu, large_node, uint, HOST, "large nodes") \
 	/* of vertex and leaf: leaf, weight bits */ \
 	X(27, LIGHT_LINKS, light_links_gpu, light_link, uvec2, HOST, "light links") \
 	/* a light vertex, and one more */ \
@@ -62,7 +62,7 @@
 #define ROWS_LISTS(X) \
 	X(23, RUNS, runs, run, uvec4, HOST, "runs") /* pose runs, then cut runs */ \
 	/* movers, their neighbours, emitting objects; what was swept */ \
-	X(24, SUSPECTS, suspects, suspect, uint, HOST, "suspects")
+	X(24, OBJECT_LISTS, object_lists, listed_object, uint, HOST, "lists of objects")
 
 /* gi_rows: the frame, a uniform block */
 #define ROWS_UNIFORMS(X) \
@@ -72,11 +72,11 @@
 #define CONTEXT_BUFFERS(X) \
 	X(22, STATE, state, state, gi_state, ALONE, "state")
 
-/* gi_rations */
+/* gi_budget_state */
 #define BUDGET_BUFFERS(X) \
 	X(32, CHOICES, choices, choice, uint, SHADERS, "choices") /* GI_CHOICE_ */ \
 	X(33, PENDING, pending, pending, gi_pending, SHADERS, "pending") \
-	X(34, SHINE, shine, shine, uint, SHADERS, "shine") /* GI_SHINE_WORDS an object slot, and for all */
+	X(34, LIGHT_BOUNDS, light_bounds, light_bound, uint, SHADERS, "light bounds") /* GI_LIGHT_BOUND_WORDS a slot, and for all */
 
 /* gi_solver */
 #define SOLVER_BUFFERS(X) \
@@ -88,15 +88,15 @@
 
 /* gi_rows of before a commit, and what became of objects and nodes (renumber.comp). */
 #define OLD_ROWS_TABLES(X) \
-	X(WIDE_NODES, OLD_SEGMENTS, segments, old_segment, uvec4, HOST, "segments before") \
+	X(LARGE_NODES, OLD_SEGMENTS, segments, old_segment, uvec4, HOST, "segments before") \
 	X(LIGHT_LINKS, OLD_ROWS, headers, old_row, uvec4, HOST, "rows before")
 #define MOVE_BUFFERS(X) \
 	X(RUNS, MOVES, slots, move, gi_move, HOST, "moves") \
-	X(SUSPECTS, NODE_MOVES, nodes, node_move, uint, HOST, "moves of nodes")
+	X(OBJECT_LISTS, NODE_MOVES, nodes, node_move, uint, HOST, "moves of nodes")
 
 /* loans: rows that are lent, the leaf and the one that lends */
 #define LOAN_BUFFERS(X) \
-	X(WIDE_NODES, LOANS, list, loan, uvec2, HOST, "loans")
+	X(LARGE_NODES, LOANS, list, loan, uvec2, HOST, "loans")
 
 /* gi_paths: paths.comp reads no rows; every update binds them again. */
 #define PATH_BUFFERS(X) \
@@ -119,8 +119,8 @@
 #define CAUSTIC_BUFFERS(X) \
 	X(ENTRIES, CAUSTIC_LIGHTS, lights, caustic_triangle, uvec4, HOST, "caustics: lights") \
 	/* those of a pair one after the other */ \
-	X(PENDING, PHOTONS, photons, photon, gi_photon, SHADERS, "caustics: packets") \
-	X(SHINE, CAUSTIC_PAIRS, pairs, caustic_pair, gi_caustic_pair, HOST, "caustics: pairs") \
+	X(PENDING, PHOTONS, photons, photon, gi_photon, SHADERS, "caustics: photons") \
+	X(LIGHT_BOUNDS, CAUSTIC_PAIRS, pairs, caustic_pair, gi_caustic_pair, HOST, "caustics: pairs") \
 	/* GI_CAUSTIC_PATH_WORDS a pair */ \
 	X(ENTRY_POOL, CAUSTIC_PATHS, paths, caustic_path, uint, SHADERS, "caustics: paths") \
 	/* 3 a leaf: flux in steps of power.w */ \
@@ -134,9 +134,9 @@
 	/* an entry between a point of a leaf and a leaf */ \
 	X(RUNS, ESTIMATE_ITEMS, items, item, uvec4, SHADERS, "estimate: items") \
 	/* of an item: what its F V counts */ \
-	X(SUSPECTS, ESTIMATE_SHARES, shares, share, float, SHADERS, "estimate: shares") \
+	X(OBJECT_LISTS, ESTIMATE_SHARES, shares, share, float, SHADERS, "estimate: shares") \
 	/* of a leaf: end of its part of [0,1], the part */ \
-	X(WIDE_NODES, ESTIMATE_CHANCES, chances, chance, vec2, HOST, "estimate: chances") \
+	X(LARGE_NODES, ESTIMATE_CHANCES, chances, chance, vec2, HOST, "estimate: chances") \
 	X(LIGHT_LINKS, ESTIMATE_RESULTS, results, result, gi_estimate_leaf, SHADERS, "estimate: leaves")
 
 /* Those with bindings of their own. */

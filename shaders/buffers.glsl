@@ -94,23 +94,23 @@ vec4 load_leaf_part(uint part, uint leaf)
 }
 #endif
 
-#ifdef READ_SUSPECTS
+#ifdef READ_OBJECT_LISTS
 // Of what the k-th mover swept: the update that saw it, its slot and whether it was elsewhere; corners of the box of
 // where it was, 0 and 1, and of that and where it is, 2 and 3.
 uvec4 load_swept_change(uint k)
 {
-	return texel(suspects_texels, frame.swept.x + GI_SWEPT_PARTS * k);
+	return texel(object_lists_texels, frame.swept.x + GI_SWEPT_PARTS * k);
 }
 
 vec4 load_swept_corner(uint k, uint corner)
 {
-	return float_texel(suspects_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
+	return float_texel(object_lists_texels, frame.swept.x + GI_SWEPT_PARTS * k + 1u + corner);
 }
 #endif
 
 #ifdef READ_CAUSTIC_PATHS
 // Of a pair, how many there are.
-uint load_packets(uint pair)
+uint load_photon_count(uint pair)
 {
 	return load_caustic_path(GI_CAUSTIC_PATH_WORDS * pair + GI_CAUSTIC_NOW);
 }

@@ -1,8 +1,8 @@
 #version 450 core
 // Which pairs of emitter and smooth object are traced anew, and how far: those that something moved on the paths of from their first
-// packet on, the others from where they are. One thread a pair.
+// photon on, the others from where they are. One thread a pair.
 #define READ_FRAME
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_CAUSTIC_PAIRS
 #define WRITE_CAUSTIC_PATHS
 #include "buffers.glsl"
@@ -12,8 +12,8 @@
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint pair_count;
 layout(location = 2) uniform uint photons_a_pair;
-layout(location = 3) uniform uint allowed; // packets of a pair in this update
-layout(location = 4) uniform uint seen;    // update of the rows up to which the packets know what moved
+layout(location = 3) uniform uint allowed; // photons of a pair in this update
+layout(location = 4) uniform uint seen;    // update of the rows up to which the photons know what moved
 layout(location = 1) uniform float margin; // metres: more than a path's points are off by
 
 vec3 corner_of(uint first)

@@ -1,4 +1,4 @@
-// How dense packets lie where one arrived: a grid in the world of eight levels, whose cells are hashed.
+// How dense photons lie where one arrived: a grid in the world of eight levels, whose cells are hashed.
 
 uint cell_of(vec3 p, uint pair, uint level, float finest)
 {

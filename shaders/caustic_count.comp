@@ -1,5 +1,5 @@
 #version 450 core
-// Packets per cell. One thread a packet.
+// Photons per cell. One thread a photon.
 #define READ_PHOTONS
 #define READ_CAUSTIC_PAIRS
 #define READ_CAUSTIC_PATHS
@@ -15,7 +15,7 @@ layout(location = 1) uniform uint pair_count;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair))
+	if (pair >= pair_count || t % photons_a_pair >= load_photon_count(pair))
 		return;
 	vec4 place = load_photon(t).place;
 	float finest = FINEST * load_caustic_pair(pair).sphere.w;

@@ -1,5 +1,5 @@
 #version 450 core
-// How wide each packet is drawn: so that about so many overlap. One thread a packet.
+// How wide each photon is drawn: so that about so many overlap. One thread a photon.
 #define READ_CAUSTIC_PAIRS
 #define READ_CAUSTIC_PATHS
 #define READ_CAUSTIC_CELLS
@@ -13,7 +13,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint photons_a_pair;
 layout(location = 1) uniform uint pair_count;
 
-// Packets that overlap: noise is about a tenth, and edges are sharp to the width of some.
+// Photons that overlap: noise is about a tenth, and edges are sharp to the width of some.
 const float OVERLAP = 40.0;
 
 // A cell with fewer says little.
@@ -22,7 +22,7 @@ const uint ENOUGH = 16u;
 void main()
 {
 	uint t = thread_number(), pair = t / photons_a_pair;
-	if (pair >= pair_count || t % photons_a_pair >= load_packets(pair) ||
+	if (pair >= pair_count || t % photons_a_pair >= load_photon_count(pair) ||
 	    floatBitsToUint(photons[t].place.w) == GI_NONE)
 		return;
 	float finest = FINEST * load_caustic_pair(pair).sphere.w, size = finest;

@@ -1,9 +1,9 @@
 #version 450 core
-// Packets of light from an emitter to a mirror or glass object and on, to the leaf where each ends (Arvo, "Backward ray
-// tracing", 1986). One thread a packet, those of pairs whose paths nothing touched are what they were.
+// Photons from an emitter to a mirror or glass object and on, to the leaf where each ends (Arvo, "Backward ray
+// tracing", 1986). One thread a photon, those of pairs whose paths nothing touched are what they were.
 //
-// Of a point of the emitter, by its power, the packet goes to a point of the circle that the smooth object's bounding
-// sphere is from there, evenly by solid angle. Its number alone decides where: the same scene gives the same packets.
+// Of a point of the emitter, by its power, the photon goes to a point of the circle that the smooth object's bounding
+// sphere is from there, evenly by solid angle. Its number alone decides where: the same scene gives the same photons.
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY
@@ -33,7 +33,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint photons_a_pair;
 layout(location = 1) uniform uint pair_count;
 layout(location = 2) uniform float lift;
-layout(location = 3) uniform uint allowed; // packets of a pair in this update
+layout(location = 3) uniform uint allowed; // photons of a pair in this update
 
 const uint STEPS = 16u;
 
@@ -60,7 +60,7 @@ uint hash_of(uint photon, uint what)
 	return x ^ (x >> 16u);
 }
 
-// Hashes of a packet: of each step, and before those of where it begins.
+// Hashes of a photon: of each step, and before those of where it begins.
 const uint OF_EMITTER = 0u, OF_POINT = 1u, OF_STEP = 3u;
 
 uint pick_light(uint u, uvec4 lights)
@@ -76,7 +76,7 @@ uint pick_light(uint u, uvec4 lights)
 	return low;
 }
 
-// Where the packet begins, and what it carries; throughput 0: nothing.
+// Where the photon begins, and what it carries; throughput 0: nothing.
 light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 {
 	uint k = 3u * pick_light(hash_of(photon, OF_EMITTER), pair.lights);

@@ -41,7 +41,7 @@ uint threshold(uint first, uint budget)
 void count_groups()
 {
 	if (stage == ASSESS_GROUPS) {
-		state.counts.assessed_rows = min(state.counts.assessed_rows, frame.rations.z);
+		state.counts.assessed_rows = min(state.counts.assessed_rows, frame.budget.z);
 		state.assess = folded(spread_groups(state.counts.assessed_rows));
 	} else {
 		state.chosen = folded(spread_groups(state.refresh.chosen_rows));
@@ -61,7 +61,7 @@ void main()
 	if (local > 0u)
 		return;
 	if (stage == ASSESS)
-		state.budget.lowest_assessed = max(threshold(first, frame.rations.z), 1u);
+		state.budget.lowest_assessed = max(threshold(first, frame.budget.z), 1u);
 	else if (stage == REFRESH)
 		state.budget.lowest_chosen = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
 	else

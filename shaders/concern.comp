@@ -7,7 +7,7 @@
 #define READ_WORLD
 #define READ_LEAVES
 #define READ_ROWS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_TOUCHED
 #define WRITE_ROWS
 #define WRITE_TOUCHED

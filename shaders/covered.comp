@@ -14,7 +14,7 @@
 #define READ_PRIMITIVES
 #define READ_TLAS
 #define READ_ROWS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_CHOICES
 #define WRITE_SEGMENTS
 #define WRITE_TOUCHED

@@ -28,10 +28,10 @@ void main()
 		return;
 	uvec4 key = load_pending(leaf).key;
 	if (stage == 0u) {
-		uint k = frame.rations.z;
+		uint k = frame.budget.z;
 		if (key.w == 0u && key.x >= state.budget.lowest_assessed)
 			k = atomicAdd(state.counts.assessed_rows, 1u);
-		if (k < frame.rations.z)
+		if (k < frame.budget.z)
 			choices[GI_CHOICE_CHOSEN + frame.counts.x + k] = leaf;
 		return;
 	}

@@ -8,7 +8,7 @@
 #define READ_LEAVES
 #define READ_SEGMENTS
 #define READ_ENTRIES
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_CHOICES
 #define READ_TOUCHED
@@ -38,7 +38,7 @@ uint row_to_look_at()
 }
 
 // What may have changed entries of a row: a mover, or of a leaf that moved one of its neighbours.
-struct suspect {
+struct candidate {
 	uint object;    // GI_NONE: it went, or there is none
 	bool first;     // of those of the row
 	obstacle box;   // where it is
@@ -51,13 +51,13 @@ struct suspect {
 };
 
 // covered: a static face hides it from the leaf.
-suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
+candidate load_candidate(watch w, gi_node_geometry p, uint k, bool covered)
 {
 	uvec4 change = load_swept_change(min(k, max(frame.swept.y, 1u) - 1u));
-	bool there = w.suspects.x + k < w.suspects.y;
+	bool there = w.candidates.x + k < w.candidates.y;
 	vec4 lower = load_swept_corner(k, 2u), upper = load_swept_corner(k, 3u);
-	suspect s;
-	s.object = !w.moved ? change.y : there ? load_suspect(w.suspects.x + k) : GI_NONE;
+	candidate s;
+	s.object = !w.moved ? change.y : there ? load_listed_object(w.candidates.x + k) : GI_NONE;
 	s.first = k == 0u;
 	s.box = load_obstacle(s.object == GI_NONE ? w.mine : s.object, s.object != GI_NONE);
 	s.in_box = place_of(s.box, p.sphere.xyz);
@@ -72,7 +72,7 @@ suspect load_suspect_of(watch w, gi_node_geometry p, uint k, bool covered)
 
 // One test for all: against where it is, for what is seen; where it was, for what several objects hide; both, for what
 // is seen in part.
-bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
+bool crosses(candidate s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
 	vec4 ball = world_sphere(node);
 	bool is = seen && s.box.counts, was = mixed && s.was;
@@ -85,7 +85,7 @@ bool crosses(suspect s, gi_node_geometry p, uint node, bool seen, bool mixed, bo
 	return (is || was) && (sky ? cone_meets(s.hull, p.sphere, ball) : crossed);
 }
 
-bool is_flagged_for(watch w, gi_node_geometry p, suspect s, uvec4 entry, bool sky)
+bool is_flagged_for(watch w, gi_node_geometry p, candidate s, uvec4 entry, bool sky)
 {
 	uint blocker = entry.z >> 16u;
 	bool hid = w.moved ? s.first && blocker != w.mine && blocker != GI_BLOCKER_NONE : blocker == s.object;
@@ -100,9 +100,9 @@ void main()
 		return;
 	watch w = watch_of(leaf);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	uint flagged = 0u, suspects = w.moved ? max(w.suspects.y - w.suspects.x, 1u) : frame.swept.y;
-	for (uint k = 0u; k < suspects; k++) {
-		suspect s = load_suspect_of(w, p, k, is_covered(leaf, k));
+	uint flagged = 0u, candidates = w.moved ? max(w.candidates.y - w.candidates.x, 1u) : frame.swept.y;
+	for (uint k = 0u; k < candidates; k++) {
+		candidate s = load_candidate(w, p, k, is_covered(leaf, k));
 		uint source = s.counts ? frame.swept.z : frame.counts.z, at = 0u, end = 0u;
 		bool sky = false;
 		while (source < frame.counts.z || at < end) {
@@ -118,7 +118,7 @@ void main()
 			}
 			uvec4 entry = load_entry(at);
 			at++;
-			// An entry that another suspect of the row was flagged for bears a mark (unmark.comp).
+			// An entry that another candidate of the row was flagged for bears a mark (unmark.comp).
 			if (!is_flagged_for(w, p, s, entry, sky) ||
 			    (k > 0u && (entries[at - 1u].y & GI_ENTRY_FLAGGED) != 0u))
 				continue;

@@ -1,5 +1,5 @@
-// Which entries between bodies at rest to each other may see differently now that something moved: those that a suspect
-// hid, and visible ones whose segments may cross a suspect's new bounds. Conservative: what is not flagged would come
+// Which entries between bodies at rest to each other may see differently now that something moved: those that a candidate
+// hid, and visible ones whose segments may cross a candidate's new bounds. Conservative: what is not flagged would come
 // out of the rays with the same bits.
 
 // Every sample lies within this much more than the radii of its ends; covers rounding of a turn into the box's frame.
@@ -63,13 +63,13 @@ place place_of(obstacle box, vec3 origin)
 	return place_in(turned_into(box, origin - vec3(box.row0.w, box.row1.w, box.row2.w)), box.lower, box.upper);
 }
 
-// The suspects of a leaf's entries: the movers for a leaf at rest, its neighbours for one that moved.
+// The candidates of a leaf's entries: the movers for a leaf at rest, its neighbours for one that moved.
 struct watch {
 	uint mine;     // the leaf's object
 	uint since;    // the update that refreshed the row
 	bool moved;    // the leaf moved since then
 	bool statics;  // some static object changed since then
-	uvec2 suspects;
+	uvec2 candidates;
 	obstacle first; // of them: mostly there is no other
 };
 
@@ -78,7 +78,7 @@ watch watch_of(uint leaf)
 	uint mine = load_leaf(leaf).y, since = load_row(leaf).z;
 	bool moved = moved_since(mine, since);
 	uvec2 range = moved ? uvec2(object_bvh(mine).w, object_extra(mine).x) : frame.update.yz;
-	uint object = range.x < range.y ? load_suspect(range.x) : mine;
+	uint object = range.x < range.y ? load_listed_object(range.x) : mine;
 	bool statics = frame.swept.w != GI_NONE && moved_since(frame.swept.w, since);
 	return watch(mine, since, moved, statics, range,
 		     load_obstacle(object, range.x < range.y && (moved || moved_since(object, since))));
@@ -104,8 +104,8 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 	vec4 ball = world_sphere(node);
 	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
-	for (uint k = w.suspects.x + 1u; k < w.suspects.y && !found; k++)
-		found = crosses(load_obstacle(load_suspect(k), w.moved || moved_since(load_suspect(k), w.since)), p,
+	for (uint k = w.candidates.x + 1u; k < w.candidates.y && !found; k++)
+		found = crosses(load_obstacle(load_listed_object(k), w.moved || moved_since(load_listed_object(k), w.since)), p,
 				ball, sky);
 	return found;
 }

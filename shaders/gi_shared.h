@@ -190,16 +190,16 @@ GI_STRUCT(gi_material_data) {
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
  *   grid, cells: of the packed TLAS, as of an object's
- *   misc: TLAS nodes, wide nodes, light vertices, 1 where the sky shines
- *   update: its number, first and end of the movers in the list of suspects, GI_UPDATE_ flags
+ *   misc: TLAS nodes, large nodes, light vertices, 1 where the sky shines
+ *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
  *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
- *   rations: first and end of the emitting objects in the list of suspects (first > end: too many for a list), rows that an
+ *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   swept: in the list of suspects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
+ *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 0, 0, 0
@@ -224,7 +224,7 @@ GI_STRUCT(gi_frame) {
 	GI_UVEC4 update;
 	GI_UVEC4 inner;
 	GI_VEC4 limit;
-	GI_UVEC4 rations;
+	GI_UVEC4 budget;
 	GI_VEC4 ceiling;
 	GI_UVEC4 swept;
 	GI_UVEC4 statics;
@@ -257,10 +257,10 @@ GI_STRUCT(gi_pending) {
 
 /* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float bits: the
  * largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
-#define GI_SHINE_OTHERS 0u
-#define GI_SHINE_ALL 3u
-#define GI_SHINE_LEAST 6u
-#define GI_SHINE_WORDS 9u
+#define GI_LIGHT_BOUND_OTHERS 0u
+#define GI_LIGHT_BOUND_ALL 3u
+#define GI_LIGHT_BOUND_LEAST 6u
+#define GI_LIGHT_BOUND_WORDS 9u
 
 /* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to assess. */
 #define GI_CHOICE_ROWS GI_BUCKETS
@@ -569,13 +569,13 @@ GI_STRUCT(gi_caustic_pair) {
 	GI_UVEC4 lights;
 } GI_END(gi_caustic_pair)
 
-/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many packets were there before this update, and
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many photons were there before this update, and
  * how many are now: the first ones. */
 #define GI_CAUSTIC_BEFORE 6u
 #define GI_CAUSTIC_NOW 7u
 #define GI_CAUSTIC_PATH_WORDS 8u
 
-/* Where a packet of light arrived.
+/* Where a photon arrived.
  *
  *   //--------------- 16B ---------------
  *   place.xyz world position    place.w leaf, as uint bits; GI_NONE: it was absorbed, or lost
@@ -607,6 +607,6 @@ GI_STRUCT(gi_estimate_leaf) {
 	GI_VEC4 bias;
 } GI_END(gi_estimate_leaf)
 
-#define GI_WIDE_LEAVES 64u
+#define GI_LARGE_NODE_LEAVES 64u
 
 #endif

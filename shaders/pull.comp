@@ -20,7 +20,7 @@ void main()
 		return;
 	uvec4 range = topology_range(n);
 	// No link leads to a top: rays to one end on leaves.
-	if (range.z > GI_WIDE_LEAVES || (range.w & (GI_NODE_SKY | GI_NODE_TOP)) != 0u)
+	if (range.z > GI_LARGE_NODE_LEAVES || (range.w & (GI_NODE_SKY | GI_NODE_TOP)) != 0u)
 		return;
 	if (range.z == 1u) {
 		store_node(n, load_leaf_part(GI_LEAF_R, range.y));

@@ -1,5 +1,5 @@
 #version 450 core
-// Adds a packet's light to what is seen within its disc, on surfaces that face as the one it fell on.
+// Adds a photon's light to what is seen within its disc, on surfaces that face as the one it fell on.
 #include "shade_shared.h"
 #include "surface.glsl"
 

@@ -12,13 +12,13 @@
 #define READ_LEAVES
 #define READ_MATERIALS
 #define READ_SEGMENTS
-#define READ_SUSPECTS
+#define READ_OBJECT_LISTS
 #define READ_ROWS
 #define READ_LINKS
 #define READ_RADIOSITY
 #define READ_LEAF_RADIOSITY
 #define READ_PENDING
-#define READ_SHINE
+#define READ_LIGHT_BOUNDS
 #define WRITE_CHOICES
 #define WRITE_PENDING
 #define WRITE_STATE
@@ -38,20 +38,20 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 // More movers than this are taken to be everywhere.
 const uint MOST_MOVERS = 16u;
 
-vec3 scene_shine(uint what)
+vec3 light_bound_of_all(uint what)
 {
-	uint at = GI_SHINE_WORDS * frame.counts.z + what;
-	return uintBitsToFloat(uvec3(load_shine(at), load_shine(at + 1u), load_shine(at + 2u)));
+	uint at = GI_LIGHT_BOUND_WORDS * frame.counts.z + what;
+	return uintBitsToFloat(uvec3(load_light_bound(at), load_light_bound(at + 1u), load_light_bound(at + 2u)));
 }
 
 // Bound on the weight of emitters in the row before it is closed, now and after refreshing.
 float emitter_weight(uint leaf, shape p, uint mine, uint since)
 {
-	if (frame.rations.x > frame.rations.y)
+	if (frame.budget.x > frame.budget.y)
 		return 1.0;
 	float sum = 0.0;
-	for (uint k = frame.rations.x; k < frame.rations.y; k++) {
-		uint source = load_suspect(k);
+	for (uint k = frame.budget.x; k < frame.budget.y; k++) {
+		uint source = load_listed_object(k);
 		uvec4 segment = load_segment(segment_of(leaf, source));
 		sum += (segment.y & GI_BLOCK_COUNT_MASK) > 0u ? FACTOR_SLACK * uintBitsToFloat(segment.w) : 0.0;
 		if (pair_is_dirty(mine, source, since))
@@ -67,7 +67,7 @@ float share_of_movers(gi_node_geometry p, uint mine, uint since)
 		return 1.0;
 	float share = 0.0;
 	for (uint k = frame.update.y; k < frame.update.z; k++) {
-		uint object = load_suspect(k);
+		uint object = load_listed_object(k);
 		vec4 ball = object_sphere(object);
 		vec3 to = ball.xyz - p.sphere.xyz;
 		float subtends = min(1.0, ball.w * ball.w / max(dot(to, to), 1e-30));
@@ -92,7 +92,7 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 {
 	uint mine = load_leaf(leaf).y, since = header.z;
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	vec3 dim = scene_shine(GI_SHINE_OTHERS), all = scene_shine(GI_SHINE_ALL);
+	vec3 dim = light_bound_of_all(GI_LIGHT_BOUND_OTHERS), all = light_bound_of_all(GI_LIGHT_BOUND_ALL);
 	limits l = whole_row(received_by(leaf, m), dim, all,
 			     emitter_weight(leaf, shape_of(p, topology_range(load_leaf(leaf).x).w), mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);
@@ -110,7 +110,7 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	uvec4 header = load_row(leaf);
-	uint newest = frame.rations.w;
+	uint newest = frame.budget.w;
 	gi_pending row = load_pending(leaf);
 	gi_material_data m = load_material(load_leaf(leaf).z);
 	bool holds = row.key.w > header.z && row.key.w >= newest &&

@@ -18,13 +18,15 @@ static const float LIGHT_HALF_X = 0.65f, LIGHT_HALF_Z = 0.525f;
 static const float LIGHT_EXITANCE[3] = {47.1f, 38.8f, 29.4f};
 
 static const float BLACK[3] = {0, 0, 0};
-static const float WHITE[3] = {.73f, .73f, .73f}, RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
+const float cornell_white[3] = {.73f, .73f, .73f};
+static const float RED[3] = {.63f, .065f, .05f}, GREEN[3] = {.14f, .45f, .091f};
 
-/* The Buddha glides this far above the floor: bodies that touch suspect each other of hiding everything. */
+/* The Buddha glides this far above the floor, metres. Where boxes of bodies overlap, each is asked whether it hides
+ * rays of the other whenever one of them moves. */
 static const float CLEARANCE = .003f;
 
 /* Warm stone, not gold: gold is no diffuse colour. */
-static const float STONE[3] = {.72f, .62f, .47f};
+const float cornell_stone[3] = {.72f, .62f, .47f};
 
 cornell_def cornell_def_default(void)
 {
@@ -37,30 +39,43 @@ cornell_def cornell_def_default(void)
 			     .ball_faces = 5};
 }
 
+void cornell_sides(cornell_side out[CORNELL_SIDES])
+{
+	const float w = 2 * HALF, x = LIGHT_HALF_X, z = LIGHT_HALF_Z;
+	const cornell_side sides[CORNELL_SIDES] = {
+	    {.name = "floor", .corner = {-HALF, 0, -HALF}, .u = {0, 0, w}, .v = {w, 0, 0}},
+	    {.name = "back", .corner = {-HALF, 0, -HALF}, .u = {w, 0, 0}, .v = {0, HEIGHT, 0}},
+	    {.name = "left", .corner = {-HALF, 0, -HALF}, .u = {0, HEIGHT, 0}, .v = {0, 0, w}},
+	    {.name = "right", .corner = {HALF, 0, -HALF}, .u = {0, 0, w}, .v = {0, HEIGHT, 0}},
+	    {.name = "light", .corner = {-x, HEIGHT, -z}, .u = {2 * x, 0, 0}, .v = {0, 0, 2 * z}},
+	    {.name = "ceiling", .corner = {-HALF, HEIGHT, -HALF}, .u = {w, 0, 0}, .v = {0, 0, HALF - z}},
+	    {.name = "ceiling", .corner = {-HALF, HEIGHT, z}, .u = {w, 0, 0}, .v = {0, 0, HALF - z}},
+	    {.name = "ceiling", .corner = {-HALF, HEIGHT, -z}, .u = {HALF - x, 0, 0}, .v = {0, 0, 2 * z}},
+	    {.name = "ceiling", .corner = {x, HEIGHT, -z}, .u = {HALF - x, 0, 0}, .v = {0, 0, 2 * z}},
+	};
+	for (int k = 0; k < CORNELL_SIDES; k++) {
+		const float *rho = k == 2 ? RED : k == 3 ? GREEN : k == 4 ? BLACK : cornell_white;
+		out[k] = sides[k];
+		memcpy(out[k].rho, rho, sizeof out[k].rho);
+		if (k == CORNELL_WALLS)
+			memcpy(out[k].exitance, LIGHT_EXITANCE, sizeof LIGHT_EXITANCE);
+	}
+}
+
 static gi_result add_walls(gi_context *gi, const cornell_def *def, cornell *out)
 {
-	const float w = 2 * HALF;
-	const struct {
-		const char *name;
-		const float *rho;
-		float corner[3], u[3], v[3];
-		gi_object *object;
-	} walls[] = {
-	    {"floor", WHITE, {-HALF, 0, -HALF}, {0, 0, w}, {w, 0, 0}, &out->floor},
-	    {"back", WHITE, {-HALF, 0, -HALF}, {w, 0, 0}, {0, HEIGHT, 0}, &out->back},
-	    {"left", RED, {-HALF, 0, -HALF}, {0, HEIGHT, 0}, {0, 0, w}, &out->left},
-	    {"right", GREEN, {HALF, 0, -HALF}, {0, 0, w}, {0, HEIGHT, 0}, &out->right},
-	};
+	gi_object *const objects[CORNELL_WALLS] = {&out->floor, &out->back, &out->left, &out->right};
+	cornell_side sides[CORNELL_SIDES];
+	cornell_sides(sides);
 	gi_result result = GI_OK;
-	for (size_t k = 0; !result && k < sizeof walls / sizeof *walls; k++) {
+	for (int k = 0; !result && k < CORNELL_WALLS; k++) {
+		const cornell_side *side = &sides[k];
 		engine_mesh mesh;
-		if (!shape_quad(walls[k].corner, walls[k].u, walls[k].v, def->wall_faces, def->wall_faces, &mesh))
+		if (!shape_quad(side->corner, side->u, side->v, def->wall_faces, def->wall_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
-		const scene_body b = {.name = walls[k].name,
-				      .levels = def->wall_levels,
-				      .leaf_size = def->leaf_size,
-				      .rho = walls[k].rho};
-		result = scene_add_body(gi, &b, &mesh, walls[k].object);
+		const scene_body b = {
+		    .name = side->name, .levels = def->wall_levels, .leaf_size = def->leaf_size, .rho = side->rho};
+		result = scene_add_body(gi, &b, &mesh, objects[k]);
 	}
 	return result;
 }
@@ -105,7 +120,7 @@ static gi_result add_ceiling(gi_context *gi, const cornell_def *def, cornell *ou
 	engine_mesh mesh;
 	if (!ceiling_cage(def->wall_faces, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	const scene_body b = {.name = "ceiling", .levels = def->wall_levels, .rho = WHITE};
+	const scene_body b = {.name = "ceiling", .levels = def->wall_levels, .rho = cornell_white};
 	return scene_add_body(gi, &b, &mesh, &out->ceiling);
 }
 
@@ -153,7 +168,7 @@ static gi_result add_figure(gi_context *gi, const cornell_def *def, cornell *out
 		return GI_ERROR_OUT_OF_MEMORY;
 	}
 	const scene_body b = {
-	    .name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = STONE, .draw = &drawn};
+	    .name = "figure", .moves = true, .leaf_size = def->leaf_size, .rho = cornell_stone, .draw = &drawn};
 	const gi_result result = scene_add_body(gi, &b, &cage, &out->buddha);
 	engine_mesh_free(&drawn);
 	return result;
@@ -168,24 +183,31 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
 			      .leaf_size = def->leaf_size,
-			      .rho = STONE,
+			      .rho = cornell_stone,
 			      .scale = def->buddha_height};
 	return scene_add_body(gi, &b, &mesh, &out->buddha);
 }
 
-static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
+float cornell_ball(int k, float centre[3])
 {
 	static const float places[2][3] = {{-1.75f, .55f, -1.55f}, {1.85f, .4f, .9f}};
+	memcpy(centre, places[k], sizeof places[k]);
+	return centre[1];
+}
+
+static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
+{
 	gi_result result = GI_OK;
 	for (int k = 0; !result && k < 2; k++) {
 		engine_mesh mesh;
-		if (!shape_sphere(places[k][1], def->ball_faces, &mesh))
+		float at[3];
+		if (!shape_sphere(cornell_ball(k, at), def->ball_faces, &mesh))
 			return GI_ERROR_OUT_OF_MEMORY;
 		const scene_body b = {.name = k ? "small ball" : "ball",
 				      .scheme = GI_SCHEME_CATMULL_CLARK,
 				      .leaf_size = def->leaf_size,
-				      .rho = def->ball_specular ? BLACK : WHITE,
-				      .position = {places[k][0], places[k][1], places[k][2]}};
+				      .rho = def->ball_specular ? BLACK : cornell_white,
+				      .position = {at[0], at[1], at[2]}};
 		result = scene_add_body(gi, &b, &mesh, &out->balls[k]);
 		if (!result && def->ball_specular)
 			result = gi_set_specular(gi, out->balls[k], 0, def->ball_specular[k]);
@@ -217,6 +239,21 @@ gi_pose cornell_buddha_pose(float t)
 	const float angle = t * (2 * GLM_PIf / 8), turn = .5f * sinf(angle);
 	return (gi_pose){.position = {.8f * sinf(angle), CLEARANCE, -.25f + .45f * cosf(angle)},
 			 .rotation = {0, sinf(.5f * turn), 0, cosf(.5f * turn)}};
+}
+
+const gi_specular cornell_mirror_and_glass[2] = {{.reflectance = {.92f, .92f, .92f}},
+						 {.transmittance = {1, 1, 1}, .index = 1.5f}};
+
+/* The glass ball rolls round the middle, the mirror opposite. */
+gi_pose cornell_rolling_ball_pose(int k, float t)
+{
+	const float angle = t * (2 * GLM_PIf / 8), heights[2] = {.95f, .8f}, radius[2] = {1.3f, 1.25f};
+	const float turn = angle + (k ? .25f * GLM_PIf : 1.25f * GLM_PIf);
+	gi_pose pose = gi_pose_identity();
+	pose.position[0] = radius[k] * sinf(turn);
+	pose.position[1] = heights[k];
+	pose.position[2] = radius[k] * cosf(turn);
+	return pose;
 }
 
 void cornell_camera(float aspect, float view_from_world[16], float clip_from_view[16])

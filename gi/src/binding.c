@@ -10,7 +10,7 @@ void bind_scene(const gi_context *gi)
 
 static void bind_budget(const gi_context *gi)
 {
-	const gi_rations *owner = &gi->rations;
+	const gi_budget_state *owner = &gi->budget;
 	BUDGET_BUFFERS(BUFFER_BIND)
 }
 

@@ -1,6 +1,6 @@
 /* Updates that may not refresh every row: which rows go first, and what those that wait may be off by.
  *
- *   shine            the range of B of each object
+ *   light_bounds     the range of B of each object
  *   survey           of every row: whether anything changed, a bound on what refreshing it changes for all that is
  *                    known without its entries, the bucket of its priority
  *   choose, enlist   the rows to assess: as many as fit into a budget of time, all without one
@@ -48,14 +48,16 @@ gi_result budget_check(const gi_context *gi, const gi_budget *budget)
 
 gi_result budget_allocate(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	if (!r->made) {
-		const gpu_program_file programs[] = {
-		    {"shine.comp", &r->shine_program},   {"survey.comp", &r->survey_program},
-		    {"assess.comp", &r->assess_program}, {"choose.comp", &r->choose_program},
-		    {"enlist.comp", &r->enlist_program}, {"stale.comp", &r->stale_program},
-		    {"lend.comp", &r->lend_program}};
+		const gpu_program_file programs[] = {{"light_bounds.comp", &r->light_bounds_program},
+						     {"survey.comp", &r->survey_program},
+						     {"assess.comp", &r->assess_program},
+						     {"choose.comp", &r->choose_program},
+						     {"enlist.comp", &r->enlist_program},
+						     {"stale.comp", &r->stale_program},
+						     {"lend.comp", &r->lend_program}};
 		const gi_result result = gpu_programs_compute(g, programs, sizeof programs / sizeof *programs);
 		if (result)
 			return result;
@@ -66,9 +68,10 @@ gi_result budget_allocate(gi_context *gi)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t bytes;
-	} sizes[] = {{&r->choices, buffer_labels.CHOICES, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-		     {&r->pending, buffer_labels.PENDING, sizeof(gi_pending) * leaves},
-		     {&r->shine, buffer_labels.SHINE, sizeof(uint32_t) * GI_SHINE_WORDS * (slots + 1)}};
+	} sizes[] = {
+	    {&r->choices, buffer_labels.CHOICES, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+	    {&r->pending, buffer_labels.PENDING, sizeof(gi_pending) * leaves},
+	    {&r->light_bounds, buffer_labels.LIGHT_BOUNDS, sizeof(uint32_t) * GI_LIGHT_BOUND_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
@@ -97,34 +100,34 @@ gi_budget budget_less(const gi_budget *budget, float ms)
 
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 {
-	const gi_costs *c = &gi->rations.costs;
+	const gi_costs *c = &gi->budget.costs;
 	double rays = budget->rays ? (double)budget->rays : INFINITY, rows = INFINITY;
 	if (is_timed(budget)) {
 		frame->update.w |= GI_UPDATE_TIMED;
 		rays = fmin(rays, gi_costs_rays(c, budget->ms));
 		rows = gi_costs_rows(c, budget->ms);
 	}
-	gi->rations.last = *budget;
+	gi->budget.last = *budget;
 	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
-	frame->rations.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
+	frame->budget.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
 }
 
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget)
 {
 	/* The first rows get a whole solve. */
-	return is_timed(budget) && gi->rations.in_force;
+	return is_timed(budget) && gi->budget.in_force;
 }
 
 uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget)
 {
-	return (uint32_t)fmin(gi_costs_sweeps(&gi->rations.costs, budget->ms), gi->def.max_sweeps);
+	return (uint32_t)fmin(gi_costs_sweeps(&gi->budget.costs, budget->ms), gi->def.max_sweeps);
 }
 
 /* ---- what updates take ---- */
 
 static float assess_ms(const gi_context *gi)
 {
-	return gpu_timer_ms(&gi->rations.assess_timer, gi->report.frame);
+	return gpu_timer_ms(&gi->budget.assess_timer, gi->report.frame);
 }
 
 float budget_choose_ms(const gi_context *gi)
@@ -145,7 +148,7 @@ void budget_learn(gi_context *gi)
 	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	if (!gi->def.profile || report->frame == r->learned)
 		return;
 	r->learned = report->frame;
@@ -194,27 +197,27 @@ enum { ASSESS = 0, ASSESS_GROUPS = 1, REFRESH = 2, REFRESH_GROUPS = 3 };
 
 static void run_stage(gi_context *gi, uint32_t stage)
 {
-	gpu_set_uint(&gi->gpu, gi->rations.choose_program, 0, stage);
-	gpu_dispatch_groups(&gi->gpu, gi->rations.choose_program, 1);
+	gpu_set_uint(&gi->gpu, gi->budget.choose_program, 0, stage);
+	gpu_dispatch_groups(&gi->gpu, gi->budget.choose_program, 1);
 }
 
 /* Lists the rows to assess, or to refresh. */
 static void enlist(gi_context *gi, uint32_t stage)
 {
 	run_stage(gi, stage);
-	gpu_set_uint(&gi->gpu, gi->rations.enlist_program, 0, stage / REFRESH);
-	gpu_dispatch(&gi->gpu, gi->rations.enlist_program, gi->scene.leaf_count);
+	gpu_set_uint(&gi->gpu, gi->budget.enlist_program, 0, stage / REFRESH);
+	gpu_dispatch(&gi->gpu, gi->budget.enlist_program, gi->scene.leaf_count);
 	run_stage(gi, stage + 1);
 }
 
 void budget_choose(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	gpu *g = &gi->gpu;
 	gpu_timer_begin(g, &gi->timers[GI_PASS_CHOOSE]);
-	gpu_buffer_clear(&gi->gpu, &r->shine, 0, r->shine.size, 0);
+	gpu_buffer_clear(&gi->gpu, &r->light_bounds, 0, r->light_bounds.size, 0);
 	gpu_buffer_clear(&gi->gpu, &r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
-	gpu_dispatch_groups(g, r->shine_program, gi->scene.slot_count);
+	gpu_dispatch_groups(g, r->light_bounds_program, gi->scene.slot_count);
 	gpu_dispatch(g, r->survey_program, gi->scene.leaf_count);
 	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
@@ -226,7 +229,7 @@ void budget_choose(gi_context *gi)
 
 void budget_bound(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
+	gi_budget_state *r = &gi->budget;
 	STATE_CLEAR(gi, budget.step_bits);
 	for (uint32_t stage = 0; stage < 2; stage++) {
 		gpu_set_uint(&gi->gpu, r->stale_program, 0, stage);
@@ -236,11 +239,11 @@ void budget_bound(gi_context *gi)
 
 void budget_free(gi_context *gi)
 {
-	gi_rations *r = &gi->rations;
-	gi_rations *owner = r;
+	gi_budget_state *r = &gi->budget;
+	gi_budget_state *owner = r;
 	BUDGET_BUFFERS(BUFFER_FREE)
-	uint32_t *programs[] = {&r->shine_program,  &r->survey_program, &r->assess_program, &r->choose_program,
-				&r->enlist_program, &r->stale_program,  &r->lend_program};
+	uint32_t *programs[] = {&r->light_bounds_program, &r->survey_program, &r->assess_program, &r->choose_program,
+				&r->enlist_program,       &r->stale_program,  &r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 	gpu_timer_free(&gi->gpu, &r->assess_timer);

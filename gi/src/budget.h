@@ -8,7 +8,7 @@
 #include "gpu.h"
 
 /* Made by the first update that has a budget. */
-typedef struct gi_rations {
+typedef struct gi_budget_state {
 	bool made;     /* programs */
 	bool in_force; /* some rows may wait: bounds on them are kept up with B */
 	bool late;     /* some wait for lack of budget alone, as of the newest report: the next update goes on */
@@ -17,9 +17,9 @@ typedef struct gi_rations {
 	gi_budget last;         /* budget of the last update of rows that had one */
 	gpu_timer assess_timer; /* part of the choose pass */
 	BUDGET_BUFFERS(BUFFER_MEMBER)
-	uint32_t shine_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
+	uint32_t light_bounds_program, survey_program, assess_program, choose_program, enlist_program, stale_program,
 	    lend_program;
-} gi_rations;
+} gi_budget_state;
 
 bool budget_is_exact(const gi_budget *budget);
 gi_result budget_check(const gi_context *gi, const gi_budget *budget);
@@ -27,7 +27,7 @@ gi_result budget_check(const gi_context *gi, const gi_budget *budget);
 gi_result budget_allocate(gi_context *gi);
 /* What is left of it where `ms` were taken already: of time all but those, though a tenth at least. */
 gi_budget budget_less(const gi_budget *budget, float ms);
-/* Of the frame: limit, and of rations the rows to assess. */
+/* Of the frame: limit, and of budget the rows to assess. */
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame);
 /* Is time what a solve is given, and not as many sweeps as it needs? */
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget);

@@ -130,11 +130,11 @@ static bool share_spheres(const gi_scene *s, gi_casters *casters)
 
 /* Flat surfaces are drawn where they are. Others: each drawn vertex lies so far from its leaf's middle, which is
  * inside; twice, because points are moved along their normals when they look for their shadows. */
-static double off_of(const scene_object *o, bool flat)
+static double off_of(const object_record *o, bool flat)
 {
 	double far = 0, outside = 0;
-	for (uint32_t k = 0; k < o->skin.vertex_count; k++) {
-		const gi_draw_vertex *v = &o->skin.vertices[k];
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
 		const gi_vec4 s = o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]].sphere;
 		const double d = gi_vec3d_length(gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(s)));
 		far = fmax(far, d);
@@ -143,7 +143,7 @@ static double off_of(const scene_object *o, bool flat)
 	return flat && outside <= 0 ? 0 : 2 * far;
 }
 
-static bool add_caster(const scene_object *o, uint32_t slot, gi_caster *c, caster_vertex *vertices, uint32_t *indices,
+static bool add_caster(const object_record *o, uint32_t slot, gi_caster *c, caster_vertex *vertices, uint32_t *indices,
 		       uint32_t *index_count)
 {
 	const gi_hierarchy *h = &o->hierarchy;

@@ -16,34 +16,34 @@ enum { MOST_PHOTONS = 1 << 22, MOST_PAIRS = 1 << 14 };
 /* Positions along a path are off by less than this many lifts. */
 static const float MARGIN_LIFTS = 16;
 
-/* Uniforms: of programs for packets, of caustic_trace.comp besides, of caustic_begin.comp. */
+/* Uniforms: of programs for photons, of caustic_trace.comp besides, of caustic_begin.comp. */
 enum { PHOTONS_A_PAIR = 0, PAIR_COUNT = 1, LIFT = 2, ALLOWED = 3 };
 enum { BEGIN_PAIR_COUNT = 0, BEGIN_MARGIN = 1, BEGIN_PHOTONS_A_PAIR = 2, BEGIN_ALLOWED = 3, BEGIN_SEEN = 4 };
 
-/* Under a budget of time packets get this share of it. */
+/* Under a budget of time photons get this share of it. */
 static const float SHARE = 0.25f;
 
 /* However little time there is: more than a quarter of these are not worth what a dispatch takes. */
 enum { FEWEST = 256 };
 
-/* What a packet is thought to take before one was measured, ms. */
+/* What a photon is thought to take before one was measured, ms. */
 static const float FIRST_PRICE_SOFTWARE = 0.01f, FIRST_PRICE_GPU = 0.00001f;
 
 enum { PROGRAMS = 7 };
 
 struct gi_caustics {
-	bool built;    /* packets are of the committed scene */
+	bool built;    /* photons are of the committed scene */
 	bool spread;   /* their radii are of where they are */
 	float lift;    /* that rays of theirs begin with, metres */
 	uint32_t seen; /* update of the rows up to which they know what moved */
 	uint32_t pair_count, photons_a_pair;
-	gi_uvec4 *traced;           /* pair_count: lights of the pair whose packets these are */
+	gi_uvec4 *traced;           /* pair_count: lights of the pair whose photons these are */
 	gi_caustic_pair *pair_list; /* likewise: those of now, as they are uploaded */
 	uint32_t anew;              /* pairs that are traced anew for certain */
-	uint32_t missing;           /* packets that some pair may still lack */
-	gi_price price;             /* of a packet */
+	uint32_t missing;           /* photons that some pair may still lack */
+	gi_price price;             /* of a photon */
 	uint64_t asked_frame;       /* an update in which so many were traced at least */
-	uint32_t asked_packets;
+	uint32_t asked_photons;
 	uint32_t begin_program, trace_program, deposit_program, light_program, emitted_program, count_program,
 	    radius_program;
 	CAUSTIC_BUFFERS(BUFFER_MEMBER)
@@ -103,13 +103,13 @@ void caustics_invalidate(gi_context *gi)
 
 /* ---- pairs ---- */
 
-static const scene_object *seen_in(const gi_scene *s, uint32_t slot)
+static const object_record *seen_in(const gi_scene *s, uint32_t slot)
 {
-	const scene_object *o = scene_object_in(s, slot);
+	const object_record *o = scene_object_in(s, slot);
 	return o && object_is_seen(o) ? o : NULL;
 }
 
-static bool changed(const scene_object *o)
+static bool changed(const object_record *o)
 {
 	return o->moved || o->relit || o->material_changed;
 }
@@ -123,21 +123,21 @@ static bool any_changed(const gi_scene *s)
 	return any;
 }
 
-/* Does what is known of the packets no longer tell which of them are right? Other values of a mirror or glass change
- * packets of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
+/* Does what is known of the photons no longer tell which of them are right? Other values of a mirror or glass change
+ * photons of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
 static bool all_are_anew(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	bool moved = false, other = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		moved = moved || (o && o->moved);
 		other = other || (o && o->specular && o->material_changed);
 	}
 	return other || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
 }
 
-/* No packet carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
+/* No photon carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
  * sphere is a cap of solid angle 2 pi (1 - cosine), and radiance is exitance / pi; within it, all round. */
 static double largest_share(const gi_object_data *emitter, const gi_object_data *smooth)
 {
@@ -162,11 +162,11 @@ static uint32_t list_pairs(const gi_context *gi, gi_lights *lights, gi_caustic_p
 		const double power =
 		    pairs ? lights_set_slices(lights, lights->first[from], lights->first[from + 1]) : 0;
 		for (uint32_t to = 0; to < s->slot_count; to++) {
-			const scene_object *smooth = to == from ? NULL : seen_in(s, to);
+			const object_record *smooth = to == from ? NULL : seen_in(s, to);
 			if (!smooth || !object_is_smooth(smooth) || count == MOST_PAIRS)
 				continue;
 			if (pairs) {
-				const scene_object *emitter = &s->objects[s->slots[from]];
+				const object_record *emitter = &s->objects[s->slots[from]];
 				const gi_uvec4 before = gi->caustics->traced[count];
 				const bool anew = !gi->caustics->built || before.z != from || before.w != to ||
 						  changed(smooth) || changed(emitter);
@@ -264,13 +264,13 @@ static void run_photons(gi_context *gi, uint32_t program)
 static void learn_price(gi_context *gi)
 {
 	gi_caustics *c = gi->caustics;
-	if (c->asked_packets && gi->report.frame == c->asked_frame)
-		gi_price_add(&c->price, gi->report.pass_ms[GI_PASS_CAUSTICS] / (float)c->asked_packets);
-	c->asked_packets = 0;
+	if (c->asked_photons && gi->report.frame == c->asked_frame)
+		gi_price_add(&c->price, gi->report.pass_ms[GI_PASS_CAUSTICS] / (float)c->asked_photons);
+	c->asked_photons = 0;
 }
 
-/* Packets of a pair that this update may trace. */
-static uint32_t allowed_packets(gi_context *gi, const gi_budget *budget)
+/* Photons of a pair that this update may trace. */
+static uint32_t allowed_photons(gi_context *gi, const gi_budget *budget)
 {
 	const gi_caustics *c = gi->caustics;
 	if (!budget || !(budget->ms > 0))
@@ -310,7 +310,7 @@ static void trace(gi_context *gi, uint32_t allowed)
 	c->spread = false;
 }
 
-/* Which pairs have more packets to come the GPU alone knows: where something moved any of them may. */
+/* Which pairs have more photons to come the GPU alone knows: where something moved any of them may. */
 static void note_missing(gi_caustics *c, bool moved, uint32_t allowed)
 {
 	const uint32_t missing = moved || !c->built ? c->photons_a_pair : c->missing;
@@ -351,13 +351,13 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	bind_rows(gi);
 	bind(gi);
 	learn_price(gi);
-	const uint32_t allowed = allowed_packets(gi, budget);
+	const uint32_t allowed = allowed_photons(gi, budget);
 	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
 	note_missing(gi->caustics, any_changed(&gi->scene), allowed);
 	gi->caustics->seen = gi->rows.update;
 	gi->caustics->asked_frame = gi->frame_number;
-	gi->caustics->asked_packets = allowed * gi->caustics->anew;
+	gi->caustics->asked_photons = allowed * gi->caustics->anew;
 	gi->caustics->built = true;
 	return GI_OK;
 }

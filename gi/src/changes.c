@@ -5,7 +5,7 @@
 #include "sky.h"
 #include "tlas.h"
 
-static void upload_material(gi_context *gi, scene_object *o)
+static void upload_material(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
 	for (uint32_t m = 0; m < o->material_count; m++) {
@@ -67,7 +67,7 @@ gi_result changes_upload(gi_context *gi)
 		if (s->slots[slot] == GI_NONE)
 			continue;
 		gi_object_data *data = &s->object_data[slot];
-		scene_object *o = &s->objects[s->slots[slot]];
+		object_record *o = &s->objects[s->slots[slot]];
 		shown = shown || object_is_seen(o) != scene_slot_is_seen(s, slot);
 		data->bvh.z = object_flags(o);
 		if (o->moved) {

@@ -21,7 +21,7 @@ typedef struct committed {
 	gi_solver solver;
 	gi_rows rows;
 	gi_lamps lamps;
-	scene_object *objects; /* with their places */
+	object_record *objects; /* with their places */
 } committed;
 
 /* ---- light ---- */
@@ -41,10 +41,10 @@ static void carry_radiosity(gi_context *gi, gi_solver *before, const gi_scene *s
 	static const uint32_t leaf_parts[] = {GI_LEAF_B, GI_LEAF_R, GI_LEAF_BEFORE};
 	const gi_scene *s = &gi->scene;
 	for (uint32_t k = 0, next; k < old_count; k = next) {
-		const scene_object *o = &s->objects[old[k].index];
+		const object_record *o = &s->objects[old[k].index];
 		uint64_t nodes = o->hierarchy.node_count, leaves = o->hierarchy.leaf_count;
 		for (next = k + 1; next < old_count; next++) {
-			const scene_object *also = &s->objects[old[next].index];
+			const object_record *also = &s->objects[old[next].index];
 			const uint32_t apart = also->node_base - o->node_base;
 			if (old[next].node_base - old[k].node_base != apart ||
 			    old[next].leaf_base != old[k].leaf_base + leaves ||
@@ -97,7 +97,7 @@ static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves 
 		return false;
 	for (uint32_t slot = 0; slot < m->count; slot++) {
 		const gi_uvec4 nodes = old->object_data[slot].nodes;
-		const scene_object *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
+		const object_record *o = old->slots[slot] == GI_NONE ? NULL : &now->objects[old->slots[slot]];
 		uint32_t to = o ? (object_is_alive(o) ? o->slot : GI_NONE) : now->sky_slot;
 		gi_move *move = &m->list[slot];
 		*move = (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, {GI_NONE, 0, 0, 0}};
@@ -169,7 +169,7 @@ static gi_result replace_scene(gi_context *gi)
 	const uint32_t places = gi->scene.object_count;
 	gi_arena_measure(&gi->undo);
 	gi_arena_take(&gi->undo, places, sizeof(carried));
-	gi_arena_take(&gi->undo, places, sizeof(scene_object));
+	gi_arena_take(&gi->undo, places, sizeof(object_record));
 	if (!gi_arena_reserve(&gi->undo))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	carried *old = gi_arena_take(&gi->undo, places, sizeof *old);
@@ -196,7 +196,7 @@ static gi_result replace_scene(gi_context *gi)
 }
 
 /* Does anything of it emit that did not when surfaces in one place were ranked, or the other way round? */
-static bool ranks_otherwise(scene_object *o)
+static bool ranks_otherwise(object_record *o)
 {
 	bool changed = false;
 	for (uint32_t m = 0; m < o->material_count; m++) {
@@ -211,7 +211,7 @@ static void note_changes(gi_context *gi)
 {
 	const bool kept = gi->rows.kept;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		const bool alive = object_is_alive(o), came = alive && !o->committed;
 		const bool other = alive && (ranks_otherwise(o) || o->grouped != o->was_grouped);
 		o->was_grouped = o->grouped;
@@ -227,7 +227,7 @@ static void note_changes(gi_context *gi)
 static void forget_dead_objects(gi_context *gi)
 {
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		if (!(o->generation & 1) && o->committed)
 			handles_free_place(&gi->scene, o);
 	}

@@ -22,7 +22,7 @@ struct gi_context {
 	gpu gpu;
 	gi_scene scene;
 	gi_rows rows;
-	gi_rations rations;
+	gi_budget_state budget;
 	gi_solver solver;
 	gi_arena spare_arrays; /* of the scene before, for the next one */
 	gi_arena passing;      /* what a step of a commit takes, one after the other */

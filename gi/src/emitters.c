@@ -22,7 +22,7 @@ static const double ALIKE = 1.001;
 
 /* A material that emits. */
 typedef struct emitting {
-	scene_object *object;
+	object_record *object;
 	uint32_t material;
 	double area;
 } emitting;
@@ -39,7 +39,7 @@ static size_t list_emitting(const gi_scene *s, emitting *list, double *scene_are
 	size_t count = 0;
 	*scene_area = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		scene_object *o = scene_object_in(s, slot);
+		object_record *o = scene_object_in(s, slot);
 		if (!o || !object_is_seen(o))
 			continue;
 		*scene_area += o->hierarchy.area;
@@ -59,7 +59,7 @@ static uint32_t steps_of(const gi_context *gi, double share)
 
 static void set_steps(const emitting *e, uint32_t steps)
 {
-	scene_emission *emission = &e->object->emission[e->material];
+	object_emission *emission = &e->object->emission[e->material];
 	if (emission->steps != steps)
 		e->object->relit = e->object->material_changed = true;
 	emission->steps = steps;

@@ -44,7 +44,7 @@ static gi_result make_programs(gi_context *gi)
 	return result;
 }
 
-static double leaf_area(const scene_object *o, uint32_t local)
+static double leaf_area(const object_record *o, uint32_t local)
 {
 	return o->hierarchy.geometry[o->hierarchy.leaf_node[local]].moment.w;
 }
@@ -59,7 +59,7 @@ static void fill_chances(gi_context *gi, float *chances)
 		for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 			if (!scene_slot_is_seen(s, slot))
 				continue;
-			const scene_object *o = &s->objects[s->slots[slot]];
+			const object_record *o = &s->objects[s->slots[slot]];
 			for (uint32_t k = 0; k < o->hierarchy.leaf_count; k++) {
 				if (pass == 0) {
 					gi->estimate.area += leaf_area(o, k);

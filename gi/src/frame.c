@@ -76,7 +76,7 @@ static void fill_report(gi_context *gi, const gi_state *state, uint64_t frame)
 static void take_waiting(gi_context *gi, const gi_state *state, uint64_t frame)
 {
 	const uint32_t update = gi->issued[frame % GPU_READBACK_RING].rows_update;
-	gi->rations.late = state->refresh.late_rows > 0;
+	gi->budget.late = state->refresh.late_rows > 0;
 	if (!state->refresh.waiting_rows && !state->counts.overflow && update > gi->rows.current)
 		gi->rows.current = update;
 }
@@ -113,7 +113,7 @@ static void collect_reports(gi_context *gi, bool wait)
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gpu_timer_poll(&gi->gpu, &gi->timers[k], wait);
-	gpu_timer_poll(&gi->gpu, &gi->rations.assess_timer, wait);
+	gpu_timer_poll(&gi->gpu, &gi->budget.assess_timer, wait);
 	if (fresh) {
 		fill_passes(gi);
 		budget_learn(gi);
@@ -124,7 +124,7 @@ static void collect_reports(gi_context *gi, bool wait)
 static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
 {
 	const bool waiting = gi->rows.current < gi->rows.update;
-	return waiting && (budget_is_exact(budget) || gi->rations.late || budget->error < gi->rations.last.error);
+	return waiting && (budget_is_exact(budget) || gi->budget.late || budget->error < gi->budget.last.error);
 }
 
 /* What an update has to do again. */
@@ -137,7 +137,7 @@ static changes changed_objects(const gi_context *gi)
 {
 	changes c = {false, false};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		const scene_object *o = &gi->scene.objects[k];
+		const object_record *o = &gi->scene.objects[k];
 		c.rows = c.rows || (o->committed && (o->moved || o->relit));
 		c.light = c.light || (o->committed && o->material_changed);
 	}
@@ -163,7 +163,7 @@ static void changes_done(gi_context *gi)
 {
 	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
 	}
 }
@@ -209,9 +209,9 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	if (result)
 		return result;
 	if (c.rows)
-		gi->rations.in_force = gi->frame.update.w & GI_UPDATE_PART;
+		gi->budget.in_force = gi->frame.update.w & GI_UPDATE_PART;
 	solver_update(gi, c.rows || c.light, budget);
-	if (gi->rations.in_force)
+	if (gi->budget.in_force)
 		budget_bound(gi);
 	result = estimate_update(gi);
 	if (result)

@@ -169,7 +169,7 @@ static gi_result create_context(const gi_log *log, const gi_context_def *def, gi
 	gi->gpu = (gpu){.log = *log, .profile = def->profile, .host_limit = (uint64_t)def->max_buffer_mib << 20};
 	for (int k = 0; k < GI_PASS_COUNT; k++)
 		gi->timers[k].name = gi_pass_name((gi_pass)k);
-	gi->rations.assess_timer.name = "assess";
+	gi->budget.assess_timer.name = "assess";
 	gi_result result = copy_texts(gi, def);
 	if (!result)
 		result = start_context(gi);
@@ -390,7 +390,7 @@ static gi_result stale(const gi_context *gi, const char *function)
 		       "%s: the object was destroyed, was never created or is another context's", function);
 }
 
-static gi_result no_material(const gi_context *gi, const scene_object *o, uint32_t material)
+static gi_result no_material(const gi_context *gi, const object_record *o, uint32_t material)
 {
 	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials, there is no number %u",
 		       o->name, o->material_count, material);
@@ -400,7 +400,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_destroy_object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
@@ -416,7 +416,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_hidden");
 	if (o->hidden != hidden) {
@@ -433,7 +433,7 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_hidden: out");
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_hidden");
 	*out = o->hidden;
@@ -449,7 +449,7 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_pose");
 	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
@@ -468,7 +468,7 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_mobility");
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
@@ -482,7 +482,7 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_mobility: out");
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_mobility");
 	*out = o->mobility;
@@ -493,7 +493,7 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_pose: out");
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_pose");
 	*out = o->pose;
@@ -504,7 +504,7 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_material: out");
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_material");
 	if (material >= o->material_count)
@@ -513,7 +513,7 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 	return GI_OK;
 }
 
-static const gi_specular *specular_of(const scene_object *o, uint32_t material)
+static const gi_specular *specular_of(const object_record *o, uint32_t material)
 {
 	static const gi_specular none;
 	return o->specular ? &o->specular[material] : &none;
@@ -523,7 +523,7 @@ gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t mater
 {
 	if (!gi || !out)
 		return gi_fail_null(gi, "gi_get_specular: out");
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_get_specular");
 	if (material >= o->material_count)
@@ -536,7 +536,7 @@ gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, g
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_specular");
 	if (material >= o->material_count)
@@ -564,7 +564,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 {
 	if (!gi)
 		return gi_fail_null(gi, "");
-	scene_object *o = handles_find(gi, object);
+	object_record *o = handles_find(gi, object);
 	if (!o)
 		return stale(gi, "gi_set_material");
 	if (material >= o->material_count)

@@ -12,12 +12,12 @@ static bool add_place(gi_scene *s)
 {
 	if ((s->object_count & (s->object_count - 1)) == 0) {
 		const size_t capacity = s->object_count ? 2 * (size_t)s->object_count : 1;
-		scene_object *grown = gi_realloc(s->objects, sizeof *grown * capacity);
+		object_record *grown = gi_realloc(s->objects, sizeof *grown * capacity);
 		if (!grown)
 			return false;
 		s->objects = grown;
 	}
-	s->objects[s->object_count++] = (scene_object){0};
+	s->objects[s->object_count++] = (object_record){0};
 	return true;
 }
 
@@ -25,14 +25,14 @@ static bool add_place(gi_scene *s)
 static uint32_t free_place(gi_scene *s)
 {
 	for (; s->first_free < s->object_count; s->first_free++) {
-		const scene_object *o = &s->objects[s->first_free];
+		const object_record *o = &s->objects[s->first_free];
 		if (!object_is_alive(o) && !o->committed)
 			return s->first_free;
 	}
 	return add_place(s) ? s->first_free : GI_NONE;
 }
 
-void handles_free_place(gi_scene *s, scene_object *o)
+void handles_free_place(gi_scene *s, object_record *o)
 {
 	const uint32_t place = (uint32_t)(o - s->objects);
 	object_free(o);
@@ -40,7 +40,7 @@ void handles_free_place(gi_scene *s, scene_object *o)
 }
 
 /* Where everything is created in a row and stays, they are the numbers of leaves and nodes. */
-static void give_ids(gi_scene *s, const scene_object *place, scene_object *o)
+static void give_ids(gi_scene *s, const object_record *place, object_record *o)
 {
 	const uint32_t leaves = o->hierarchy.leaf_count, nodes = o->hierarchy.node_count;
 	o->leaf_id = place->leaf_id;
@@ -56,13 +56,13 @@ static void give_ids(gi_scene *s, const scene_object *place, scene_object *o)
 }
 
 /* Leaves it as it is where it fails. */
-static gi_result take_place(gi_context *gi, const scene_object *built, gi_object *out)
+static gi_result take_place(gi_context *gi, const object_record *built, gi_object *out)
 {
 	gi_scene *s = &gi->scene;
 	const uint32_t place = free_place(s);
 	if (place == GI_NONE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", built->name);
-	scene_object made = *built;
+	object_record made = *built;
 	made.generation = s->objects[place].generation + 1; /* odd: alive */
 	made.created = s->created_count++;
 	give_ids(s, &s->objects[place], &made);
@@ -74,7 +74,7 @@ static gi_result take_place(gi_context *gi, const scene_object *built, gi_object
 
 gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
-	scene_object built;
+	object_record built;
 	gi_result result = object_build(&(object_builder){&gi->gpu.log, &gi->gpu, gi->scene.object_count}, def, &built);
 	if (result)
 		return result;
@@ -99,7 +99,7 @@ gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepar
 
 gi_result handles_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out)
 {
-	const scene_object *o = &prepared->object;
+	const object_record *o = &prepared->object;
 	if (!limits_can_hold(&gi->gpu, o->hierarchy.leaf_count, 1))
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_GEOMETRY,
 			       "object '%s': %u leaves are more than this renderer holds: prepare it with a larger "
@@ -118,11 +118,11 @@ void gi_free_prepared_object(gi_prepared_object *prepared)
 	gi_free(prepared);
 }
 
-scene_object *handles_find(const gi_context *gi, gi_object handle)
+object_record *handles_find(const gi_context *gi, gi_object handle)
 {
 	if (handle.context != gi->number || handle.index1 == 0 || handle.index1 > gi->scene.object_count)
 		return NULL;
-	scene_object *o = &gi->scene.objects[handle.index1 - 1];
+	object_record *o = &gi->scene.objects[handle.index1 - 1];
 	return (o->generation & 1) && o->generation == handle.generation ? o : NULL;
 }
 

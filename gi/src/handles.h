@@ -6,7 +6,7 @@
 #include "scene.h"
 
 struct gi_prepared_object {
-	scene_object object;
+	object_record object;
 };
 
 gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *out);
@@ -14,8 +14,8 @@ gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *ou
 gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepared_object **out);
 /* Frees it where all went well. */
 gi_result handles_create_prepared(gi_context *gi, gi_prepared_object *prepared, gi_object *out);
-void handles_free_place(gi_scene *scene, scene_object *object); /* the object too */
-scene_object *handles_find(const gi_context *gi, gi_object handle);
+void handles_free_place(gi_scene *scene, object_record *object); /* the object too */
+object_record *handles_find(const gi_context *gi, gi_object handle);
 gi_object handles_of(const gi_context *gi, uint32_t index);
 
 #endif

@@ -41,7 +41,7 @@ static double polygon_area(const lamp_polygon *p)
 	return gi_quad_area(p->corner[0], p->corner[1], p->corner[2], p->corner[3]);
 }
 
-static bool emission_is_uniform(const scene_object *o, gi_uvec4 range)
+static bool emission_is_uniform(const object_record *o, gi_uvec4 range)
 {
 	const float *first = o->materials[o->hierarchy.leaf_material[range.y]].exitance;
 	for (uint32_t leaf = range.y + 1; leaf < range.y + range.z; leaf++)
@@ -50,7 +50,7 @@ static bool emission_is_uniform(const scene_object *o, gi_uvec4 range)
 	return true;
 }
 
-static bool emits(const scene_object *o, gi_uvec4 range)
+static bool emits(const object_record *o, gi_uvec4 range)
 {
 	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++)
 		if (material_emits(&o->materials[o->hierarchy.leaf_material[leaf]]))
@@ -73,7 +73,7 @@ static double bulge_of(const gi_hierarchy *h, gi_uvec4 range, const lamp_polygon
 	return most;
 }
 
-static candidate make_candidate(const scene_object *o, uint32_t node)
+static candidate make_candidate(const object_record *o, uint32_t node)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	const gi_node_topology *t = &h->topology[node];
@@ -97,7 +97,7 @@ static candidate make_candidate(const scene_object *o, uint32_t node)
 }
 
 /* The coarsest nodes below (and with) `node` that are polygons of one emission. */
-static void collect(const scene_object *o, uint32_t node, bool split, candidates *out)
+static void collect(const object_record *o, uint32_t node, bool split, candidates *out)
 {
 	const gi_node_topology *topology = o->hierarchy.topology;
 	const gi_uvec4 range = topology[node].range;
@@ -186,7 +186,7 @@ static void join_neighbours(candidates *c)
 }
 
 /* Curved polygons one level finer. */
-static void split_curved(const scene_object *o, const candidates *from, candidates *to)
+static void split_curved(const object_record *o, const candidates *from, candidates *to)
 {
 	to->count = 0;
 	to->overflow = false;
@@ -210,7 +210,7 @@ static bool any_curved(const candidates *c)
 }
 
 /* The polygons of one object; false when they are too many. */
-static bool cut_object(const scene_object *o, candidates *out)
+static bool cut_object(const object_record *o, candidates *out)
 {
 	out->count = 0;
 	out->overflow = false;
@@ -230,7 +230,7 @@ static bool cut_object(const scene_object *o, candidates *out)
 
 /* ---- choosing ---- */
 
-static void mark(gi_context *gi, const scene_object *o, bool lamp, bool upload)
+static void mark(gi_context *gi, const object_record *o, bool lamp, bool upload)
 {
 	gi_node_topology *topology = gi->scene.topology + o->node_base;
 	const uint32_t count = o->hierarchy.node_count;
@@ -243,7 +243,7 @@ static void mark(gi_context *gi, const scene_object *o, bool lamp, bool upload)
 				  sizeof *topology * count, topology);
 }
 
-static double power_of(const gi_context *gi, const scene_object *o)
+static double power_of(const gi_context *gi, const object_record *o)
 {
 	const gi_vec4 e = gi->scene.node_exitance[o->node_base];
 	return o->hierarchy.area * ((double)e.x + e.y + e.z);

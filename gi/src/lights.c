@@ -29,7 +29,7 @@ static void add_light(gi_lights *l, float corners[3][3], double measured, uint32
 	l->power += power;
 }
 
-static void add_object(const gi_scene *s, const scene_object *o, gi_light_measure *measure, gi_lights *l)
+static void add_object(const gi_scene *s, const object_record *o, gi_light_measure *measure, gi_lights *l)
 {
 	const gi_object_data *place = &s->object_data[o->slot];
 	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {

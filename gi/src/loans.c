@@ -43,7 +43,7 @@ static bool faces_elsewhere(const gi_node_geometry *g, gi_vec3d n)
 	return apart - acos(fmin(1, (double)g->axis.w)) > acos(ALIKE);
 }
 
-static void search_object(const scene_object *o, const gi_object_data *d, search *s)
+static void search_object(const object_record *o, const gi_object_data *d, search *s)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	const gi_vec3d place = gi_point_to_rest(d, s->place), normal = gi_direction_to_rest(d, s->normal);
@@ -101,7 +101,7 @@ static uint32_t lender(const gi_scene *s, gi_vec3d place, gi_vec3d normal)
 /* Nodes of at most so many leaves ask for all of them. Returns how many pairs there are. */
 static uint32_t list_object(const gi_scene *s, uint32_t slot, uint32_t searches, uint32_t *list)
 {
-	const scene_object *o = &s->objects[s->slots[slot]];
+	const object_record *o = &s->objects[s->slots[slot]];
 	const gi_hierarchy *h = &o->hierarchy;
 	const gi_object_data *d = &s->object_data[slot];
 	const uint32_t together = h->leaf_count / searches;
@@ -156,11 +156,11 @@ void loans_give(gi_context *gi, loans *owner)
 {
 	if (!owner->count)
 		return;
-	const uint32_t program = gi->rations.lend_program;
+	const uint32_t program = gi->budget.lend_program;
 	LOAN_BUFFERS(BUFFER_BIND)
 	gpu_set_uint(&gi->gpu, program, 0, owner->count);
 	gpu_dispatch(&gi->gpu, program, owner->count);
-	gpu_bind(&gi->gpu, GI_BIND_LOANS, &gi->scene.wide_nodes_gpu);
+	gpu_bind(&gi->gpu, GI_BIND_LOANS, &gi->scene.large_nodes_gpu);
 	loans_free(gi, owner);
 }
 

@@ -1,5 +1,6 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built. All on the CPU
- * and without a word about any context but what its renderer holds: several threads may build objects at once.
+/* Builds one object from its definition: checks it, refines its cage, builds its hierarchy, the tree for rays and what
+ * is drawn of it. All on the CPU; of a context only what its renderer can hold is asked, so several threads may build
+ * objects at once.
  */
 #include "object_build.h"
 
@@ -21,7 +22,7 @@ static const uint64_t MAX_DRAW_FACES = 200000;
 
 /* ---- building ---- */
 
-void object_free(scene_object *o)
+void object_free(object_record *o)
 {
 	gi_free(o->name);
 	gi_free(o->materials);
@@ -30,12 +31,12 @@ void object_free(scene_object *o)
 	gi_hierarchy_free(&o->hierarchy);
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
-	gi_skin_free(&o->skin);
-	*o = (scene_object){.generation = o->generation,
-			    .leaf_id = o->leaf_id,
-			    .node_id = o->node_id,
-			    .leaf_ids = o->leaf_ids,
-			    .node_ids = o->node_ids};
+	gi_drawn_free(&o->drawn);
+	*o = (object_record){.generation = o->generation,
+			     .leaf_id = o->leaf_id,
+			     .node_id = o->node_id,
+			     .leaf_ids = o->leaf_ids,
+			     .node_ids = o->node_ids};
 }
 
 static char *duplicate_text(const char *text)
@@ -47,7 +48,7 @@ static char *duplicate_text(const char *text)
 	return copy;
 }
 
-static bool copy_values(scene_object *o, const gi_object_def *def, const char *name)
+static bool copy_values(object_record *o, const gi_object_def *def, const char *name)
 {
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
@@ -66,7 +67,7 @@ static bool copy_values(scene_object *o, const gi_object_def *def, const char *n
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */
-static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uint32_t levels)
+static uint32_t draw_levels(const gi_object_def *def, const object_record *o, uint32_t levels)
 {
 	uint32_t extra = def->scheme == GI_SCHEME_BILINEAR ? 0 : def->draw_levels;
 	while (extra && (levels + extra > OBJECT_MAX_LEVELS ||
@@ -75,21 +76,21 @@ static uint32_t draw_levels(const gi_object_def *def, const scene_object *o, uin
 	return extra;
 }
 
-static bool build_finer_skin(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
-			     scene_object *o)
+static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
+			      object_record *o)
 {
 	gi_refined fine;
 	char message[256];
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_skin_from_surface(&o->hierarchy, coarse, &fine, extra, &o->skin);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, &o->drawn);
 	gi_refined_free(&fine);
 	return ok;
 }
 
 /* What is drawn finer than it is lit yields to what memory there is. */
-static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
-		       scene_object *o)
+static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
+			object_record *o)
 {
 	if (def->draw_index_count) {
 		float *scaled = gi_malloc(sizeof(float) * 3 * def->draw_vertex_count);
@@ -97,15 +98,15 @@ static bool build_skin(const gi_object_def *def, const gi_refine_cage *cage, con
 			return false;
 		for (size_t k = 0; k < 3 * (size_t)def->draw_vertex_count; k++)
 			scaled[k] = def->draw_positions[k] * def->scale[k % 3];
-		const bool ok = gi_skin_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
-						  def->draw_index_count, &o->skin);
+		const bool ok = gi_drawn_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
+						   def->draw_index_count, &o->drawn);
 		gi_free(scaled);
 		return ok;
 	}
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
-		if (build_finer_skin(cage, coarse, levels, extra, o))
+		if (build_finer_drawn(cage, coarse, levels, extra, o))
 			return true;
-	return gi_skin_from_surface(&o->hierarchy, coarse, coarse, 0, &o->skin);
+	return gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, &o->drawn);
 }
 
 static bool is_too_small(const gi_hierarchy *h)
@@ -272,7 +273,7 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 }
 
 static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-		       scene_object *o)
+		       object_record *o)
 {
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
@@ -295,7 +296,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 			hide_backs(&o->hierarchy);
 		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 		if (!o->by_size || !copy_values(o, def, name) ||
-		    !build_skin(def, cage, &refined, refined.level_count - 1, o))
+		    !build_drawn(def, cage, &refined, refined.level_count - 1, o))
 			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	}
 	if (!result) {
@@ -307,7 +308,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 }
 
 /* The same, of a definition that may hold faces twice. */
-static gi_result make(const object_builder *b, const gi_object_def *def, const char *name, scene_object *o)
+static gi_result make(const object_builder *b, const gi_object_def *def, const char *name, object_record *o)
 {
 	const gi_log *log = b->log;
 	gi_unique_faces unique;
@@ -340,10 +341,10 @@ static void clip_name(const char *name, char out[NAME_BYTES])
 	out[length] = '\0';
 }
 
-gi_result object_build(const object_builder *b, const gi_object_def *def, scene_object *out)
+gi_result object_build(const object_builder *b, const gi_object_def *def, object_record *out)
 {
 	char name[NAME_BYTES];
-	*out = (scene_object){0};
+	*out = (object_record){0};
 	clip_name(def->name ? def->name : "unnamed", name);
 	gi_result result = object_check_named(b->log, def, name);
 	if (result)

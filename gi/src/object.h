@@ -1,5 +1,5 @@
-/* One object: its definition checked, its cage refined, its hierarchy, rays' geometry and skin built; where it is and
- * what it is made of. Building it writes to nothing that threads share. */
+/* One object: how it is built from its definition (patches, tree for rays, what is drawn), where it is and what it is
+ * made of. Building it writes to nothing that threads share. */
 #ifndef GI_OBJECT_H
 #define GI_OBJECT_H
 
@@ -7,16 +7,16 @@
 #include "gpu.h"
 #include "hierarchy.h"
 #include "material.h"
-#include "skin.h"
+#include "drawn_surface.h"
 
 /* Of a material of an object (emitters.c). */
-typedef struct scene_emission {
+typedef struct object_emission {
 	double area;    /* of its leaves, m2 */
 	uint32_t steps; /* while it emits it is cut 2^steps times finer than others */
 	bool ranked;    /* it emitted at the last commit (rank.h) */
-} scene_emission;
+} object_emission;
 
-typedef struct scene_object {
+typedef struct object_record {
 	uint32_t generation; /* of the handle that owns this place; odd while alive */
 	bool committed;      /* part of the uploaded scene */
 	bool moved;          /* since the last update */
@@ -32,12 +32,12 @@ typedef struct scene_object {
 	char *name;
 	gi_pose pose;
 	gi_material *materials;
-	gi_specular *specular;    /* of each; NULL: none is a mirror or glass */
-	scene_emission *emission; /* of each */
+	gi_specular *specular;     /* of each; NULL: none is a mirror or glass */
+	object_emission *emission; /* of each */
 	uint32_t material_count;
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
-	gi_skin skin;
+	gi_drawn_surface drawn;
 	uint32_t *by_size; /* numbers of its primitives (rank.h) */
 
 	/* Place in the uploaded scene. */
@@ -53,7 +53,7 @@ typedef struct scene_object {
 	/* Ids of its leaves and nodes begin here. They are the place's: an object that takes it gets them, if they are
 	 * enough. */
 	uint32_t leaf_id, node_id, leaf_ids, node_ids;
-} scene_object;
+} object_record;
 
 /* ---- building ---- */
 
@@ -64,8 +64,8 @@ typedef struct object_builder {
 	uint32_t number; /* of objects before it: how far the host is told that it is; where there is a gpu */
 } object_builder;
 
-gi_result object_build(const object_builder *builder, const gi_object_def *def, scene_object *out);
-void object_free(scene_object *object);
+gi_result object_build(const object_builder *builder, const gi_object_def *def, object_record *out);
+void object_free(object_record *object);
 /* Lengths and places of objects, metres, are at most this: area times B, and the products of three lengths that rays
  * take, stay in the range of floats. */
 #define OBJECT_MAX_LENGTH 1e9f
@@ -82,16 +82,16 @@ bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
 
 /* ---- one that is built ---- */
 
-bool object_measure_materials(scene_object *object); /* their areas */
-bool object_is_alive(const scene_object *object);
+bool object_measure_materials(object_record *object); /* their areas */
+bool object_is_alive(const object_record *object);
 /* Not hidden, not destroyed: what is not seen keeps its place until the next commit, and takes part in nothing. */
-bool object_is_seen(const scene_object *object);
-uint32_t object_flags(const scene_object *object); /* GI_OBJECT_ */
-void object_place(scene_object *object, gi_object_data *data);
-void object_leave_trail(scene_object *object);                                       /* before it is placed elsewhere */
-void object_include_box(const scene_object *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
-bool object_is_smooth(const scene_object *object); /* something of it is a mirror or glass */
-bool object_has_glass(const scene_object *object);
-gi_material_data object_material_data(const scene_object *object, uint32_t material);
+bool object_is_seen(const object_record *object);
+uint32_t object_flags(const object_record *object); /* GI_OBJECT_ */
+void object_place(object_record *object, gi_object_data *data);
+void object_leave_trail(object_record *object); /* before it is placed elsewhere */
+void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
+bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */
+bool object_has_glass(const object_record *object);
+gi_material_data object_material_data(const object_record *object, uint32_t material);
 
 #endif

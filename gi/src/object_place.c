@@ -6,24 +6,24 @@
 #include <math.h>
 #include <string.h>
 
-bool object_is_alive(const scene_object *o)
+bool object_is_alive(const object_record *o)
 {
 	return o->generation & 1;
 }
 
-bool object_is_seen(const scene_object *o)
+bool object_is_seen(const object_record *o)
 {
 	return object_is_alive(o) && !o->hidden;
 }
 
-uint32_t object_flags(const scene_object *o)
+uint32_t object_flags(const object_record *o)
 {
 	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (object_is_seen(o) ? 0 : GI_OBJECT_UNSEEN);
 }
 
 /* ---- materials ---- */
 
-bool object_measure_materials(scene_object *o)
+bool object_measure_materials(object_record *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	o->emission = gi_calloc(o->material_count, sizeof *o->emission);
@@ -34,7 +34,7 @@ bool object_measure_materials(scene_object *o)
 	return true;
 }
 
-gi_material_data object_material_data(const scene_object *o, uint32_t material)
+gi_material_data object_material_data(const object_record *o, uint32_t material)
 {
 	const gi_material *m = &o->materials[material];
 	const float e = object_is_seen(o) ? 1 : 0;
@@ -56,7 +56,7 @@ static void rotation_rows(const float q[4], double m[3][3])
 
 /* World box of the turned rest box, and sphere about it, each a little larger than rounding needs: a ray is never lost.
  */
-static void place_bounds(scene_object *o, gi_object_data *data, double m[3][3])
+static void place_bounds(object_record *o, gi_object_data *data, double m[3][3])
 {
 	const float *lower = &o->hierarchy.lower.x, *upper = &o->hierarchy.upper.x;
 	float *world_lower = &o->world_lower.x, *world_upper = &o->world_upper.x;
@@ -80,7 +80,7 @@ static void place_bounds(scene_object *o, gi_object_data *data, double m[3][3])
 	data->sphere.w = (float)(sqrt(radius) * 1.00001);
 }
 
-static gi_vec4 world_plane(const scene_object *o, double m[3][3])
+static gi_vec4 world_plane(const object_record *o, double m[3][3])
 {
 	const gi_vec4 axis = o->hierarchy.geometry[0].axis, centre = o->hierarchy.geometry[0].sphere;
 	double normal[3], height = 0;
@@ -92,7 +92,7 @@ static gi_vec4 world_plane(const scene_object *o, double m[3][3])
 	return (gi_vec4){(float)normal[0], (float)normal[1], (float)normal[2], (float)height};
 }
 
-void object_place(scene_object *o, gi_object_data *data)
+void object_place(object_record *o, gi_object_data *data)
 {
 	double m[3][3];
 	rotation_rows(o->pose.rotation, m);
@@ -111,7 +111,7 @@ static void include(gi_vec4 lower, gi_vec4 upper, gi_vec4 *to_lower, gi_vec4 *to
 	}
 }
 
-void object_leave_trail(scene_object *o)
+void object_leave_trail(object_record *o)
 {
 	if (o->trails) {
 		include(o->world_lower, o->world_upper, &o->trail_lower, &o->trail_upper);
@@ -122,14 +122,14 @@ void object_leave_trail(scene_object *o)
 	o->trails = true;
 }
 
-void object_include_box(const scene_object *o, gi_vec4 *lower, gi_vec4 *upper)
+void object_include_box(const object_record *o, gi_vec4 *lower, gi_vec4 *upper)
 {
 	include(o->world_lower, o->world_upper, lower, upper);
 	if (o->trails)
 		include(o->trail_lower, o->trail_upper, lower, upper);
 }
 
-bool object_is_smooth(const scene_object *o)
+bool object_is_smooth(const object_record *o)
 {
 	bool smooth = false;
 	for (uint32_t m = 0; o->specular && m < o->material_count && !smooth; m++)
@@ -137,7 +137,7 @@ bool object_is_smooth(const scene_object *o)
 	return smooth;
 }
 
-bool object_has_glass(const scene_object *o)
+bool object_has_glass(const object_record *o)
 {
 	bool glass = false;
 	for (uint32_t m = 0; o->specular && m < o->material_count && !glass; m++)

@@ -21,7 +21,7 @@ typedef struct overlay_vertex {
 	uint32_t leaf;
 } overlay_vertex;
 
-static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
+static void add_leaves(const object_record *o, overlay_vertex *vertices, uint32_t *faces, uint32_t *edges)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
@@ -33,7 +33,7 @@ static void add_leaves(const scene_object *o, overlay_vertex *vertices, uint32_t
 			memcpy(v->position, &h->vertices[corners[k]], sizeof v->position);
 			memcpy(v->normal, &g->axis, sizeof v->normal);
 			/* Leaves drawn flat have four corners and a centre. */
-			v->lift = g->sphere.w * (o->skin.vertex_count > 5 * h->leaf_count ? LIFT : FLAT_LIFT);
+			v->lift = g->sphere.w * (o->drawn.vertex_count > 5 * h->leaf_count ? LIFT : FLAT_LIFT);
 			v->leaf = number;
 			edges[8 * (size_t)number + 2 * k] = first + k;
 			edges[8 * (size_t)number + 2 * k + 1] = first + (k + 1) % 4;

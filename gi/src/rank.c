@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-static bool emits(const scene_object *o, const gi_primitive *p)
+static bool emits(const object_record *o, const gi_primitive *p)
 {
 	/* A primitive's leaves are of one material. */
 	return material_emits(&o->materials[o->hierarchy.leaf_material[gi_bits_from_float(p->a.w)]]);
@@ -17,7 +17,7 @@ static int order(double a, double b)
 }
 
 typedef struct ranked {
-	scene_object *object;
+	object_record *object;
 	double area;
 	uint64_t created;
 	bool emits; /* some of it */
@@ -36,7 +36,7 @@ static uint32_t collect(const gi_scene *s, ranked *list)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
-		scene_object *o = &s->objects[s->slots[slot]];
+		object_record *o = &s->objects[s->slots[slot]];
 		bool lit = false;
 		for (uint32_t m = 0; m < o->material_count; m++)
 			lit = lit || material_emits(&o->materials[m]);
@@ -46,7 +46,7 @@ static uint32_t collect(const gi_scene *s, ranked *list)
 	return count;
 }
 
-static void store(scene_object *o, uint32_t number, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
+static void store(object_record *o, uint32_t number, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
 {
 	const gi_primitive *p = &o->bvh.primitives[number];
 	const uint32_t first = gi_bits_from_float(p->a.w), end = gi_bits_from_float(p->b.w);
@@ -62,7 +62,7 @@ static void store(scene_object *o, uint32_t number, uint32_t rank, gi_primitive 
 /* Of those of an object that emit, or do not. */
 static uint32_t store_all(const ranked *r, bool lit, uint32_t rank, gi_primitive *primitives, gi_uvec4 *leaves)
 {
-	scene_object *o = r->object;
+	object_record *o = r->object;
 	if (lit && !r->emits)
 		return rank;
 	for (uint32_t n = 0; n < o->bvh.primitive_count; n++) {

@@ -47,8 +47,8 @@ typedef struct leaf_arrays {
 	gi_uvec4 *headers;
 } leaf_arrays;
 
-static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const scene_object *o, uint32_t index, uint32_t local,
-		      gi_leaf *out)
+static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const object_record *o, uint32_t index,
+		      uint32_t local, gi_leaf *out)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	const uint32_t leaf = o->leaf_base + local, node = h->leaf_node[local];
@@ -128,7 +128,7 @@ gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uin
 		for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 			if (s->slots[slot] == GI_NONE)
 				continue;
-			const scene_object *o = &s->objects[s->slots[slot]];
+			const object_record *o = &s->objects[s->slots[slot]];
 			for (uint32_t k = 0; k < o->hierarchy.leaf_count && o->leaf_base + k < wanted; k++)
 				fill_leaf(gi, &a, o, s->slots[slot], k, &leaves[o->leaf_base + k]);
 		}
@@ -227,7 +227,7 @@ gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity, uint6
 /* ---- form factors between objects ---- */
 
 /* Objects' parts of the links of `from`, area weighted: sums[slot]; the rest is sky. */
-static gi_result sum_links(gi_context *gi, const scene_object *from, double *sums, double *area)
+static gi_result sum_links(gi_context *gi, const object_record *from, double *sums, double *area)
 {
 	const gi_scene *s = &gi->scene;
 	gi_uvec4 *headers = read_buffer(gi, &gi->rows.headers, sizeof *headers * s->leaf_count);
@@ -252,7 +252,7 @@ static gi_result sum_links(gi_context *gi, const scene_object *from, double *sum
 
 static bool is_known(const gi_context *gi, gi_object object)
 {
-	const scene_object *o = handles_find(gi, object);
+	const object_record *o = handles_find(gi, object);
 	return o && o->committed;
 }
 

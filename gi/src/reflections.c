@@ -23,7 +23,7 @@ static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *vi
 	r->rect = screen_rect_empty();
 	r->glass = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (!o || !scene_slot_is_seen(s, slot) || !object_is_smooth(o))
 			continue;
 		const gi_vec4 sphere = s->object_data[slot].sphere;
@@ -52,7 +52,7 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 		result = gpu_target_create(&gi->gpu, &r->layer, "layer of reflections", formats, false, view->width,
 					   view->height);
 	if (!result && !r->square.array)
-		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a packet", attributes, sizeof *corners, 4,
+		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a photon", attributes, sizeof *corners, 4,
 					 corners, 6, indices);
 	if (!result)
 		find_rect(gi, r, view);

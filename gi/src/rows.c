@@ -138,7 +138,7 @@ static double mean_refinement(const gi_context *gi)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
-		const scene_object *o = &s->objects[s->slots[slot]];
+		const object_record *o = &s->objects[s->slots[slot]];
 		for (uint32_t m = 0; m < o->material_count; m++) {
 			const double finer = exp2((double)o->emission[m].steps);
 			sum += o->emission[m].area * fmin(finer, (double)gi->def.emitter_refinement);
@@ -222,9 +222,9 @@ gi_result rows_grow(gi_context *gi)
 
 typedef struct plan {
 	bool part;    /* under a budget: the chosen rows alone */
-	bool several; /* rows may have several suspects: flagged entries are marked */
+	bool several; /* rows may have several candidates: flagged entries are marked */
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
-	uint32_t first_emitter, end_emitter; /* in the list of suspects */
+	uint32_t first_emitter, end_emitter; /* in the lists of objects */
 	uint32_t first_swept, swept;         /* likewise, in fours of words */
 	uint64_t cut_threads;
 	loans loans; /* in part alone */
@@ -301,7 +301,7 @@ static void number_changes(gi_context *gi)
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		if (s->slots[slot] == GI_NONE)
 			continue;
-		scene_object *o = &s->objects[s->slots[slot]];
+		object_record *o = &s->objects[s->slots[slot]];
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
@@ -354,7 +354,7 @@ static bool plan_cuts(gi_context *gi, plan *p)
 	return true;
 }
 
-static bool boxes_overlap(const scene_object *a, const scene_object *b)
+static bool boxes_overlap(const object_record *a, const object_record *b)
 {
 	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
 	for (int k = 0; k < 3; k++)
@@ -437,7 +437,7 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 		ok = append(list, 0);
 	p->first_swept = list->count / 4;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (!o || !slot_moved(gi, slot))
 			continue;
 		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
@@ -453,11 +453,11 @@ static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
 
 /* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was
  * swept. */
-static gi_result upload_suspects(gi_context *gi, plan *p)
+static gi_result upload_object_lists(gi_context *gi, plan *p)
 {
 	gi_scene *s = &gi->scene;
-	gpu_buffer *buffer = &gi->rows.suspects;
-	gi_slot_list list = gi->rows.suspect_list;
+	gpu_buffer *buffer = &gi->rows.object_lists;
+	gi_slot_list list = gi->rows.object_list;
 	list.count = 0;
 	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
 	bool ok = !wanted || list_movers(gi, &list);
@@ -477,10 +477,10 @@ static gi_result upload_suspects(gi_context *gi, plan *p)
 	if (!ok)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, buffer_labels.SUSPECTS, 2 * bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, buffer, buffer_labels.OBJECT_LISTS, 2 * bytes, NULL);
 	if (!result)
 		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	gi->rows.suspect_list = list; /* its memory, for the next time */
+	gi->rows.object_list = list; /* its memory, for the next time */
 	return result;
 }
 
@@ -542,7 +542,7 @@ static uint32_t static_primitives(const gi_scene *s)
 {
 	if (!s->first_source)
 		return 0;
-	const scene_object *last = &s->objects[s->slots[s->first_source - 1]];
+	const object_record *last = &s->objects[s->slots[s->first_source - 1]];
 	return last->primitive_base + last->bvh.primitive_count;
 }
 
@@ -559,7 +559,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,
 			  def->solve_tolerance},
 	    .work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-	    .misc = {s->tlas_all, s->wide_count, s->light_count, lit},
+	    .misc = {s->tlas_all, s->large_count, s->light_count, lit},
 	    .grid = s->tlas_grid,
 	    .cells = s->tlas_cells,
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
@@ -571,7 +571,7 @@ static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
-		gi->frame.rations = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
+		gi->frame.budget = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
 		budget_limits(gi, budget, &gi->frame);
 	}
 	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
@@ -643,12 +643,12 @@ static uint32_t count_neighbours(const gi_scene *s, uint32_t mover)
 }
 
 /* That a row may have (flag.comp): the movers and what went, or of a mover its neighbours. */
-static uint32_t count_suspects(const gi_context *gi)
+static uint32_t count_candidates(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	uint32_t movers = 0, most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (!o || !(o->moved || o->moved_update > gi->rows.current))
 			continue;
 		const uint32_t neighbours = count_neighbours(s, slot);
@@ -659,7 +659,7 @@ static uint32_t count_suspects(const gi_context *gi)
 }
 
 /* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times
- * the suspects. Rows of several times the mean length are seen. Objects must be where they are now. */
+ * the candidates. Rows of several times the mean length are seen. Objects must be where they are now. */
 static bool flagging_would_end_early(const gi_context *gi)
 {
 	static const double TURNS = 65535, LONGEST_ROW = 5;
@@ -667,7 +667,7 @@ static bool flagging_would_end_early(const gi_context *gi)
 	if (!gi->gpu.software || !s->leaf_count)
 		return false;
 	const double longest = LONGEST_ROW * (double)gi->report.entries / s->leaf_count;
-	return (longest + scene_source_count(s)) * count_suspects(gi) > TURNS;
+	return (longest + scene_source_count(s)) * count_candidates(gi) > TURNS;
 }
 
 static void trace(gi_context *gi)
@@ -698,7 +698,7 @@ static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
 	if (p->cut_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       gi->scene.leaf_count, gi->scene.slot_count);
-	result = upload_suspects(gi, p);
+	result = upload_object_lists(gi, p);
 	if (!result)
 		result = upload_plan(gi, p);
 	return !result && p->part ? loans_find(gi, &p->loans) : result;
@@ -764,7 +764,7 @@ static void forget_trails(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		o->trails = o->trails && o->moved_update > r->current;
 	}
 	if (r->lost_update > r->current)
@@ -844,5 +844,5 @@ void rows_free(gi_context *gi)
 	ROWS_LISTS(BUFFER_FREE)
 	ROWS_UNIFORMS(BUFFER_FREE)
 	gi_free(owner->run_data);
-	gi_free(owner->suspect_list.slots);
+	gi_free(owner->object_list.slots);
 }

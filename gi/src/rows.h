@@ -25,7 +25,7 @@ typedef struct gi_rows {
 	ROWS_UNIFORMS(BUFFER_MEMBER)
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
-	gi_slot_list suspect_list; /* of the last update */
+	gi_slot_list object_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 	    prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
 	    kept_program, covered_program;

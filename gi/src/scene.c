@@ -25,7 +25,7 @@ uint32_t scene_source_count(const gi_scene *s)
 	return s->slot_count - s->first_source;
 }
 
-scene_object *scene_object_in(const gi_scene *s, uint32_t slot)
+object_record *scene_object_in(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
@@ -63,7 +63,7 @@ static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
 
 /* Area means of E (rgb) and rho (w, the largest channel's) over the leaves of each node, and the emitter flags: a node
  * is cut as fine as the finest of its leaves that emit. Objects that are not seen are black. */
-void scene_update_exitance(gi_context *gi, scene_object *o)
+void scene_update_exitance(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
 	const gi_hierarchy *h = &o->hierarchy;
@@ -97,7 +97,7 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 	double sum[4] = {0}, area = 0;
 	uint32_t *flags = &s->topology[top->node].range.w, emits = 0, steps = 0;
 	for (uint32_t slot = top->first_slot; slot < top->end_slot; slot++) {
-		const scene_object *o = &s->objects[s->slots[slot]];
+		const object_record *o = &s->objects[s->slots[slot]];
 		const gi_vec4 e = s->node_exitance[o->node_base];
 		const uint32_t own = s->topology[o->node_base].range.w;
 		for (int c = 0; c < 4; c++)

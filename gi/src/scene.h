@@ -16,7 +16,7 @@ typedef struct scene_top {
 } scene_top;
 
 typedef struct gi_scene {
-	scene_object *objects;  /* by handle index */
+	object_record *objects; /* by handle index */
 	uint32_t object_count;  /* places, dead ones too; there is room for the next power of two */
 	uint32_t first_free;    /* no place below it is */
 	uint64_t created_count; /* objects ever created */
@@ -37,7 +37,7 @@ typedef struct gi_scene {
 	uint32_t *changed_slots; /* static objects that the update sees changed: room for all of them */
 	bool shown_changed;      /* since the last update others are seen than before it, or fewer */
 	bool regroup;            /* one of them is static no more, or not seen: the next update commits */
-	uint32_t leaf_count, node_count, vertex_count, light_count, wide_count;
+	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
 
 	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* slot_count */
@@ -55,13 +55,13 @@ typedef struct gi_scene {
 } gi_scene;
 
 /* NULL of the sky, and of static objects as one. */
-scene_object *scene_object_in(const gi_scene *scene, uint32_t slot);
+object_record *scene_object_in(const gi_scene *scene, uint32_t slot);
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
 float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 uint32_t scene_source_count(const gi_scene *scene);
 void scene_place_sky(gi_object_data *data);
-void scene_update_exitance(gi_context *gi, scene_object *object);
+void scene_update_exitance(gi_context *gi, object_record *object);
 /* Of a node's flags, those that this sets. */
 #define SCENE_EMITTER_BITS (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)
 void scene_update_top(gi_context *gi, const scene_top *top); /* likewise, of its objects' */

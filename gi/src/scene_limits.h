@@ -1,6 +1,6 @@
 /* How large a scene may be: its table of segments is the largest buffer, of leaves times sources. */
-#ifndef GI_LIMITS_H
-#define GI_LIMITS_H
+#ifndef GI_SCENE_LIMITS_H
+#define GI_SCENE_LIMITS_H
 
 #include "gpu.h"
 

@@ -29,7 +29,7 @@ static bool one_encloses_all(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
-		const scene_object *room = &s->objects[k];
+		const object_record *room = &s->objects[k];
 		if (!object_is_alive(room) || !room->hierarchy.closed || !(room->hierarchy.volume < 0))
 			continue;
 		/* Rounding of the boxes and what stands in a wall by a hair. Of the room's size, not of where it is. */
@@ -38,7 +38,7 @@ static bool one_encloses_all(const gi_context *gi)
 			slack = fmaxf(slack, 1e-4f * ((&room->world_upper.x)[c] - (&room->world_lower.x)[c]));
 		bool all = true;
 		for (uint32_t j = 0; j < s->object_count && all; j++) {
-			const scene_object *o = &s->objects[j];
+			const object_record *o = &s->objects[j];
 			for (int c = 0; c < 3 && object_is_alive(o); c++)
 				all = all && (&o->world_lower.x)[c] >= (&room->world_lower.x)[c] - slack &&
 				      (&o->world_upper.x)[c] <= (&room->world_upper.x)[c] + slack;
@@ -63,7 +63,7 @@ typedef struct gathered {
 	gi_material_data *materials;
 	gi_uvec4 *bvh; /* packed */
 	gi_primitive *primitives;
-	uint32_t *wide;
+	uint32_t *large;
 	gi_uvec4 *light_links; /* two uint pairs each */
 	uint32_t *light_first;
 	uint32_t bvh_count, primitive_count, material_count, light_link_count;
@@ -96,18 +96,18 @@ static void count_all(const gi_context *gi, gathered *g)
 {
 	gi_scene *n = &g->next;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		if (!object_is_alive(o))
 			continue;
 		n->slot_count++;
 		n->leaf_count += o->hierarchy.leaf_count;
 		n->node_count += o->hierarchy.node_count;
 		n->vertex_count += o->hierarchy.vertex_count;
-		n->light_count += o->skin.light_count;
+		n->light_count += o->drawn.light_count;
 		g->bvh_count += o->bvh.node_count;
 		g->primitive_count += o->bvh.primitive_count;
 		g->material_count += o->material_count;
-		g->light_link_count += o->skin.light_first[o->skin.light_count];
+		g->light_link_count += o->drawn.light_first[o->drawn.light_count];
 	}
 	n->tlas_count = n->slot_count ? 2 * n->slot_count - 1 : 0;
 	n->sky_slot = n->statics_slot = GI_NONE;
@@ -146,7 +146,7 @@ static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 	g->bvh = gi_arena_take(passes, g->bvh_count, sizeof *g->bvh);
 	g->primitives = gi_arena_take(passes, g->primitive_count, sizeof *g->primitives);
 	g->leaf_quads = gi_arena_take(passes, 4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
-	g->wide = gi_arena_take(passes, n->node_count, sizeof *g->wide);
+	g->large = gi_arena_take(passes, n->node_count, sizeof *g->large);
 	g->light_links = gi_arena_take(passes, g->light_link_count / 2 + 1, sizeof *g->light_links);
 	g->light_first = gi_arena_take(passes, (size_t)n->light_count + 1, sizeof *g->light_first);
 }
@@ -185,8 +185,8 @@ static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_b
 		for (int c = 0; c < 4; c++)
 			corners[c] += corners[c] == GI_NONE ? 0 : vertex_base;
 		g->next.topology[node_base + k] = t;
-		if (t.range.z > GI_WIDE_LEAVES)
-			g->wide[g->next.wide_count++] = node_base + k;
+		if (t.range.z > GI_LARGE_NODE_LEAVES)
+			g->large[g->next.large_count++] = node_base + k;
 	}
 }
 
@@ -196,7 +196,7 @@ static float add_bits(float value, uint32_t base)
 	return gi_float_from_bits(bits == GI_NONE ? bits : bits + base);
 }
 
-static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data)
+static void gather_rays(gathered *g, const object_record *o, gi_object_data *data)
 {
 	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
 	for (uint32_t k = 0; k < o->bvh.node_count; k++)
@@ -210,7 +210,7 @@ static void gather_rays(gathered *g, const scene_object *o, gi_object_data *data
 }
 
 /* Their areas are summed up along the object, so that rays can end on its leaves by area. */
-static void gather_leaves(gathered *g, const scene_object *o)
+static void gather_leaves(gathered *g, const object_record *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
 	double area = 0;
@@ -226,25 +226,25 @@ static void gather_leaves(gathered *g, const scene_object *o)
 	}
 }
 
-static void gather_light(gathered *g, const scene_object *o, uint32_t link_base)
+static void gather_light(gathered *g, const object_record *o, uint32_t link_base)
 {
-	const gi_skin *skin = &o->skin;
+	const gi_drawn_surface *drawn = &o->drawn;
 	uint32_t *links = (uint32_t *)g->light_links;
-	for (uint32_t k = 0; k < skin->light_count; k++)
-		g->light_first[o->light_base + k] = link_base + skin->light_first[k];
-	for (uint32_t k = 0; k < skin->light_first[skin->light_count]; k++) {
-		links[2 * (link_base + k)] = o->leaf_base + skin->light_leaf[k];
-		memcpy(&links[2 * (link_base + k) + 1], &skin->light_weight[k], sizeof(float));
+	for (uint32_t k = 0; k < drawn->light_count; k++)
+		g->light_first[o->light_base + k] = link_base + drawn->light_first[k];
+	for (uint32_t k = 0; k < drawn->light_first[drawn->light_count]; k++) {
+		links[2 * (link_base + k)] = o->leaf_base + drawn->light_leaf[k];
+		memcpy(&links[2 * (link_base + k) + 1], &drawn->light_weight[k], sizeof(float));
 	}
 }
 
 /* Is it where the scene before has it? */
-static bool is_placed(const scene_object *o)
+static bool is_placed(const object_record *o)
 {
 	return o->committed && !o->moved;
 }
 
-static void place(scene_object *o, const gi_object_data *before, gi_object_data *data)
+static void place(object_record *o, const gi_object_data *before, gi_object_data *data)
 {
 	if (!before) {
 		object_place(o, data);
@@ -301,7 +301,7 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 	uint32_t along = 0; /* the tree of the static ones */
 	for (uint32_t number = 0; number < g->order_count; number++) {
 		const uint32_t k = g->order[number];
-		scene_object *o = &gi->scene.objects[k];
+		object_record *o = &gi->scene.objects[k];
 		if (o->committed)
 			old[(*old_count)++] = (carried){k, o->node_base, o->leaf_base};
 		for (; number < statics && g->statics.nodes[along].top; along++)
@@ -339,8 +339,8 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 		material += o->material_count;
 		bvh += o->bvh.node_count;
 		primitive += o->bvh.primitive_count;
-		light += o->skin.light_count;
-		link += o->skin.light_first[o->skin.light_count];
+		light += o->drawn.light_count;
+		link += o->drawn.light_first[o->drawn.light_count];
 		if (number + 1 == statics) {
 			gather_statics(g, slot++, leaf);
 			node = g->statics.node_count;
@@ -387,7 +387,7 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
 	    {GI_BIND_TLAS, &s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
 	    {GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
-	    {GI_BIND_WIDE_NODES, &s->wide_nodes_gpu, sizeof(uint32_t) * n->wide_count, g->wide},
+	    {GI_BIND_LARGE_NODES, &s->large_nodes_gpu, sizeof(uint32_t) * n->large_count, g->large},
 	    {GI_BIND_LIGHT_LINKS, &s->light_links_gpu, sizeof(uint32_t) * 2 * g->light_link_count, g->light_links},
 	    {GI_BIND_LIGHT_FIRST, &s->light_first_gpu, sizeof(uint32_t) * (n->light_count + 1), g->light_first},
 	};
@@ -410,12 +410,12 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 {
 	gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
-		scene_object *o = &s->objects[k];
+		object_record *o = &s->objects[k];
 		if (object_is_alive(o) && (!o->committed || o->material_changed))
 			scene_update_exitance(gi, o);
 	}
 	for (uint32_t k = 0; k < old_count; k++) {
-		const scene_object *o = &s->objects[old[k].index];
+		const object_record *o = &s->objects[old[k].index];
 		if (o->material_changed)
 			continue;
 		memcpy(s->node_exitance + o->node_base, before->node_exitance + old[k].node_base,
@@ -496,7 +496,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 	if (!ready)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, before->scene, g, old, old_count);
-	s->wide_count = g->next.wide_count;
+	s->large_count = g->next.large_count;
 	statics_follow(s, before->scene, before->objects, gi->rows.update + 1);
 	s->statics_update = statics_are_same(before->scene, s) ? before->scene->statics_update : gi->rows.update + 1;
 	statics_place(&g->statics, s, g->rest, g->spread, s->topology);

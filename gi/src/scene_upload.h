@@ -7,7 +7,7 @@
 /* The scene that the new one takes the place of. */
 typedef struct scene_before {
 	const gi_scene *scene;
-	const scene_object *objects; /* as they were: with their places in it */
+	const object_record *objects; /* as they were: with their places in it */
 } scene_before;
 
 /* What this object's part of the old scene was, to carry its B over. */

@@ -1,4 +1,4 @@
-/* The picture: direct light per pixel (lamp.c, shadow.c), indirect light from the leaves (skin.h).
+/* The picture: direct light per pixel (lamp.c, shadow.c), indirect light from the leaves (drawn_surface.h).
  *
  *   surfaces   what is seen: place, normal, material, light through the leaves    draw.vert surface.frag
  *   lamps      one pass over the picture each; the last one's goes to the host    screen.vert light_*.frag
@@ -6,7 +6,8 @@
  * Surfaces first, so that what is expensive is done once a pixel: on a software renderer a triangle of a few pixels
  * costs whole blocks of 4 x 4.
  *
- * One mesh holds the skins of all objects, small objects first: what they hide of the walls behind them is not shaded.
+ * One mesh holds the drawn surfaces of all objects, small objects first: what they hide of the walls behind them is not
+ * shaded.
  *
  *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
@@ -81,11 +82,11 @@ static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
 	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
 }
 
-static void add_skin(const scene_object *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
 {
-	const gi_skin *skin = &o->skin;
-	for (uint32_t k = 0; k < skin->vertex_count; k++) {
-		const gi_draw_vertex *from = &skin->vertices[k];
+	const gi_drawn_surface *drawn = &o->drawn;
+	for (uint32_t k = 0; k < drawn->vertex_count; k++) {
+		const gi_draw_vertex *from = &drawn->vertices[k];
 		draw_vertex *to = &vertices[first_vertex + k];
 		memcpy(to->position, from->position, sizeof to->position);
 		memcpy(to->normal, from->normal, sizeof to->normal);
@@ -95,8 +96,8 @@ static void add_skin(const scene_object *o, draw_vertex *vertices, uint32_t firs
 		for (int i = 0; i < 4; i++)
 			to->light[i] = o->light_base + from->light[i];
 	}
-	for (uint32_t k = 0; k < skin->index_count; k++)
-		indices[k] = first_vertex + skin->indices[k];
+	for (uint32_t k = 0; k < drawn->index_count; k++)
+		indices[k] = first_vertex + drawn->indices[k];
 }
 
 typedef struct sized {
@@ -128,8 +129,8 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 	size_t vertex_count = 0, index_count = 0;
 	const uint32_t count = order ? order_slots(s, order) : 0;
 	for (uint32_t k = 0; k < count; k++) {
-		vertex_count += s->objects[s->slots[order[k].slot]].skin.vertex_count;
-		index_count += s->objects[s->slots[order[k].slot]].skin.index_count;
+		vertex_count += s->objects[s->slots[order[k].slot]].drawn.vertex_count;
+		index_count += s->objects[s->slots[order[k].slot]].drawn.index_count;
 	}
 	draw_vertex *vertices = gi_malloc(sizeof *vertices * (vertex_count + 1));
 	uint32_t *indices = gi_malloc(sizeof *indices * (index_count + 1));
@@ -138,10 +139,10 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	vertex_count = index_count = 0;
 	for (uint32_t k = 0; !result && k < count; k++) {
-		const scene_object *o = &s->objects[s->slots[order[k].slot]];
-		add_skin(o, vertices, (uint32_t)vertex_count, indices + index_count);
-		vertex_count += o->skin.vertex_count;
-		index_count += o->skin.index_count;
+		const object_record *o = &s->objects[s->slots[order[k].slot]];
+		add_drawn(o, vertices, (uint32_t)vertex_count, indices + index_count);
+		vertex_count += o->drawn.vertex_count;
+		index_count += o->drawn.index_count;
 	}
 	static const gpu_attribute attributes[] = {{3, false, 0},
 						   {4, false, offsetof(draw_vertex, normal)},

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Across an edge of more than 40 degrees nothing is smooth, as light vertices have it (skin.c). */
+/* Across an edge of more than 40 degrees nothing is smooth, as light vertices have it (drawn_surface.c). */
 static const double LEAST_COSINE = 0.766044443118978;
 
 /* So many primitives meet where the tip of a cone is; more are no surface that has a normal there. */

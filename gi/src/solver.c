@@ -35,7 +35,7 @@ void solver_programs(gi_solver *s, gpu_program_file list[SOLVER_PROGRAMS])
 							    {"gather_double.comp", &s->double_program},
 							    {"weigh.comp", &s->weigh_program},
 							    {"pull.comp", &s->pull_program},
-							    {"pull_wide.comp", &s->wide_program},
+							    {"pull_large.comp", &s->large_program},
 							    {"check.comp", &s->check_program},
 							    {"start.comp", &s->start_program},
 							    {"light.comp", &s->light_program},
@@ -161,7 +161,7 @@ static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 	for (uint32_t k = 0; k < sweeps + SPARE_SWEEPS && !is_known_to_be_over(gi); k++)
 		sweep(gi, k < WEIGHED_SWEEPS && stage == STAGE_BEGIN);
 	gpu_dispatch(&gi->gpu, s->pull_program, gi->scene.node_count);
-	gpu_dispatch_groups(&gi->gpu, s->wide_program, gi->scene.wide_count);
+	gpu_dispatch_groups(&gi->gpu, s->large_program, gi->scene.large_count);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 }
 

@@ -9,7 +9,7 @@ typedef struct gi_solver {
 	bool cold;        /* start from B = E, though buffers hold another B; they begin with B = E */
 	bool unconverged; /* of the newest report: another frame of sweeps would come nearer */
 	SOLVER_BUFFERS(BUFFER_MEMBER)
-	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, wide_program,
+	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, large_program,
 	    check_program, start_program, light_program, hand_over_program;
 } gi_solver;
 

@@ -32,7 +32,7 @@ static specular_sizes sizes_of(const gi_scene *s)
 {
 	specular_sizes sizes = {0, 0};
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		const uint32_t primitives = o ? o->primitive_base + o->bvh.primitive_count : 0,
 			       materials = o ? o->material_base + o->material_count : 0;
 		sizes.primitives = primitives > sizes.primitives ? primitives : sizes.primitives;
@@ -53,7 +53,7 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 	gi_uvec4 *normals = gi_calloc((size_t)primitives + 1, sizeof *normals);
 	bool enough = normals != NULL;
 	for (uint32_t slot = 0; enough && slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		if (o && object_is_smooth(o))
 			enough =
 			    gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
@@ -72,7 +72,7 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 	if (!materials)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		for (uint32_t m = 0; o && o->specular && m < o->material_count; m++)
 			materials[o->material_base + m] = smooth_material(&o->specular[m]);
 	}
@@ -89,11 +89,11 @@ static gi_result upload_corner_lights(gi_context *gi)
 	if (!lights)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		for (uint32_t leaf = 0; o && leaf < o->hierarchy.leaf_count; leaf++)
 			for (int k = 0; k < 4; k++)
 				(&lights[o->leaf_base + leaf].x)[k] =
-				    o->light_base + o->skin.corner_light[4 * leaf + (uint32_t)k];
+				    o->light_base + o->drawn.corner_light[4 * leaf + (uint32_t)k];
 	}
 	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, buffer_labels.CORNER_LIGHTS,
 						     sizeof *lights * s->leaf_count, lights);
@@ -105,7 +105,7 @@ static bool materials_changed(const gi_scene *s)
 {
 	bool changed = false;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const scene_object *o = scene_object_in(s, slot);
+		const object_record *o = scene_object_in(s, slot);
 		changed = changed || (o && o->specular && o->material_changed);
 	}
 	return changed;

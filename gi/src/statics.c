@@ -106,7 +106,7 @@ bool statics_build(gi_scene *s, const gi_scene *was, gi_arena *memory, static_tr
 /* ---- from commit to commit ---- */
 
 /* Where a static object was among those of before, GI_NONE: it was not. */
-static uint32_t slot_before(const gi_scene *now, const scene_object *were, uint32_t slot)
+static uint32_t slot_before(const gi_scene *now, const object_record *were, uint32_t slot)
 {
 	const uint32_t k = now->slots[slot];
 	return were[k].committed && were[k].grouped && were[k].generation == now->objects[k].generation ? were[k].slot
@@ -144,7 +144,7 @@ bool statics_are_same(const gi_scene *old, const gi_scene *now)
 	return true;
 }
 
-void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update)
+void statics_follow(gi_scene *now, const gi_scene *was, const object_record *were, uint32_t update)
 {
 	uint32_t *begins = now->changed_slots, *last = NULL; /* of runs of objects that lay side by side before, too */
 	for (uint32_t slot = 0; slot < now->first_source; slot++) {
@@ -274,7 +274,7 @@ static static_sum sum_of(const static_node *n, const gi_scene *s, const gi_node_
 
 static bool is_known(const static_node *n, const gi_scene *s)
 {
-	const scene_object *o = &s->objects[s->slots[n->first_slot]];
+	const object_record *o = &s->objects[s->slots[n->first_slot]];
 	return n->top ? s->sums[n->number].known : o->committed && !o->moved;
 }
 

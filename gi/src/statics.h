@@ -50,7 +50,7 @@ bool statics_build(gi_scene *scene, const gi_scene *was, gi_arena *memory, stati
 
 /* Which tops are those of the scene before (scene_top.before), whose objects were `were`: the same objects are below
  * them, and their sums are taken over. The others changed as of update `update`. */
-void statics_follow(gi_scene *now, const gi_scene *was, const scene_object *were, uint32_t update);
+void statics_follow(gi_scene *now, const gi_scene *was, const object_record *were, uint32_t update);
 
 /* Are the static ones those of the scene before, in the same order and below the same tops? */
 bool statics_are_same(const gi_scene *was, const gi_scene *now);

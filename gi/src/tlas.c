@@ -29,7 +29,7 @@ static const double PARALLEL = 0.999;
 static const float OVERLAPPING = 1e-3f;
 
 /* How far an object's box reaches along a unit normal, from its centre: a turned box, not a world box about it. */
-static double reach_along(const scene_object *o, const gi_object_data *data, gi_vec4 n)
+static double reach_along(const object_record *o, const gi_object_data *data, gi_vec4 n)
 {
 	const float turn[3][3] = {{data->row0.x, data->row0.y, data->row0.z},
 				  {data->row1.x, data->row1.y, data->row1.z},
@@ -43,7 +43,7 @@ static double reach_along(const scene_object *o, const gi_object_data *data, gi_
 }
 
 /* Do their boxes have more in common than an edge? */
-static bool share_a_face(const scene_object *a, const scene_object *b)
+static bool share_a_face(const object_record *a, const object_record *b)
 {
 	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
 	bool shared = true;
@@ -108,7 +108,7 @@ static bool has_face_in(const gi_bvh *bvh, const rest_plane *p, double slack)
  * (rank.h)? Closed ones turn their backs to it. */
 static bool may_cover(const gi_scene *s, uint32_t flat, uint32_t slot, double slack)
 {
-	const scene_object *by = &s->objects[s->slots[flat]], *o = &s->objects[s->slots[slot]];
+	const object_record *by = &s->objects[s->slots[flat]], *o = &s->objects[s->slots[slot]];
 	const gi_object_data *data = &s->object_data[slot];
 	const gi_vec4 n = s->object_data[flat].plane, m = data->plane;
 	const double cosine = (double)n.x * m.x + (double)n.y * m.y + (double)n.z * m.z;
@@ -189,7 +189,7 @@ static void build(gi_scene *s, const room *r, uint32_t count, uint32_t base, gi_
 {
 	uint32_t statics = 0;
 	for (uint32_t k = 0; k < count; k++) {
-		const scene_object *o = &s->objects[s->slots[r->slots[k]]];
+		const object_record *o = &s->objects[s->slots[r->slots[k]]];
 		r->boxes[k] = (gi_box){{o->world_lower.x, o->world_lower.y, o->world_lower.z},
 				       {o->world_upper.x, o->world_upper.y, o->world_upper.z}};
 		statics += r->slots[k] < s->first_source;

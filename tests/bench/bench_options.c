@@ -3,6 +3,7 @@
 #include "output.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static error_t parse_context(int key, char *argument, struct argp_state *state)
@@ -68,4 +69,12 @@ float bench_parse_number(const char *argument, float least, float most, const ch
 int bench_parse_size(const char *argument, struct argp_state *state)
 {
 	return (int)bench_parse_count(argument, 16, 8192, "size", state);
+}
+
+void bench_parse_area(const char *argument, int *width, int *height, struct argp_state *state)
+{
+	char end;
+	if (sscanf(argument, "%dx%d%c", width, height, &end) != 2 || *width < 16 || *width > 8192 || *height < 16 ||
+	    *height > 8192)
+		argp_error(state, "--size is WIDTHxHEIGHT, 16..8192 each, not '%s'", argument);
 }

@@ -22,6 +22,7 @@ engine_context_kind bench_parse(const bench_command *command, int argc, char **a
 uint32_t bench_parse_count(const char *argument, uint32_t least, uint32_t most, const char *option,
 			   struct argp_state *state);
 float bench_parse_number(const char *argument, float least, float most, const char *option, struct argp_state *state);
-int bench_parse_size(const char *argument, struct argp_state *state); /* pixels, 16..8192 */
+int bench_parse_size(const char *argument, struct argp_state *state);                           /* pixels, 16..8192 */
+void bench_parse_area(const char *argument, int *width, int *height, struct argp_state *state); /* the same, WxH */
 
 #endif

@@ -259,6 +259,21 @@ class Programs(unittest.TestCase):
             else:
                 self.assertEqual(max(waiting + budgets), 0, name)
 
+    def test_linear_pictures(self):
+        """What is written before tone mapping adds up: direct and indirect light are the global one."""
+        pixels = {}
+        for mode in ("direct", "indirect", "global"):
+            self.good("moving_buddha", "--frames", "1", "--row-tolerance", "0.2", "--mode", mode, "--linear",
+                      self.path(mode + "%d.pfm"), "--out", self.path("out"), *TINY)
+            with open(self.path(mode + "0.pfm"), "rb") as file:
+                head, data = [file.readline() for _ in range(3)], file.read()
+            self.assertEqual(head, [b"PF\n", b"64 48\n", b"-1.0\n"])
+            pixels[mode] = struct.unpack("<%df" % (64 * 48 * 3), data)
+        largest = max(pixels["global"])
+        self.assertGreater(largest, 10)  # the lamp, where a picture is 1
+        for k, value in enumerate(pixels["global"]):
+            self.assertLess(abs(pixels["direct"][k] + pixels["indirect"][k] - value), 2e-3 * largest, k)
+
     def test_buddha_of_a_file(self):
         figure = self.path("figure.obj", PYRAMID)
         self.good("moving_buddha", "--mesh", figure, "--frames", "1", "--images", self.path("p%d.png"),
@@ -375,7 +390,7 @@ class Programs(unittest.TestCase):
         self.path("file", "")
         os.mkdir(self.path("q1.png"))
         long_name = self.path("n" * 251 + "%d.png")
-        for option in ("--images", "--field"):
+        for option in ("--images", "--field", "--linear"):
             for pattern, frames in ((self.path("absent/p%d.png"), "2"), (self.path("file/p%d.png"), "2"),
                                     (self.path("d%d/p.png"), "2"), (self.path("q%d.png"), "2"), (long_name, "2"),
                                     (self.path("n" * 247 + "%d.png"), "100000"), ("/proc/p%d.png", "2")):

@@ -1,7 +1,7 @@
 #define _XOPEN_SOURCE 700 /* mkdtemp */
 #include "fuzz_scene.h"
 
-#include "engine/scene_file.h"
+#include "engine/import_file.h"
 
 #include <dirent.h>
 #include <math.h>

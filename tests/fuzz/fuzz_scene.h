@@ -13,7 +13,7 @@
 void fuzz_write(const char *name, const uint8_t *bytes, size_t size);
 
 /* Loads the file of that name as a scene. Fails where it is refused without a line of its own, or where what loads is
- * not what engine/scene_file.h promises.
+ * not what engine/import_file.h promises.
  */
 void fuzz_load(const char *name);
 

@@ -14,7 +14,7 @@
 static const float BLACK[3] = {0, 0, 0}, LAMP[3] = {1000, 1000, 1000};
 
 /* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and each gets
- * some hundred of the packets. */
+ * some hundred of the photons. */
 enum { CELLS = 10, PHOTONS = 131072 };
 static const float BALL[3] = {0.1f, 0.7f, -0.1f}, RADIUS = 0.4f;
 
@@ -177,7 +177,7 @@ static uint32_t read_diffuse(gi_context *gi, gi_object ball, gi_leaf **out)
 	return kept;
 }
 
-/* H with packets less H without: what came through the ball, W. */
+/* H with photons less H without: what came through the ball, W. */
 static double *caustic_flux(bool glass, uint32_t faces, uint32_t photons, gi_leaf **leaves, uint32_t *count)
 {
 	double *flux = NULL;
@@ -288,7 +288,7 @@ static gi_leaf *read_all(gi_context *gi, uint32_t *count)
 	return leaves;
 }
 
-/* No surface reflects, so that irradiance is what lamps and packets bring: the same bits as of a scene made at once. */
+/* No surface reflects, so that irradiance is what lamps and photons bring: the same bits as of a scene made at once. */
 static void check_same_as_new(moving_box *m, const gi_pose *poses)
 {
 	uint32_t count, new_count;
@@ -303,7 +303,7 @@ static void check_same_as_new(moving_box *m, const gi_pose *poses)
 	gi_context_destroy(fresh.box.gi);
 }
 
-/* Nothing moves any more: packets that a budget left out come frame by frame, and then there is nothing to do. */
+/* Nothing moves any more: photons that a budget left out come frame by frame, and then there is nothing to do. */
 static void comes_to_rest(gi_context *gi)
 {
 	gi_report report = {0};
@@ -331,7 +331,7 @@ static void test_moves(void **state)
 				poses[k] = random_pose(&random);
 		for (int k = 0; k < MOVERS; k++)
 			assert_gi(gi_set_pose(m.box.gi, m.movers[k], poses[k]));
-		/* Under a budget some packets are traced later; an exact update traces all. */
+		/* Under a budget some photons are traced later; an exact update traces all. */
 		assert_gi(gi_update(m.box.gi, frame % 3 ? &(gi_budget){.ms = 1} : NULL));
 		if (frame % 4 == 3) {
 			harness_update(m.box.gi);
@@ -375,7 +375,7 @@ static void test_moves_while_rows_are_new(void **state)
 	gi_context_destroy(m.box.gi);
 }
 
-/* What one ball is of, other balls' packets see too. */
+/* What one ball is of, other balls' photons see too. */
 static void test_other_glass(void **state)
 {
 	(void)state;

@@ -117,6 +117,9 @@ static void first_row_is_the_top(void **state)
 	engine_target_read(target, rgb);
 	assert_true(rgb[0] > 200);
 	assert_int_equal(rgb[3 * WIDTH], 0);
+	float radiance[WIDTH * HEIGHT * 3]; /* as it was before exposure and tone mapping */
+	engine_target_read_radiance(target, radiance);
+	assert_true(radiance[0] == 1 && radiance[3 * WIDTH - 1] == 1 && radiance[3 * WIDTH] == 0);
 	assert_int_equal(glGetError(), GL_NO_ERROR);
 	engine_target_destroy(target);
 }

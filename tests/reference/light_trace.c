@@ -1,5 +1,5 @@
 /* Forward light tracing (Arvo, "Backward ray tracing", 1986). Each step takes one way by chance, reflection or refraction
- * by Fresnel's share, so a packet stays one ray; colours are weights. */
+ * by Fresnel's share, so a photon stays one ray; colours are weights. */
 #include "light_trace.h"
 
 #include "embree.h"
@@ -22,7 +22,7 @@ typedef struct light_tracer {
 	RTCDevice device;
 	RTCScene embree;
 	double *power_up_to; /* triangle_count: sum of luminous power of the triangles up to and with this one */
-	uint64_t packets, seed;
+	uint64_t photons, seed;
 	float lift;
 	light_result *chunks; /* CHUNKS, summed in their order, so that threads change nothing */
 	atomic_uint next_chunk;
@@ -105,12 +105,12 @@ static void emitted_direction(vec3 n, double u, double v, vec3 out)
 	glm_vec3_muladds(t, (float)(radius * sin(phi)), out);
 }
 
-/* ---- packets ---- */
+/* ---- photons ---- */
 
-static void add_flux(light_flux *sum, const double packet[3])
+static void add_flux(light_flux *sum, const double photon[3])
 {
 	for (int k = 0; k < 3; k++)
-		sum->rgb[k] += packet[k];
+		sum->rgb[k] += photon[k];
 }
 
 static double luminous(const float rgb[3])
@@ -132,16 +132,16 @@ static uint32_t pick_emitter(const light_tracer *t, double u)
 	return low;
 }
 
-typedef struct light_packet {
+typedef struct light_photon {
 	vec3 origin, direction;
 	double rgb[3];
-} light_packet;
+} light_photon;
 
-static void emit(const light_tracer *t, uint64_t *numbers, light_packet *out)
+static void emit(const light_tracer *t, uint64_t *numbers, light_photon *out)
 {
 	uint32_t triangle = pick_emitter(t, next_number(numbers));
 	const float *exitance = t->scene->surfaces[t->scene->surface_of[triangle]].exitance;
-	double all = t->power_up_to[t->scene->triangle_count - 1] / (double)t->packets;
+	double all = t->power_up_to[t->scene->triangle_count - 1] / (double)t->photons;
 	for (int k = 0; k < 3; k++)
 		out->rgb[k] = all * exitance[k] / luminous(exitance);
 	vec3 p[3], n;
@@ -157,12 +157,12 @@ static void emit(const light_tracer *t, uint64_t *numbers, light_packet *out)
 	emitted_direction(n, a, b, out->direction);
 }
 
-static void scale_packet(light_packet *packet, const float tint[3], light_flux *absorbed)
+static void scale_photon(light_photon *photon, const float tint[3], light_flux *absorbed)
 {
 	double lost[3];
 	for (int k = 0; k < 3; k++) {
-		lost[k] = packet->rgb[k] * (1 - (double)tint[k]);
-		packet->rgb[k] -= lost[k];
+		lost[k] = photon->rgb[k] * (1 - (double)tint[k]);
+		photon->rgb[k] -= lost[k];
 	}
 	add_flux(absorbed, lost);
 }
@@ -183,56 +183,56 @@ static void refract(vec3 direction, vec3 n, double index)
 	glm_vec3_normalize(direction);
 }
 
-/* Takes the packet on from a mirror or glass. False where it ends there. */
+/* Takes the photon on from a mirror or glass. False where it ends there. */
 static bool go_on(const light_tracer *t, const light_surface *surface, const struct RTCRayHit *hit, uint64_t *numbers,
-		  light_packet *packet, light_flux *absorbed)
+		  light_photon *photon, light_flux *absorbed)
 {
 	vec3 flat, n;
 	triangle_normal(t->scene, hit->hit.primID, flat);
 	glm_vec3_normalize(flat);
 	smooth_normal(t->scene, hit->hit.primID, hit->hit.u, hit->hit.v, n);
-	bool front = glm_vec3_dot(flat, packet->direction)<0, glass = luminous(surface->transmittance)> 0;
+	bool front = glm_vec3_dot(flat, photon->direction)<0, glass = luminous(surface->transmittance)> 0;
 	double index = front ? surface->index : 1 / surface->index;
 	if (!front) {
 		glm_vec3_negate(flat);
 		glm_vec3_negate(n);
 	}
-	double cosine = -glm_vec3_dot(packet->direction, n);
+	double cosine = -glm_vec3_dot(photon->direction, n);
 	if ((!glass && !front) || cosine <= 0)
 		return false;
 	bool reflected = !glass || next_number(numbers) < light_fresnel(cosine, index);
-	glm_vec3_muladds(packet->direction, hit->ray.tfar, packet->origin);
+	glm_vec3_muladds(photon->direction, hit->ray.tfar, photon->origin);
 	if (reflected) {
-		reflect(packet->direction, n);
+		reflect(photon->direction, n);
 		if (!glass)
-			scale_packet(packet, surface->specular, absorbed);
+			scale_photon(photon, surface->specular, absorbed);
 	} else {
-		refract(packet->direction, n, index);
-		scale_packet(packet, surface->transmittance, absorbed);
+		refract(photon->direction, n, index);
+		scale_photon(photon, surface->transmittance, absorbed);
 	}
-	glm_vec3_muladds(flat, reflected ? t->lift : -t->lift, packet->origin);
+	glm_vec3_muladds(flat, reflected ? t->lift : -t->lift, photon->origin);
 	/* A smooth normal may lead through triangles that it does not belong to. */
-	return (glm_vec3_dot(packet->direction, flat) > 0) == reflected;
+	return (glm_vec3_dot(photon->direction, flat) > 0) == reflected;
 }
 
 static void follow(const light_tracer *t, uint64_t *numbers, light_result *out)
 {
-	light_packet packet;
-	emit(t, numbers, &packet);
-	add_flux(&out->emitted, packet.rgb);
+	light_photon photon;
+	emit(t, numbers, &photon);
+	add_flux(&out->emitted, photon.rgb);
 	for (int step = 0; step < MOST_STEPS; step++) {
-		struct RTCRayHit hit = {.ray = {.org_x = packet.origin[0],
-						.org_y = packet.origin[1],
-						.org_z = packet.origin[2],
-						.dir_x = packet.direction[0],
-						.dir_y = packet.direction[1],
-						.dir_z = packet.direction[2],
+		struct RTCRayHit hit = {.ray = {.org_x = photon.origin[0],
+						.org_y = photon.origin[1],
+						.org_z = photon.origin[2],
+						.dir_x = photon.direction[0],
+						.dir_y = photon.direction[1],
+						.dir_z = photon.direction[2],
 						.tfar = INFINITY,
 						.mask = 0xffffffffu}};
 		hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 		embree_closest(t->embree, &hit, NULL);
 		if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-			add_flux(&out->escaped, packet.rgb);
+			add_flux(&out->escaped, photon.rgb);
 			return;
 		}
 		uint32_t triangle = hit.hit.primID;
@@ -240,17 +240,17 @@ static void follow(const light_tracer *t, uint64_t *numbers, light_result *out)
 		if (luminous(surface->specular) <= 0 && luminous(surface->transmittance) <= 0) {
 			vec3 n;
 			triangle_normal(t->scene, triangle, n);
-			bool front = glm_vec3_dot(n, packet.direction) < 0;
+			bool front = glm_vec3_dot(n, photon.direction) < 0;
 			add_flux(!front      ? &out->absorbed
 				 : step == 0 ? &out->direct[triangle]
 					     : &out->specular[triangle],
-				 packet.rgb);
+				 photon.rgb);
 			return;
 		}
-		if (!go_on(t, surface, &hit, numbers, &packet, &out->absorbed))
+		if (!go_on(t, surface, &hit, numbers, &photon, &out->absorbed))
 			break;
 	}
-	add_flux(&out->absorbed, packet.rgb);
+	add_flux(&out->absorbed, photon.rgb);
 }
 
 static void *trace_chunks(void *user)
@@ -260,9 +260,9 @@ static void *trace_chunks(void *user)
 		uint32_t chunk = atomic_fetch_add(&t->next_chunk, 1);
 		if (chunk >= CHUNKS)
 			return NULL;
-		uint64_t first = t->packets * chunk / CHUNKS, end = t->packets * (chunk + 1) / CHUNKS;
-		for (uint64_t packet = first; packet < end; packet++) {
-			uint64_t numbers = mix64(t->seed ^ mix64(packet));
+		uint64_t first = t->photons * chunk / CHUNKS, end = t->photons * (chunk + 1) / CHUNKS;
+		for (uint64_t photon = first; photon < end; photon++) {
+			uint64_t numbers = mix64(t->seed ^ mix64(photon));
 			follow(t, &numbers, &t->chunks[chunk]);
 		}
 	}
@@ -366,9 +366,9 @@ static void free_tracer(light_tracer *t)
 		rtcReleaseDevice(t->device);
 }
 
-bool light_trace(const light_scene *scene, uint64_t packets, uint64_t seed, light_result *out)
+bool light_trace(const light_scene *scene, uint64_t photons, uint64_t seed, light_result *out)
 {
-	light_tracer t = {.scene = scene, .packets = packets, .seed = seed, .lift = LIFT * extent_of(scene)};
+	light_tracer t = {.scene = scene, .photons = photons, .seed = seed, .lift = LIFT * extent_of(scene)};
 	*out = (light_result){0};
 	t.power_up_to = calloc(scene->triangle_count, sizeof *t.power_up_to);
 	t.chunks = calloc(CHUNKS, sizeof *t.chunks);

@@ -1,6 +1,6 @@
 /* Light traced forward through mirrors and glass: what the library's specular transport is measured against.
  *
- * Packets of flux leave the emitters, are reflected and refracted by smooth surfaces, and end on the first surface that
+ * Photons of flux leave the emitters, are reflected and refracted by smooth surfaces, and end on the first surface that
  * is neither mirror nor glass, which takes all of it: one pass of light, without what that surface gives on. Independent of
  * the library on purpose: Embree for the rays, its own Fresnel equations and sampling. Only tests and benchmarks link it.
  */
@@ -41,9 +41,9 @@ typedef struct light_result {
 	light_flux absorbed; /* by mirrors, glass and backs */
 } light_result;
 
-/* `packets` in all, >= 1, the same bits for the same seed whatever the number of threads. False, with *out zeroed, when
+/* `photons` in all, >= 1, the same bits for the same seed whatever the number of threads. False, with *out zeroed, when
  * nothing emits or memory or Embree fails. */
-bool light_trace(const light_scene *scene, uint64_t packets, uint64_t seed, light_result *out);
+bool light_trace(const light_scene *scene, uint64_t photons, uint64_t seed, light_result *out);
 void light_result_free(light_result *result);
 
 /* Share of unpolarised light that a smooth surface between two clear media reflects (Fresnel's equations; Born and Wolf,

@@ -1,5 +1,5 @@
-/* Small cages that the tests of refinement, hierarchy, rays and skin share. A cage points into its own storage: fill it
- * where it stays. */
+/* Small cages that the tests of refinement, hierarchy, rays and drawn surfaces share. A cage points into its own
+ * storage: fill it where it stays. */
 #ifndef TESTS_CAGES_H
 #define TESTS_CAGES_H
 

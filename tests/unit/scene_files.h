@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "engine/mesh_clean.h"
-#include "engine/scene_file.h"
+#include "engine/import_file.h"
 
 #include <dirent.h>
 #include <math.h>

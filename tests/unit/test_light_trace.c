@@ -113,10 +113,10 @@ typedef struct shares {
 	double direct, specular, absorbed, escaped; /* of what was emitted */
 } shares;
 
-static shares trace_shares(test_scene *s, uint64_t packets)
+static shares trace_shares(test_scene *s, uint64_t photons)
 {
 	light_result result;
-	assert_true(light_trace(&s->scene, packets, 1, &result));
+	assert_true(light_trace(&s->scene, photons, 1, &result));
 	uint32_t count = s->scene.triangle_count;
 	double all = result.emitted.rgb[0];
 	shares out = {sum_of(result.direct, count) / all, sum_of(result.specular, count) / all,
@@ -127,7 +127,7 @@ static shares trace_shares(test_scene *s, uint64_t packets)
 }
 
 static const light_surface GLASS = {.transmittance = {1, 1, 1}, .index = 1.5f};
-enum { PACKETS = 400000 };
+enum { PHOTONS = 400000 };
 /* Four standard deviations of a share of one half. */
 static const double NOISE = 4 * 0.5 / 632;
 
@@ -168,7 +168,7 @@ static void test_plate(void **state)
 	add_square(s, 20, 0.01, 1, SPECIAL);
 	add_square(s, 20, 0, -1, SPECIAL);
 	add_square(s, 2000, -1, 1, BLACK);
-	shares out = trace_shares(s, PACKETS);
+	shares out = trace_shares(s, PHOTONS);
 	CHECK_NEAR(out.specular, plate_transmittance(1.5), NOISE + 1e-3); /* a little goes by the plate's edge */
 	free(s);
 }
@@ -180,7 +180,7 @@ static void test_mirror_ball(void **state)
 	add_square(s, 0.001, 2, -1, LAMP);
 	add_ball(s, 1, 180, 90);
 	double seen = exact_element_sphere(1, 2, 1);
-	shares out = trace_shares(s, PACKETS);
+	shares out = trace_shares(s, PHOTONS);
 	CHECK_NEAR(out.absorbed, 0.1 * seen, 0.1 * NOISE + 1e-4);
 	CHECK_NEAR(out.escaped, 1 - 0.1 * seen, 0.1 * NOISE + 1e-4);
 	free(s);
@@ -192,7 +192,7 @@ static void test_glass_ball(void **state)
 {
 	(void)state;
 	const double away = 20, behind = 1 / (1 / 1.5 - 1 / away), half = 0.1;
-	const uint64_t packets = 2000000;
+	const uint64_t photons = 2000000;
 	for (int real = 0; real < 2; real++) {
 		test_scene *s = new_scene(GLASS);
 		s->surfaces[SPECIAL].index = real ? 1.5f : 1.0f;
@@ -200,13 +200,13 @@ static void test_glass_ball(void **state)
 		add_square(s, half, -behind, 1, BLACK);
 		add_ball(s, 1, 180, 90);
 		light_result result;
-		assert_true(light_trace(&s->scene, packets, 1, &result));
+		assert_true(light_trace(&s->scene, photons, 1, &result));
 		double got = (result.specular[2].rgb[0] + result.specular[3].rgb[0]) / result.emitted.rgb[0];
 		double square = 4 * half * half / (PI * pow(away + behind, 2)), ball = exact_element_sphere(1, away, 1);
 		if (real)
 			assert_true(got > 0.3 * ball && got < 0.6 * ball);
 		else
-			CHECK_NEAR(got, square, 4 * sqrt(square / (double)packets));
+			CHECK_NEAR(got, square, 4 * sqrt(square / (double)photons));
 		printf("index %.1f: %.3g of the ball's light\n", (double)s->surfaces[SPECIAL].index, got / ball);
 		light_result_free(&result);
 		free(s);

@@ -165,19 +165,19 @@ static bool same(const void *a, const void *b, size_t count, size_t size)
 
 #define SAME(part, array, count) same(a->part.array, b->part.array, a->part.count, sizeof *a->part.array)
 
-static bool same_objects(const scene_object *a, const scene_object *b)
+static bool same_objects(const object_record *a, const object_record *b)
 {
 	return a->hierarchy.node_count == b->hierarchy.node_count &&
 	       a->hierarchy.leaf_count == b->hierarchy.leaf_count &&
 	       a->hierarchy.vertex_count == b->hierarchy.vertex_count && a->bvh.node_count == b->bvh.node_count &&
-	       a->bvh.primitive_count == b->bvh.primitive_count && a->skin.light_count == b->skin.light_count &&
-	       a->skin.vertex_count == b->skin.vertex_count && a->skin.index_count == b->skin.index_count &&
+	       a->bvh.primitive_count == b->bvh.primitive_count && a->drawn.light_count == b->drawn.light_count &&
+	       a->drawn.vertex_count == b->drawn.vertex_count && a->drawn.index_count == b->drawn.index_count &&
 	       a->material_count == b->material_count && strcmp(a->name, b->name) == 0 && a->plane == b->plane &&
 	       SAME(hierarchy, geometry, node_count) && SAME(hierarchy, topology, node_count) &&
 	       SAME(hierarchy, vertices, vertex_count) && SAME(hierarchy, leaf_node, leaf_count) &&
 	       SAME(hierarchy, leaf_material, leaf_count) && SAME(bvh, nodes, node_count) &&
-	       SAME(bvh, primitives, primitive_count) && SAME(skin, light_first, light_count) &&
-	       SAME(skin, vertices, vertex_count) && SAME(skin, indices, index_count);
+	       SAME(bvh, primitives, primitive_count) && SAME(drawn, light_first, light_count) &&
+	       SAME(drawn, vertices, vertex_count) && SAME(drawn, indices, index_count);
 }
 
 /* What a thread found; asserted by the main one. */

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "engine/mesh_clean.h"
-#include "engine/scene_file.h"
+#include "engine/import_file.h"
 #include "engine/simplify.h"
 
 #include <math.h>

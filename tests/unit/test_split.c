@@ -2,7 +2,7 @@
  * above the pieces keep the validator's rules. */
 #include "cages.h"
 
-#include "skin.h"
+#include "drawn_surface.h"
 #include "split.h"
 
 #include <stdlib.h>
@@ -230,14 +230,15 @@ static bool leaf_is_within(const gi_hierarchy *h, uint32_t leaf, const float (*c
 }
 
 /* How many light vertices take light from leaves under a thing and beside it. */
-static uint32_t count_mixed(const split_cage *s, const gi_skin *skin, const float (*corners)[2], uint32_t count)
+static uint32_t count_mixed(const split_cage *s, const gi_drawn_surface *drawn, const float (*corners)[2],
+			    uint32_t count)
 {
 	uint32_t mixed = 0;
-	for (uint32_t light = 0; light < skin->light_count; light++) {
+	for (uint32_t light = 0; light < drawn->light_count; light++) {
 		uint32_t within = 0;
-		for (uint32_t k = skin->light_first[light]; k < skin->light_first[light + 1]; k++)
-			within += leaf_is_within(&s->h, skin->light_leaf[k], corners, count);
-		mixed += within > 0 && within < skin->light_first[light + 1] - skin->light_first[light];
+		for (uint32_t k = drawn->light_first[light]; k < drawn->light_first[light + 1]; k++)
+			within += leaf_is_within(&s->h, drawn->light_leaf[k], corners, count);
+		mixed += within > 0 && within < drawn->light_first[light + 1] - drawn->light_first[light];
 	}
 	return mixed;
 }
@@ -246,15 +247,15 @@ static uint32_t mixed_lights(const test_cage *t, float leaf_size, const float (*
 {
 	gi_leaf_cut cuts[8];
 	split_cage s;
-	gi_skin skin;
+	gi_drawn_surface drawn;
 	for (uint32_t k = 0; k < count; k++) {
 		const float *a = corners[k], *b = corners[(k + 1) % count];
 		cuts[k] = (gi_leaf_cut){0, {a[0], a[1], 0}, {b[0], b[1], 0}, parts};
 	}
 	split_open(t, &(gi_split_def){.leaf_size = leaf_size, .cuts = cuts, .cut_count = count}, &s);
-	assert_true(gi_skin_from_surface(&s.h, &s.refined, NULL, 0, &skin));
-	const uint32_t mixed = count_mixed(&s, &skin, corners, count);
-	gi_skin_free(&skin);
+	assert_true(gi_drawn_from_cage(&s.h, &s.refined, NULL, 0, &drawn));
+	const uint32_t mixed = count_mixed(&s, &drawn, corners, count);
+	gi_drawn_free(&drawn);
 	split_close(&s);
 	return mixed;
 }

@@ -180,8 +180,8 @@ typedef struct gi_context_def {
 	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
 	uint32_t pixel_lamps;
 
-	/* Packets of light that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
-	 * 16384, 0: none. A packet takes some four rays, when something moved that it meets. */
+	/* Photons that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
+	 * 16384, 0: none. A photon takes some four rays, when something moved that it meets. */
 	uint32_t caustic_photons;
 
 	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
@@ -523,7 +523,7 @@ typedef enum gi_pass {
 	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
 	GI_PASS_TRACE,      /* visibility rays */
 	GI_PASS_CLOSE,      /* row sums */
-	GI_PASS_CAUSTICS,   /* packets of light through mirrors and glass */
+	GI_PASS_CAUSTICS,   /* photons through mirrors and glass */
 	GI_PASS_SOLVE,      /* sweeps */
 	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
 	GI_PASS_ESTIMATE,   /* how far off the rows are (def.estimate_leaves) */

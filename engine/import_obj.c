@@ -1,0 +1,437 @@
+/* OBJ. Every o or g with faces is an object; faces of a g that is named again under the same o join it.
+ *
+ * What has no bearing on the shape (texture coordinates, normals, smoothing) is passed over; what has, and is not read,
+ * is counted and told. Numbers of vertices may run ahead of the vertices, as some writers put all faces first.
+ */
+#define _POSIX_C_SOURCE 200809L /* fileno */
+#include "import_obj.h"
+
+#include "image_mean.h"
+#include "import_mtl.h"
+#include "import_path.h"
+#include "import_polygons.h"
+#include "import_text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Of one file, and bytes of each: more are no scene's, and would be looked for or read for hours. */
+enum { MOST_LIBRARIES = 64, MOST_NAMES = 1000 };
+static const size_t MOST_LIBRARY_BYTES = (size_t)64 << 20;
+/* Of all textures together. */
+static const uint64_t MOST_PIXELS = (uint64_t)1 << 28, MOST_TEXTURE_BYTES = (uint64_t)1 << 30;
+
+/* A name that a line gives, in the file's own text: of a group under its object, or of a material alone. */
+typedef struct name_line {
+	const char *object, *name; /* "" without */
+	uint32_t number;           /* of the line among its like */
+	uint32_t first;            /* number of the first line with the same names */
+	uint32_t material;         /* usemtl: the scene's number, IMPORT_NO_MATERIAL before a face asks */
+	const mtl_material *found; /* usemtl: in a library; NULL: in none */
+} name_line;
+
+typedef struct library {
+	dev_t device;
+	ino_t number;
+} library;
+
+typedef struct obj_reader {
+	import_loader *loader;
+	import_text text;
+	import_polygons polygons; /* group and material number name_lines until the end of the file */
+	mtl_materials materials;
+	import_array groups, uses; /* name_line: of o and g; of usemtl. The first of each holds before any other */
+	library libraries[MOST_LIBRARIES];
+	uint32_t library_count, names; /* of libraries read; of libraries and textures looked for */
+	const char *object;            /* of the last o */
+	uint64_t pixels, bytes;        /* of all textures so far */
+} obj_reader;
+
+static bool fail_memory(obj_reader *r)
+{
+	return import_fail(r->loader, "out of memory in line %u", r->text.line);
+}
+
+/* ---- vertices and faces ------------------------------------------------------------------------------------------ */
+
+static bool read_vertex(obj_reader *r, char *rest)
+{
+	const char *line = import_rest_of_line(rest);
+	double values[7];
+	int count = 0;
+	for (const char *before = rest; count < 7 && import_read_number(&rest, &values[count]); before = rest) {
+		if (count++ < 3)
+			import_count_digits(&r->polygons, before, rest);
+	}
+	import_vertex *vertex =
+	    import_add_vertex(r->loader, &r->polygons, count < 3 ? NULL : values, r->text.line, line);
+	if (!vertex)
+		return fail_memory(r);
+	vertex->colored = count == 6;
+	if (vertex->colored)
+		import_linear_color(values + 3, vertex->color);
+	return true;
+}
+
+/* A vertex number as the file has it, up to a slash or the end of the word. False: it is none. */
+static bool parse_vertex_number(const char *word, int64_t *number)
+{
+	char *end;
+	if ((*word < '0' || *word > '9') && *word != '-' && *word != '+')
+		return false;
+	*number = strtoll(word, &end, 10); /* out of range: the largest, which is no vertex either */
+	return end > word && (*end == '\0' || *end == '/');
+}
+
+/* From the file's numbers (from 1 on, or back from -1, the vertex before the line) to ours from 0 on. */
+static uint32_t vertex_of(const obj_reader *r, const char *word)
+{
+	int64_t number, vertices = (int64_t)r->polygons.vertices.count;
+	if (!parse_vertex_number(word, &number) || number < -vertices)
+		return IMPORT_NO_VERTEX;
+	int64_t counted = number < 0 ? vertices + 1 + number : number;
+	return counted < 1 || counted >= IMPORT_MOST_ITEMS ? IMPORT_NO_VERTEX : (uint32_t)counted - 1;
+}
+
+static bool read_face(obj_reader *r, char *rest)
+{
+	uint32_t corners = 0;
+	const char *word;
+	while ((word = import_next_word(&rest)) && word[0] != '#') {
+		uint32_t *corner = import_array_add(&r->polygons.corners, sizeof *corner);
+		if (!corner)
+			return fail_memory(r);
+		*corner = vertex_of(r, word);
+		corners++;
+	}
+	import_polygon *face = import_add_polygon(&r->polygons, corners);
+	if (!face)
+		return fail_memory(r);
+	face->place = r->text.line;
+	face->group = (uint32_t)r->groups.count - 1;
+	face->material = (uint32_t)r->uses.count - 1;
+	return true;
+}
+
+static bool skip_points_and_lines(obj_reader *r, char *rest)
+{
+	(void)rest;
+	import_note(r->loader, NULL, "points and lines (p, l) are left out");
+	return true;
+}
+
+static bool skip(obj_reader *r, char *rest)
+{
+	(void)r;
+	(void)rest;
+	return true;
+}
+
+/* ---- names ------------------------------------------------------------------------------------------------------- */
+
+static bool add_name_line(obj_reader *r, import_array *lines, const char *object, const char *name)
+{
+	name_line *line = import_array_add(lines, sizeof *line);
+	if (!line)
+		return fail_memory(r);
+	*line = (name_line){object, name, (uint32_t)lines->count - 1, 0, IMPORT_NO_MATERIAL, NULL};
+	return true;
+}
+
+static bool read_object(obj_reader *r, char *rest)
+{
+	r->object = import_rest_of_line(rest);
+	return add_name_line(r, &r->groups, r->object, "");
+}
+
+static bool read_group(obj_reader *r, char *rest)
+{
+	return add_name_line(r, &r->groups, r->object, import_rest_of_line(rest));
+}
+
+static bool read_material(obj_reader *r, char *rest)
+{
+	return add_name_line(r, &r->uses, "", import_rest_of_line(rest));
+}
+
+static int compare_name_lines(const void *a, const void *b)
+{
+	const name_line *x = a, *y = b;
+	int objects = strcmp(x->object, y->object), names = objects ? objects : strcmp(x->name, y->name);
+	return names ? names : (x->number > y->number) - (x->number < y->number);
+}
+
+/* Tells every line which one had the same names first. By sorting: no choice of names makes that slow. */
+static bool find_first_of_name(obj_reader *r, import_array *lines)
+{
+	name_line *all = lines->items, *sorted = malloc(lines->count * sizeof *sorted);
+	if (!sorted)
+		return fail_memory(r);
+	memcpy(sorted, all, lines->count * sizeof *sorted);
+	qsort(sorted, lines->count, sizeof *sorted, compare_name_lines);
+	for (size_t i = 0, begin = 0; i < lines->count; i++) {
+		if (strcmp(sorted[i].object, sorted[begin].object) != 0 ||
+		    strcmp(sorted[i].name, sorted[begin].name) != 0)
+			begin = i;
+		all[sorted[i].number].first = sorted[begin].number;
+	}
+	free(sorted);
+	return true;
+}
+
+/* ---- material libraries ------------------------------------------------------------------------------------------ */
+
+/* By what it is, since a file has many names ("./a.mtl"). */
+static bool was_read(obj_reader *r, FILE *file)
+{
+	struct stat about;
+	if (fstat(fileno(file), &about) != 0)
+		return true;
+	for (uint32_t i = 0; i < r->library_count; i++) {
+		if (r->libraries[i].device == about.st_dev && r->libraries[i].number == about.st_ino)
+			return true;
+	}
+	r->libraries[r->library_count++] = (library){about.st_dev, about.st_ino};
+	return false;
+}
+
+static bool read_open_library(obj_reader *r, FILE *file, const char *name)
+{
+	char fault[200];
+	size_t size;
+	uint8_t *bytes = import_read_all(file, MOST_LIBRARY_BYTES, &size, fault, sizeof fault);
+	if (!bytes) {
+		import_note(r->loader, name, "a material library %s", fault);
+		return true;
+	}
+	bool read = mtl_read(&r->materials, r->loader, name, bytes, size);
+	free(bytes);
+	return read || import_fail(r->loader, "out of memory for material library \"%.80s\"", name);
+}
+
+static bool read_library(obj_reader *r, const char *name)
+{
+	char fault[200] = "is one of too many";
+	bool one_more = r->library_count < MOST_LIBRARIES && r->names++ < MOST_NAMES;
+	FILE *file = one_more ? import_open_below(r->loader->path, name, fault, sizeof fault) : NULL;
+	if (!file)
+		import_note(r->loader, name, "a material library %s", fault);
+	else if (was_read(r, file))
+		fclose(file);
+	else
+		return read_open_library(r, file, name);
+	return true;
+}
+
+/* Names may have blanks in them, and there may be several in a line: read as one name where there is such a file. */
+static bool read_libraries(obj_reader *r, char *rest)
+{
+	char *name = import_rest_of_line(rest), fault[8];
+	if (r->names >= MOST_NAMES)
+		return read_library(r, name);
+	FILE *whole = import_open_below(r->loader->path, name, fault, sizeof fault);
+	if (whole) {
+		fclose(whole);
+		return read_library(r, name);
+	}
+	bool read = true;
+	while (read && (name = import_next_word(&rest)))
+		read = read_library(r, name);
+	return read;
+}
+
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
+
+static bool skip_unknown(obj_reader *r, const char *word)
+{
+	char first[48];
+	snprintf(first, sizeof first, "%.20s, line %u", word, r->text.line);
+	import_note(r->loader, first, "lines of other kinds are not read");
+	return true;
+}
+
+static const struct {
+	const char *word;
+	bool (*read)(obj_reader *r, char *rest);
+} keywords[] = {
+    {"v", read_vertex},
+    {"vt", skip},
+    {"vn", skip},
+    {"f", read_face},
+    {"fo", read_face}, /* of files before 1995 */
+    {"usemtl", read_material},
+    {"o", read_object},
+    {"g", read_group},
+    {"mtllib", read_libraries},
+    {"s", skip},
+    {"l", skip_points_and_lines},
+    {"p", skip_points_and_lines},
+};
+
+static bool read_line(obj_reader *r, char *line)
+{
+	const char *word = import_next_word(&line);
+	if (!word || word[0] == '#')
+		return true;
+	for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++) {
+		if (strcmp(word, keywords[i].word) == 0)
+			return keywords[i].read(r, line);
+	}
+	return skip_unknown(r, word);
+}
+
+static bool read_lines(obj_reader *r)
+{
+	char *line;
+	while ((line = import_next_line(&r->text))) {
+		if (!read_line(r, line))
+			return false;
+	}
+	return true;
+}
+
+/* ---- textures of lamps ------------------------------------------------------------------------------------------- */
+
+/* The mean of an image beside the scene. False with the reason in why. */
+static bool read_mean(obj_reader *r, const char *name, float mean[4], char *why, size_t why_size)
+{
+	size_t size = 0;
+	uint64_t pixels = 0;
+	const char *fault = "";
+	if (r->pixels > MOST_PIXELS || r->bytes > MOST_TEXTURE_BYTES || r->names++ >= MOST_NAMES) {
+		snprintf(why, why_size, "the images of the file are too many or too large");
+		return false;
+	}
+	FILE *file = import_open_below(r->loader->path, name, why, why_size);
+	uint8_t *bytes = import_read_all(file, MOST_LIBRARY_BYTES, &size, why, why_size);
+	bool read = bytes && engine_image_mean(bytes, size, mean, &pixels, &fault);
+	if (bytes && !read)
+		snprintf(why, why_size, "%s", fault);
+	r->pixels += pixels;
+	r->bytes += size;
+	free(bytes);
+	return read;
+}
+
+/* The emission times the mean of its texture. Without the image no one knows how much it leaves: it stays as stated. */
+static void apply_glow(obj_reader *r, const mtl_material *from, engine_scene_material *material)
+{
+	char why[160];
+	float mean[4];
+	if (!read_mean(r, from->glow, mean, why, sizeof why)) {
+		import_note(r->loader, from->name, "textures of Ke are left out: %s", why);
+		return;
+	}
+	for (int c = 0; c < 3; c++)
+		material->radiance[c] *= mean[c];
+	import_note(r->loader, from->name, "textures of Ke are read as their mean");
+}
+
+/* ---- from names to numbers --------------------------------------------------------------------------------------- */
+
+static void note_unread(obj_reader *r, const mtl_material *material)
+{
+	static const char *const kinds[MTL_UNREAD_KINDS] = {
+	    [MTL_TRANSPARENT] = "transparency (d, Tr) is taken as opaque",
+	    [MTL_MIRROR] = "mirrors, metals and glass (illum, Pm, Ks without Kd) are taken as diffuse",
+	    [MTL_TEXTURE] = "textures of Kd are not read, Kd is",
+	};
+	for (int kind = 0; kind < MTL_UNREAD_KINDS; kind++) {
+		if (material->unread >> kind & 1)
+			import_note(r->loader, material->name, "%s", kinds[kind]);
+	}
+}
+
+/* A material of the file that a face asks for; one that no library has reflects as one without Kd. */
+static bool add_used_material(obj_reader *r, name_line *use)
+{
+	static const mtl_material unknown = {.rho = {MTL_RHO, MTL_RHO, MTL_RHO}};
+	const mtl_material *from = use->found ? use->found : &unknown;
+	use->material = r->loader->scene->material_count;
+	engine_scene_material *material = import_add_material(r->loader, use->name);
+	if (!material)
+		return false;
+	memcpy(material->rho, from->rho, sizeof material->rho);
+	memcpy(material->radiance, from->radiance, sizeof material->radiance);
+	if (!use->found) {
+		import_note(r->loader, use->name, "materials that are in no library get a reflectance of 0.6");
+		return true;
+	}
+	note_unread(r, from);
+	if (from->glow)
+		apply_glow(r, from, material);
+	return true;
+}
+
+static bool number_materials(obj_reader *r)
+{
+	import_polygon *faces = r->polygons.faces.items;
+	name_line *uses = r->uses.items;
+	uint32_t not_by_color = 0;
+	for (size_t u = 0; u < r->uses.count; u++)
+		uses[u].found = mtl_find(&r->materials, uses[u].name);
+	for (size_t f = 0; f < r->polygons.faces.count; f++) {
+		name_line *use = uses + uses[faces[f].material].first;
+		faces[f].material = IMPORT_NO_MATERIAL;
+		not_by_color += faces[f].colored && use->found;
+		if (!use->name[0] || (faces[f].colored && !use->found))
+			continue;
+		if (use->material == IMPORT_NO_MATERIAL && !add_used_material(r, use))
+			return false;
+		faces[f].material = use->material;
+	}
+	import_note_many(r->loader, not_by_color, NULL,
+			 "colours of vertices are not read on faces that have a material");
+	return true;
+}
+
+static bool add_objects(obj_reader *r)
+{
+	import_polygon *faces = r->polygons.faces.items;
+	const name_line *groups = r->groups.items;
+	const char **names = malloc(r->groups.count * sizeof *names);
+	if (!names)
+		return fail_memory(r);
+	for (size_t g = 0; g < r->groups.count; g++)
+		names[g] = groups[g].name[0] ? groups[g].name : groups[g].object;
+	for (size_t f = 0; f < r->polygons.faces.count; f++)
+		faces[f].group = groups[faces[f].group].first;
+	bool added = import_add_polygons(r->loader, &r->polygons, names, (uint32_t)r->groups.count);
+	free(names);
+	return added;
+}
+
+/* ---- the file ---------------------------------------------------------------------------------------------------- */
+
+static bool read_file(obj_reader *r)
+{
+	if (!add_name_line(r, &r->groups, "", "") || !add_name_line(r, &r->uses, "", "") || !read_lines(r))
+		return false;
+	mtl_sort(&r->materials);
+	if (!find_first_of_name(r, &r->groups) || !find_first_of_name(r, &r->uses) || !number_materials(r))
+		return false;
+	return add_objects(r);
+}
+
+static void free_reader(obj_reader *r)
+{
+	import_polygons_free(&r->polygons);
+	mtl_free(&r->materials);
+	free(r->groups.items);
+	free(r->uses.items);
+}
+
+bool import_read_obj(import_loader *loader)
+{
+	size_t size;
+	uint8_t *bytes = import_read_file(loader, &size);
+	if (!bytes)
+		return false;
+	obj_reader r = {.loader = loader, .text = import_text_of(bytes, size), .polygons.places = "line", .object = ""};
+	bool read = read_file(&r);
+	free_reader(&r);
+	free(bytes);
+	return read;
+}

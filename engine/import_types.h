@@ -1,0 +1,69 @@
+/* What a scene of a file is: plain structs in metres, watts and seconds (import_file.h). */
+#ifndef ENGINE_IMPORT_TYPES_H
+#define ENGINE_IMPORT_TYPES_H
+
+#include "mesh.h"
+
+typedef enum engine_scheme {
+	ENGINE_SCHEME_BILINEAR, /* default */
+	ENGINE_SCHEME_CATMULL_CLARK,
+	ENGINE_SCHEME_LOOP, /* the mesh has triangles only */
+} engine_scheme;
+
+enum { ENGINE_SCENE_MAX_LEVELS = 8 };
+
+typedef struct engine_scene_material {
+	char *name;        /* never NULL; control characters are replaced by blanks */
+	float rho[3];      /* linear RGB, each in [0, 1) */
+	float mirror[3];   /* share of light that is reflected as by a mirror, [0, 1 - rho] */
+	float glass[3];    /* share of refracted light that goes on, [0, 1 - rho]; 0 where it is a mirror */
+	float index;       /* of refraction, of glass, 1..4 */
+	float radiance[3]; /* L of one side, W/(m2 sr), >= 0; exitance E = pi L */
+	bool double_sided; /* two back-to-back sides */
+	bool used;         /* some face has it */
+	bool clear;        /* lets light through: its faces are left out */
+} engine_scene_material;
+
+/* World from object: scale, then rotate, then translate. */
+typedef struct engine_pose {
+	float translation[3]; /* metres */
+	float rotation[4];    /* unit quaternion x y z w */
+	float scale[3];       /* each > 0: a mirrored node has its mesh mirrored instead, with its fronts kept */
+} engine_pose;
+
+typedef struct engine_scene_object {
+	char *name;       /* never NULL or empty, unique in the scene ("a", "a#2", ...) */
+	engine_mesh mesh; /* object space; face_materials number the scene's materials, never NULL */
+	engine_pose rest; /* as the file places it, animation apart */
+	engine_scheme scheme;
+	uint32_t levels;     /* refinement steps, 0..ENGINE_SCENE_MAX_LEVELS, default 0 */
+	bool double_sided;   /* one of its materials is */
+	bool animated;       /* its pose depends on time */
+	bool scale_animated; /* even the scale does: not a rigid motion */
+	bool vanishes;       /* its scale is 0 at times, when engine_scene_pose() has no pose */
+	uint32_t node;       /* private, as all that follows */
+	bool mirrored, baked;
+	double offset[3], stretch[9];
+	double rounding; /* metres in object space: how far the file's coordinates may be off */
+} engine_scene_object;
+
+typedef struct engine_scene_camera {
+	float eye[3], target[3], up[3]; /* world; target is 1 m ahead, up a unit vector across the view */
+	float vertical_fov;             /* radians, (0, pi) */
+} engine_scene_camera;
+
+typedef struct engine_scene {
+	engine_scene_material *materials;
+	uint32_t material_count;
+	engine_scene_object *objects;
+	uint32_t object_count; /* 0: an empty scene is none of our errors */
+	double duration_s;     /* last key of the animations, 0 without */
+	bool has_camera;       /* the first perspective camera of the scene */
+	double origin[3];      /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
+	char warning[4096];    /* one line about what was dropped or ignored, "" when nothing was */
+	uint32_t camera_node;  /* private */
+	float camera_fov;      /* private */
+	struct engine_scene_graph *graph; /* private: nodes and animation */
+} engine_scene;
+
+#endif

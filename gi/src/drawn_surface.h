@@ -1,0 +1,51 @@
+/* How the light of the leaves reaches what is drawn.
+ *
+ *   leaf irradiance --(light vertices: weighted mean of adjacent leaves)--> light vertex --(up to 4, weights)--> draw
+ *   vertex
+ *
+ * Light vertices are the corners of the leaves, split where the surface has an edge (the leaves' normals differ by more
+ * than 40 degrees, or one side is not connected to the other) or another surface stands on it (gi_refined.parted): light
+ * does not bleed round a corner of a box, nor under a wall.
+ */
+#ifndef GI_DRAWN_SURFACE_H
+#define GI_DRAWN_SURFACE_H
+
+#include "hierarchy.h"
+
+typedef struct gi_draw_vertex {
+	float position[3]; /* rest frame */
+	float normal[3];   /* unit */
+	uint32_t leaf;     /* gives the material; local to the object */
+	uint32_t light[4]; /* light vertices */
+	float weight[4];   /* >= 0, sum 1 */
+} gi_draw_vertex;
+
+typedef struct gi_drawn_surface {
+	uint32_t light_count;
+	uint32_t *light_first;  /* light_count + 1 offsets into the two arrays below */
+	uint32_t *light_leaf;   /* leaves, local to the object */
+	float *light_weight;    /* sum 1 for each light vertex */
+	uint32_t *corner_light; /* 4 a leaf: the light vertices at its corners */
+	uint32_t vertex_count;
+	gi_draw_vertex *vertices;
+	uint32_t index_count; /* three a triangle, counter-clockwise */
+	uint32_t *indices;
+} gi_drawn_surface;
+
+/* Draws the surface itself. `fine` is the same cage refined `extra` >= 0 levels further than the hierarchy's (NULL:
+ * extra 0, `fine` is the refined the hierarchy came from). Flat leaves are drawn as four triangles round their centre,
+ * so that interpolation has no diagonal; curved ones as the quads of the finer level on the limit surface with limit
+ * normals. */
+bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
+			gi_drawn_surface *out);
+
+/* Draws a detailed mesh lit through the hierarchy (a scan and its cage): each vertex takes the light of the closest
+ * point of a leaf whose normal agrees with its own (within 90 degrees; else the closest at all). positions 3 *
+ * vertex_count in the rest frame, indices three a triangle. Normals are area weighted over the mesh. 100,000 triangles
+ * take about a second. */
+bool gi_drawn_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
+			const uint32_t *indices, uint32_t index_count, gi_drawn_surface *out);
+
+void gi_drawn_free(gi_drawn_surface *drawn);
+
+#endif
