@@ -76,7 +76,8 @@
 #define BUDGET_BUFFERS(X) \
 	X(32, CHOICES, choices, choice, uint, SHADERS, "choices") /* GI_CHOICE_ */ \
 	X(33, PENDING, pending, pending, gi_pending, SHADERS, "pending") \
-	X(34, LIGHT_BOUNDS, light_bounds, light_bound, uint, SHADERS, "light bounds") /* GI_LIGHT_BOUND_WORDS a slot, and for all */
+	/* GI_LIGHT_BOUND_WORDS an object slot, and for all of them */ \
+	X(34, LIGHT_BOUNDS, light_bounds, light_bound, uint, SHADERS, "light bounds")
 
 /* gi_solver */
 #define SOLVER_BUFFERS(X) \

@@ -114,27 +114,30 @@ static bool changed(const object_record *o)
 	return o->moved || o->relit || o->material_changed;
 }
 
-/* Has anything changed that any pair may see? */
-static bool any_changed(const gi_scene *s)
+/* Of all objects: what is other than in the update before. */
+typedef struct scene_changes {
+	bool any; /* something that any pair may see */
+	bool moved;
+	bool smooth_values; /* of a mirror or glass */
+} scene_changes;
+
+static scene_changes find_changes(const gi_scene *s)
 {
-	bool any = false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		any = any || (s->slots[slot] != GI_NONE && changed(&s->objects[s->slots[slot]]));
-	return any;
+	scene_changes c = {0};
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const object_record *o = scene_object_in(s, slot);
+		c.any = c.any || (o && changed(o));
+		c.moved = c.moved || (o && o->moved);
+		c.smooth_values = c.smooth_values || (o && o->specular && o->material_changed);
+	}
+	return c;
 }
 
 /* Does what is known of the photons no longer tell which of them are right? Other values of a mirror or glass change
  * photons of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
-static bool all_are_anew(const gi_context *gi)
+static bool all_are_anew(const gi_context *gi, const scene_changes *c)
 {
-	const gi_scene *s = &gi->scene;
-	bool moved = false, other = false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const object_record *o = scene_object_in(s, slot);
-		moved = moved || (o && o->moved);
-		other = other || (o && o->specular && o->material_changed);
-	}
-	return other || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
+	return c->smooth_values || (c->moved && gi->frame.update.w & GI_UPDATE_REBUILD);
 }
 
 /* No photon carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
@@ -329,7 +332,8 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 		caustics_free(gi);
 		return GI_OK;
 	}
-	if (all_are_anew(gi) || (gi->caustics && gi->caustics->lift != lift_of(&gi->scene)))
+	const scene_changes changes = find_changes(&gi->scene);
+	if (all_are_anew(gi, &changes) || (gi->caustics && gi->caustics->lift != lift_of(&gi->scene)))
 		caustics_invalidate(gi);
 	if (!lights_find(&gi->scene, lights_largest, &gi->light_arena, &lights))
 		return out_of_memory(gi);
@@ -354,7 +358,7 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	const uint32_t allowed = allowed_photons(gi, budget);
 	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
-	note_missing(gi->caustics, any_changed(&gi->scene), allowed);
+	note_missing(gi->caustics, changes.any, allowed);
 	gi->caustics->seen = gi->rows.update;
 	gi->caustics->asked_frame = gi->frame_number;
 	gi->caustics->asked_photons = allowed * gi->caustics->anew;

@@ -89,6 +89,7 @@ void gpu_close(gpu *g)
 		g->gl->DeleteVertexArrays(1, &g->mark);
 	gpu_free_functions(g);
 	gi_free(g->shader_directory);
+	gi_free(g->programs);
 	*g = (gpu){0};
 }
 

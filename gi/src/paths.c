@@ -199,12 +199,6 @@ static void darken_unseen(const gi_scene *s, uint32_t leaves, float *irradiance)
 	}
 }
 
-/* As of the last update. */
-static const float *sky_exitance(const gi_scene *s)
-{
-	return &s->node_exitance[s->object_data[s->sky_slot].nodes.x].x;
-}
-
 static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
 {
 	const batch largest = largest_batch(gi, leaves, o->paths);
@@ -218,8 +212,7 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	gi_path_slot *slots = gi_malloc(bytes);
 	double *totals = gi_calloc(3 * (size_t)leaves, sizeof *totals);
 	if (slots && totals) {
-		if (gi->scene.sky_slot != GI_NONE)
-			memcpy(scene.sky_and_lift, sky_exitance(&gi->scene), 3 * sizeof *scene.sky_and_lift);
+		scene_sky_exitance(&gi->scene, scene.sky_and_lift);
 		scene.sky_and_lift[3] = scene_ray_lift(&gi->scene);
 		bind_paths(gi, &scene, o->seed);
 		batch b = largest;

@@ -30,6 +30,13 @@ object_record *scene_object_in(const gi_scene *s, uint32_t slot)
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
 
+void scene_sky_exitance(const gi_scene *s, float out[3])
+{
+	const gi_vec4 none = {0};
+	const gi_vec4 *e = s->sky_slot == GI_NONE ? &none : &s->node_exitance[s->object_data[s->sky_slot].nodes.x];
+	memcpy(out, e, 3 * sizeof *out);
+}
+
 bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);

@@ -217,7 +217,7 @@ static bool is_heat_map(const gi_view *view)
 static gi_result want_program(gi_context *gi, program which)
 {
 	uint32_t *program = &gi->shade->programs[which];
-	return *program ? GI_OK : gpu_program_draw(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
+	return gpu_program_want(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
 }
 
 static void draw_surfaces(const gi_context *gi, program which, const gi_view *view, const float clip_from_world[16])
