@@ -41,6 +41,19 @@ void camera_floor_axes(const camera *c, float right[3], float away[3])
 	glm_vec3_cross(away, (vec3){0, 1, 0}, right);
 }
 
+void camera_direction(const camera *c, float x, float y, int width, int height, float out[3])
+{
+	vec3 forward, right, up;
+	glm_vec3_sub((float *)c->target, (float *)c->eye, forward);
+	glm_vec3_normalize(forward);
+	glm_vec3_crossn(forward, (float *)c->up, right);
+	glm_vec3_cross(right, forward, up);
+	const float half = tanf(0.5f * c->vertical_fov), pixel = 2 * half / (float)height;
+	glm_vec3_copy(forward, out);
+	glm_vec3_muladds(right, pixel * (x - 0.5f * (float)width), out);
+	glm_vec3_muladds(up, pixel * (0.5f * (float)height - y), out);
+}
+
 float camera_metres_per_pixel(const camera *c, int height)
 {
 	const float distance = glm_vec3_distance((float *)c->eye, (float *)c->target);

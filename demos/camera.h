@@ -18,6 +18,9 @@ void camera_zoom(camera *c, float notches);
 /* Two directions on the floor, unit vectors: to the right and away from the eye. */
 void camera_floor_axes(const camera *c, float right[3], float away[3]);
 
+/* The direction, not normalised, in which the eye sees a place of the picture: pixels from its top left corner. */
+void camera_direction(const camera *c, float x, float y, int width, int height, float out[3]);
+
 /* Metres that one pixel of a picture of that height covers at the target. */
 float camera_metres_per_pixel(const camera *c, int height);
 

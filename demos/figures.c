@@ -102,10 +102,10 @@ static void add_figures(lines *l, const figures *o)
 }
 
 /* The font is proportional: keys and what they do are two columns. */
-static void add_help(lines *keys, lines *actions, bool can_move)
+static void add_help(lines *keys, lines *actions, const figures *o)
 {
 	static const char *const help[][2] = {
-	    {"arrows, right drag", "move the figure"},
+	    {"arrows, right drag", "move what moves"},
 	    {"left drag", "turn the view"},
 	    {"scroll", "nearer, farther"},
 	    {"1  2  3  M", "direct, indirect, global, next"},
@@ -120,7 +120,11 @@ static void add_help(lines *keys, lines *actions, bool can_move)
 	    {"H", "this list"},
 	    {"Esc", "end"},
 	};
-	for (size_t k = can_move ? 0 : 1; k < sizeof help / sizeof *help; k++) {
+	for (uint32_t k = 0; k < o->key_count; k++) {
+		add(keys, "%s", o->keys[k][0]);
+		add(actions, "%s", o->keys[k][1]);
+	}
+	for (size_t k = o->can_move ? 0 : 1; k < sizeof help / sizeof *help; k++) {
 		add(keys, "%s", help[k][0]);
 		add(actions, "%s", help[k][1]);
 	}
@@ -144,10 +148,10 @@ static void show_figures(engine_hud *hud, const lines *l, float scale)
 	engine_hud_text(hud, scale * MARGIN, scale * MARGIN, scale, INK, "%s", l->text);
 }
 
-static void show_help(engine_hud *hud, bool can_move, float top, float scale)
+static void show_help(engine_hud *hud, const figures *o, float top, float scale)
 {
 	lines keys = {0}, actions = {0};
-	add_help(&keys, &actions, can_move);
+	add_help(&keys, &actions, o);
 	show_box(hud, top, scale, KEY_COLUMN / 5.8f + (float)actions.widest, keys.count);
 	engine_hud_text(hud, scale * MARGIN, top + scale * MARGIN, scale, INK, "%s", keys.text);
 	engine_hud_text(hud, scale * (MARGIN + KEY_COLUMN), top + scale * MARGIN, scale, INK, "%s", actions.text);
@@ -160,5 +164,5 @@ void figures_text(engine_hud *hud, const figures *o, int height)
 	add_figures(&figures, o);
 	show_figures(hud, &figures, scale);
 	if (o->help)
-		show_help(hud, o->can_move, scale * (LINE * (float)figures.count + 3 * MARGIN), scale);
+		show_help(hud, o, scale * (LINE * (float)figures.count + 3 * MARGIN), scale);
 }

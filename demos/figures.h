@@ -17,6 +17,8 @@ typedef struct figures {
 	double budget_ms;  /* of the newest update; 0: exact, or another kind of budget */
 	double target_fps; /* what budgets keep; 0: nothing */
 	bool paused, rebuild, help, can_move;
+	const char *const (*keys)[2]; /* the scene's own: key_count of key and action */
+	uint32_t key_count;
 } figures;
 
 /* Collects text for engine_hud_draw; height of the picture in pixels. */

@@ -130,13 +130,14 @@ int main(int argc, char **argv)
 	for (int frame = 0; frame != frames && !glfwWindowShouldClose(window); frame++) {
 		const float angle = .02f * (float)frame;
 		const gi_pose pose = {{cosf(angle), .8f, sinf(angle)}, {0, sinf(angle / 2), 0, cosf(angle / 2)}};
-		const gi_budget budget = {.ms = 8}; /* what that does not suffice for is done in later frames */
 		glfwGetFramebufferSize(window, &width, &height);
+		const gi_view view = view_of(width, height);
+		const gi_budget budget = {
+		    .ms = 8, .view = width && height ? &view : NULL}; /* the rest is done in later frames */
 		check(gi_set_pose(gi, box, pose));
 		check(gi_update(gi, &budget));
 		glViewport(0, 0, width, height);
 		glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-		const gi_view view = view_of(width, height);
 		check(width && height ? gi_draw(gi, &view) : GI_OK); /* a minimised window has no pixels */
 		glfwSwapBuffers(window);
 		glfwPollEvents();

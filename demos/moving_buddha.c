@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_MESH = 'm', CAGE_FACES = 900, OBJECTS = 9 };
+enum { KEY_MESH = 'm', KEY_LEVELS = 'l', CAGE_FACES = 900, OBJECTS = 9 };
 
 /* The back wall in the middle of the tones, its bright top below white. */
 static const float EXPOSURE = 1.6f;
@@ -26,6 +26,7 @@ static const float REACH = 1.7f;
 typedef struct moving_buddha {
 	options options;
 	const char *mesh_path;
+	uint32_t levels; /* of the Buddha and the balls */
 	engine_mesh figure, cage;
 	cornell box;
 	gi_object handles[OBJECTS];
@@ -39,6 +40,8 @@ typedef struct moving_buddha {
 
 static const struct argp_option table[] = {
     {"mesh", KEY_MESH, "FILE", 0, "a figure in the Buddha's place: OBJ, PLY or glTF, y up, facing +z", 0},
+    {"levels", KEY_LEVELS, "N", 0,
+     "refinement of the Buddha and the balls, 0..3 (0): four times the leaves each, finer light and shadows", 0},
     {0},
 };
 
@@ -51,6 +54,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_MESH:
 		b->mesh_path = text;
+		return 0;
+	case KEY_LEVELS:
+		b->levels = options_count(b->options.program, "--levels", text, 0, 3);
 		return 0;
 	case ARGP_KEY_ARG:
 		options_fail(b->options.program, "%s: takes options only; see --help", text);
@@ -125,6 +131,7 @@ static bool create(void *user, gi_context *gi, char *message, size_t message_siz
 	moving_buddha *b = user;
 	cornell_def def = cornell_def_default();
 	def.leaf_size = b->options.leaf_size;
+	def.smooth_levels = b->levels;
 	if (b->mesh_path) {
 		def.figure = &b->figure;
 		def.figure_cage = &b->cage;

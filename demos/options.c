@@ -31,6 +31,9 @@ enum {
 	KEY_BUDGET_MS,
 	KEY_BUDGET_RAYS,
 	KEY_BUDGET_ERROR,
+	KEY_PHOTONS,
+	KEY_SHADOW_MAP,
+	KEY_FINE_SHADOWS,
 	KEY_PIXEL_LAMPS,
 	KEY_EXPOSURE,
 	KEY_SKY,
@@ -81,6 +84,11 @@ static const struct argp_option table[] = {
      "rows whose change is bounded by this share of the largest light reflected wait, 0..1", 1},
     {"pixel-lamps", KEY_PIXEL_LAMPS, "N", 0,
      "polygons that light per pixel, 0..32; others light through the leaves (32)", 1},
+    {"shadow-map", KEY_SHADOW_MAP, "N", 0,
+     "texels a side of the maps that their shadows come from, 64..4096 (512): more are finer and take longer", 1},
+    {"fine-shadows", KEY_FINE_SHADOWS, 0, 0, "cast by what is drawn instead of by the leaves", 1},
+    {"caustic-photons", KEY_PHOTONS, "N", 0,
+     "packets of light that each lamp sends through each mirror and glass, 0..1048576 (16384); 0: no caustics", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
     {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
@@ -237,6 +245,16 @@ static void parse_fineness(options *o, int key, const char *text)
 		break;
 	case KEY_CAGE_FACES:
 		o->cage_faces = options_count(o->program, "--cage-faces", text, 4, 1000000);
+		break;
+	case KEY_PHOTONS:
+		o->photons = options_count(o->program, "--caustic-photons", text, 0, 1 << 20);
+		o->photons_given = true;
+		break;
+	case KEY_SHADOW_MAP:
+		o->shadow_map = options_count(o->program, "--shadow-map", text, 64, 4096);
+		break;
+	case KEY_FINE_SHADOWS:
+		o->fine_shadows = true;
 		break;
 	case KEY_PIXEL_LAMPS:
 		o->pixel_lamps = options_count(o->program, "--pixel-lamps", text, 0, 32);

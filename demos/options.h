@@ -44,6 +44,10 @@ typedef struct options {
 	double budget_fps;     /* frames a second that budgets keep; 0: every update is exact */
 	bool budget_fps_given; /* else a window keeps them and a recording is exact */
 	uint32_t pixel_lamps;  /* polygons lit per pixel */
+	uint32_t shadow_map;   /* texels a side of their depth maps; 0: the library's default */
+	bool fine_shadows;     /* cast by what is drawn */
+	uint32_t photons;      /* packets through each mirror and glass, where photons_given */
+	bool photons_given;    /* else the library's default */
 	const char *images, *linear, *report, *field, *form_factors; /* files to write; NULL: none */
 	const char *out;                                             /* folder for what has no name of its own */
 } options;

@@ -69,6 +69,11 @@ static bool open_gi(player *p)
 		def.solve_tolerance = p->o->solve_tolerance;
 	def.shader_directory = p->o->shaders;
 	def.pixel_lamps = p->o->pixel_lamps;
+	if (p->o->photons_given)
+		def.caustic_photons = p->o->photons;
+	def.fine_shadows = p->o->fine_shadows;
+	if (p->o->shadow_map)
+		def.shadow_map_size = p->o->shadow_map;
 	def.estimate_leaves = estimate_leaves(p);
 	for (int c = 0; c < 3 && p->o->sky > 0; c++) {
 		def.sky = GI_SKY_ON;
@@ -149,7 +154,9 @@ static bool light(player *p)
 		gi_invalidate(p->gi);
 		gi_reset_radiosity(p->gi);
 	}
-	const gi_budget budget = player_budget_next(p);
+	gi_budget budget = player_budget_next(p);
+	const gi_view view = player_view(p);
+	budget.view = &view;
 	return player_succeeded(p, gi_update(p->gi, &budget)) && (!waits(p) || player_succeeded(p, gi_finish(p->gi)));
 }
 
@@ -168,7 +175,9 @@ static void show(player *p, const gi_report *report)
 			       .paused = p->paused,
 			       .rebuild = p->rebuild,
 			       .help = p->help,
-			       .can_move = p->scene->move != NULL};
+			       .can_move = p->scene->move != NULL,
+			       .keys = p->scene->keys,
+			       .key_count = p->scene->key_count};
 	figures_text(p->hud, &shown, engine_target_height(p->target));
 	engine_hud_draw(p->hud, engine_target_width(p->target), engine_target_height(p->target));
 	engine_target_present(p->target, engine_context_width(p->context), engine_context_height(p->context));
@@ -263,6 +272,21 @@ static bool play_frame(player *p)
 	return true;
 }
 
+/* What was put off is made good, then a frame moves on as all before did and nothing is put off. */
+static bool measure_exact_frame(player *p)
+{
+	for (int k = 0; k < 2; k++) {
+		p->time_s += 1 / p->o->fps;
+		const double began = wall_clock_ms();
+		if (!player_succeeded(p, p->scene->animate(p->scene->user, p->gi, p->time_s)) ||
+		    !player_succeeded(p, gi_update(p->gi, NULL)) || !player_draw(p, p->mode) ||
+		    !player_succeeded(p, gi_finish(p->gi)))
+			return false;
+		p->exact_ms = wall_clock_ms() - began;
+	}
+	return true;
+}
+
 static bool play(player *p)
 {
 	while ((!p->frames || p->frame < p->frames) && !engine_context_should_close(p->context)) {
@@ -273,6 +297,8 @@ static bool play(player *p)
 		if (!play_frame(p))
 			return false;
 	}
+	if (p->recording && p->scene->exact_frame && p->budget.ms > 0 && !measure_exact_frame(p))
+		return false;
 	return player_close_files(p);
 }
 

@@ -27,6 +27,12 @@ typedef struct player_scene {
 	void (*view)(void *user, double time_s, camera *out);
 	/* The user pushes what can be pushed over the floor, metres; NULL: nothing can. */
 	void (*move)(void *user, float x, float z);
+	/* The user takes hold of what is seen in that direction, to be moved from now on; NULL: there is but one. */
+	void (*grab)(void *user, const float eye[3], const float direction[3]);
+	/* A key that the player itself has no use for: upper-case ASCII, or an engine_key; NULL: there are none. */
+	gi_result (*press)(void *user, gi_context *gi, int key);
+	const char *const (*keys)[2]; /* what they do, for the list on screen: key_count of key and action */
+	uint32_t key_count;
 	/* For the exports. */
 	export_objects (*objects)(void *user);
 
@@ -34,6 +40,7 @@ typedef struct player_scene {
 	uint32_t frames;    /* recorded frames when nobody says how many; > 0 */
 	float exposure;     /* > 0: used unless --exposure says otherwise; 0: from the light of the first frame */
 	bool gallery;       /* without --images: every eighth frame in all three modes goes to the folder --out */
+	bool exact_frame;   /* a recording under a budget also says what an exact frame takes */
 	const char *report; /* without --report: a file in the folder --out; NULL: none */
 } player_scene;
 

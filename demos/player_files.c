@@ -210,6 +210,8 @@ void player_print_end(const player *p)
 	printf("%s: %u frames of %d x %d, %s\n", title, p->frame, p->o->width, p->o->height,
 	       engine_context_describe(p->context));
 	report_print(&p->report, stdout);
+	if (p->exact_ms > 0)
+		printf("  an exact frame, ms     %12.1f\n", p->exact_ms);
 	snprintf(more, sizeof more, " (%u)", p->pictures);
 	if (p->o->images && p->pictures)
 		print_place("pictures", p->o->images, more);

@@ -60,6 +60,15 @@ static void reload_shaders(player *p)
 	p->message[0] = 0;
 }
 
+/* What the player has no use for is the scene's. */
+static void press_scene(player *p, int key)
+{
+	if (p->scene->press && p->scene->press(p->scene->user, p->gi, key) != GI_OK) {
+		options_say(p->o->program, "%s", p->message);
+		p->message[0] = 0;
+	}
+}
+
 static void press(player *p, int key)
 {
 	switch (key) {
@@ -87,6 +96,7 @@ static void press(player *p, int key)
 	default:
 		press_mode(p, key);
 		press_layer(p, key);
+		press_scene(p, key);
 	}
 }
 
@@ -99,6 +109,17 @@ static void look(player *p, const engine_input *in)
 	camera_orbit(&p->camera, -turn * drag[0], turn * drag[1]);
 	camera_zoom(&p->camera, in->scroll);
 	p->camera_taken = true;
+}
+
+/* What the right button goes down on is moved from then on. */
+static void grab(player *p, const engine_input *in)
+{
+	float direction[3];
+	if (!p->scene->grab || !in->mouse_pressed[ENGINE_MOUSE_RIGHT])
+		return;
+	camera_direction(&p->camera, in->cursor[0], in->cursor[1], engine_context_width(p->context),
+			 engine_context_height(p->context), direction);
+	p->scene->grab(p->scene->user, p->camera.eye, direction);
 }
 
 /* Along the picture's axes laid on the floor, so that a drag takes the figure where the hand goes. */
@@ -136,8 +157,10 @@ void player_input(player *p)
 	for (int k = 0; k < in->pressed_count; k++)
 		press(p, in->pressed[k]);
 	look(p, in);
-	if (p->scene->move && engine_context_height(p->context) > 0)
+	if (p->scene->move && engine_context_height(p->context) > 0) {
+		grab(p, in);
 		push(p, in, seconds);
+	}
 	if (!p->recording && !p->paused)
 		p->time_s += seconds;
 	if (p->scene->loop_s > 0)

@@ -41,6 +41,7 @@ typedef struct player {
 	uint32_t pose_count;
 
 	double update_ms, frame_ms;
+	double exact_ms;    /* a frame without a budget, after a recording under one; 0: not measured */
 	double shown_ms;    /* the whole frame, until it was shown; of a recorded one frame_ms */
 	double interval_ms; /* from frame to frame, smoothed; 0: not known yet */
 	double last_clock_ms;
@@ -78,6 +79,7 @@ bool player_wants_picture(const player *p);
 bool player_succeeded(player *p, gi_result result);
 
 /* Draws the scene in a mode into the target's picture. */
+gi_view player_view(const player *p); /* what the camera sees */
 bool player_draw(player *p, gi_mode mode);
 
 /* As asked for, or from the light of the first frame. */

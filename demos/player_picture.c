@@ -11,14 +11,20 @@ bool player_succeeded(player *p, gi_result result)
 	return result == GI_OK;
 }
 
-bool player_draw(player *p, gi_mode mode)
+gi_view player_view(const player *p)
 {
 	gi_view view = gi_view_default();
 	view.width = (uint32_t)engine_target_width(p->target);
 	view.height = (uint32_t)engine_target_height(p->target);
+	camera_matrices(&p->camera, (float)view.width / (float)view.height, view.view_from_world, view.clip_from_view);
+	return view;
+}
+
+bool player_draw(player *p, gi_mode mode)
+{
+	gi_view view = player_view(p);
 	view.mode = mode;
 	view.overlay = p->layer;
-	camera_matrices(&p->camera, (float)view.width / (float)view.height, view.view_from_world, view.clip_from_view);
 	engine_target_begin(p->target);
 	if (!player_succeeded(p, gi_draw(p->gi, &view)))
 		return false;

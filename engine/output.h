@@ -31,8 +31,8 @@ bool engine_output_close(engine_output *output, bool written, char *message, siz
 /* Can a file of this name be written? Tried, before an hour of work is done for it; nothing is left of the trial. */
 bool engine_output_check(const char *path, char *message, size_t message_size);
 
-/* The file of this name is no whole one until engine_output_whole() says so of the same string, which must stay where it
- * is until then. Files of engine_output_open() are marked by themselves. Of eight at once; more are not marked.
+/* The file of this name is no whole one until engine_output_whole() says so of the same string, which must stay where
+ * it is until then. Files of engine_output_open() are marked by themselves. Of eight at once; more are not marked.
  */
 void engine_output_half(const char *path);
 void engine_output_whole(const char *path);

@@ -41,6 +41,7 @@
 #include "facing.glsl"
 #include "reach.glsl"
 #include "sampling.glsl"
+#include "view.glsl"
 #include "priority.glsl"
 #include "row_light.glsl"
 #include "received.glsl"

@@ -1,6 +1,6 @@
 #version 450 core
-// Which pairs of emitter and smooth object are traced anew, and how far: those that something moved on the paths of from their first
-// photon on, the others from where they are. One thread a pair.
+// Which pairs of emitter and smooth object are traced anew, and how far: those that something moved on the paths of
+// from their first photon on, the others from where they are. One thread a pair.
 #define READ_FRAME
 #define READ_OBJECT_LISTS
 #define READ_CAUSTIC_PAIRS
@@ -18,15 +18,18 @@ layout(location = 1) uniform float margin; // metres: more than a path's points 
 
 vec3 corner_of(uint first)
 {
-	return vec3(float_from_ordered(caustic_paths[first]), float_from_ordered(caustic_paths[first + 1u]), float_from_ordered(caustic_paths[first + 2u]));
+	return vec3(float_from_ordered(caustic_paths[first]), float_from_ordered(caustic_paths[first + 1u]),
+		    float_from_ordered(caustic_paths[first + 2u]));
 }
 
 bool is_crossed(uint pair)
 {
-	vec3 lower = corner_of(GI_CAUSTIC_PATH_WORDS * pair) - margin, upper = corner_of(GI_CAUSTIC_PATH_WORDS * pair + 3u) + margin;
+	vec3 lower = corner_of(GI_CAUSTIC_PATH_WORDS * pair) - margin,
+	     upper = corner_of(GI_CAUSTIC_PATH_WORDS * pair + 3u) + margin;
 	bool crossed = false;
 	for (uint k = 0u; k < frame.swept.y && !crossed; k++)
-		crossed = load_swept_change(k).x > seen && all(lessThanEqual(load_swept_corner(k, 2u).xyz, upper)) && all(greaterThanEqual(load_swept_corner(k, 3u).xyz, lower));
+		crossed = load_swept_change(k).x > seen && all(lessThanEqual(load_swept_corner(k, 2u).xyz, upper)) &&
+			  all(greaterThanEqual(load_swept_corner(k, 3u).xyz, lower));
 	return crossed;
 }
 

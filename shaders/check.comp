@@ -10,7 +10,9 @@
 // The bounds. M has no positive entry off its diagonal and row sums above 0, so M^-1 >= 0. Hence for any u with M u > 0
 // (Collatz 1942)
 //
-//     kappa = max |r_i| / (M u)_i:    |R - R*| <= kappa u,    |T R - R*| = |(I - M) e| <= kappa (I - M) u    leaf by leaf
+//     kappa = max |r_i| / (M u)_i:    |R - R*| <= kappa u,    |T R - R*| = |(I - M) e| <= kappa (I - M) u
+//
+// leaf by leaf.
 //
 // - Everywhere alike: u = v, the fourth channel, which solves M v = 1 for the largest rho of the three; its M has the
 //   largest inverse. |T R - R*| <= |r| (v_max / m - 1), m = min (M v)_i. u = 1 gives the row sums' norm, 1 / (1 - q).

@@ -164,17 +164,21 @@ void probe(uint i, receiver r, float size, inout answer a)
 	a.depth += hidden * d;
 }
 
-// Two looks a little apart make two smaller steps of the one that the sample's shadow is.
+// Two looks a little apart make two smaller steps of the one that the sample's shadow is. Where the receiver's own
+// plane rises towards the lamp on the way aside it is looked for as high as that plane, or it would hide itself: with
+// the point moved by d across the view the plane's inverse distance from the sample grows by dot(m, d) / dot(m, s - q).
 void look(uint i, inout receiver r)
 {
 	vec4 s = lamp.samples[i];
-	vec3 at = in_map(r, s.xy);
-	vec2 aside = s.zw * r.reach;
+	vec3 at = in_map(r, s.xy), to = vec3(s.xy - r.q.xy, -r.q.z);
+	vec2 aside = s.zw * r.reach, moved = aside * (r.e / lamp.map.x);
+	float rises = dot(r.m.xy, moved) / max(dot(r.m, to), 1e-3 * r.e);
+	float deeper = r.nearer / map_distance(to.xy, r.z) * min(abs(rises), 0.5);
 	aside -= r.slope * dot(r.up, aside);
 	float weight = weight_of(r, s.xy);
 	float layer = float(lamp.range.x + i);
-	r.lit += weight * (texture(depth_maps, vec4(at.xy - aside, layer, at.z)) +
-			   texture(depth_maps, vec4(at.xy + aside, layer, at.z)));
+	r.lit += weight * (texture(depth_maps, vec4(at.xy - aside, layer, at.z + (rises > 0.0 ? deeper : 0.0))) +
+			   texture(depth_maps, vec4(at.xy + aside, layer, at.z + (rises > 0.0 ? 0.0 : deeper))));
 	r.total += 2.0 * weight;
 }
 

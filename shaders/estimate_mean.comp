@@ -5,7 +5,8 @@
 // reflected: a mean m with the part r of the light becomes m + r m + r^2 m + ... = m / (1 - r), where errors without
 // a common sign average out over a row. So
 //
-//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1), |m|^2 = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
+//     |error|^2 = mean |e|^2 + |m|^2 (1 / (1 - r)^2 - 1),
+//     |m|^2     = (|sum w e|^2 - sum w^2 |e|^2) / ((sum w)^2 - sum w^2)
 //
 // the latter over pairs of different leaves, so that the samples' noise is not in it.
 #define READ_ESTIMATE_RESULTS

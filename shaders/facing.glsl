@@ -10,8 +10,8 @@ float sine_of(float cosine)
 	return cosine >= 1.0 ? 0.0 : sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
-// A node's extent and normals. Normals that agree do not make a plane: squares one behind the other are as thick as they
-// are apart.
+// A node's extent and normals. Normals that agree do not make a plane: squares one behind the other are as thick as
+// they are apart.
 struct shape {
 	vec3 centre;
 	vec3 axis;
@@ -26,13 +26,15 @@ shape shape_of(gi_node_geometry g, uint flags)
 	return shape(g.sphere.xyz, g.axis.xyz, g.axis.w, g.sphere.w, steps / float(GI_NODE_THICKNESS_STEPS));
 }
 
-// How far a shape may reach from its centre along a direction at this angle to its axis: what two planes leave of its ball.
+// How far a shape may reach from its centre along a direction at this angle to its axis: what two planes leave of its
+// ball.
 float reach_along(shape s, float cosine, float sine)
 {
 	return s.radius * (cosine <= s.thickness ? 1.0 : s.thickness * cosine + sine_of(s.thickness) * sine);
 }
 
-// The most that the way from any point of a to any of b goes along any of a's normals; `to` is that between the centres.
+// The most that the way from any point of a to any of b goes along any of a's normals; `to` is that between the
+// centres.
 float most_along(shape a, shape b, vec3 to, float d)
 {
 	if (a.cone < 0.0)
@@ -40,8 +42,8 @@ float most_along(shape a, shape b, vec3 to, float d)
 	float along = dot(a.axis, to), tilt = sine_of(a.cone);
 	float across = sqrt(max(0.0, d * d - along * along));
 	float between = along >= d * a.cone ? d : along * a.cone + across * tilt;
-	// Of the normals that one farthest from b's axis, or in b's plane. The cosine between the axes of patches in one place
-	// leaves nothing of their angle but its rounding.
+	// Of the normals that one farthest from b's axis, or in b's plane. The cosine between the axes of patches in
+	// one place leaves nothing of their angle but its rounding.
 	float cosine = abs(dot(a.axis, b.axis)), sine = length(cross(a.axis, b.axis));
 	return between + reach_along(a, a.cone, tilt) +
 	       reach_along(b, max(0.0, cosine * a.cone - sine * tilt), min(1.0, sine * a.cone + cosine * tilt));

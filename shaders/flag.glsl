@@ -1,6 +1,6 @@
-// Which entries between bodies at rest to each other may see differently now that something moved: those that a candidate
-// hid, and visible ones whose segments may cross a candidate's new bounds. Conservative: what is not flagged would come
-// out of the rays with the same bits.
+// Which entries between bodies at rest to each other may see differently now that something moved: those that a
+// candidate hid, and visible ones whose segments may cross a candidate's new bounds. Conservative: what is not flagged
+// would come out of the rays with the same bits.
 
 // Every sample lies within this much more than the radii of its ends; covers rounding of a turn into the box's frame.
 const float BOX_SLACK = 1e-4;

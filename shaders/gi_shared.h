@@ -204,6 +204,9 @@ GI_STRUCT(gi_material_data) {
  *
  *   statics: primitives of static objects, which are the first ones; 0, 0, 0
  *
+ *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
+ *   view_eye: where it is; of a parallel projection the way to it, w 0
+ *
  * Swept is, of each object that moved since some row was refreshed and of what went, GI_SWEPT_PARTS vec4:
  *   as uint bits: the update that saw it move; its slot, GI_NONE of what went; 1 where a box of where it was follows; 0
  *   lower corner of the world box of where it was
@@ -228,6 +231,7 @@ GI_STRUCT(gi_frame) {
 	GI_VEC4 ceiling;
 	GI_UVEC4 swept;
 	GI_UVEC4 statics;
+	GI_VEC4 view_x, view_y, view_w, view_eye;
 } GI_END(gi_frame)
 
 #define GI_SWEPT_PARTS 5u
@@ -236,6 +240,7 @@ GI_STRUCT(gi_frame) {
 #define GI_UPDATE_PART 2u      /* only the rows in the list of the chosen */
 #define GI_UPDATE_TIMED 4u     /* no more than fits, however old rows become */
 #define GI_UPDATE_MATERIAL 8u  /* some material has other values than in the solve before */
+#define GI_UPDATE_VIEWED 16u    /* a camera says which rows count */
 
 /* A row under a budget (survey.comp, assess.comp).
  *

@@ -1,6 +1,6 @@
 #version 450 core
-// The second half of a sweep: R of every leaf to its node, which is where links lead (rays end on leaves). Means of other nodes wait for
-// the end of the solve (pull.comp). One thread a leaf.
+// The second half of a sweep: R of every leaf to its node, which is where links lead (rays end on leaves). Means of
+// other nodes wait for the end of the solve (pull.comp). One thread a leaf.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_LEAF_RADIOSITY

@@ -32,12 +32,23 @@ uint bucket_of(uint leaf, float worth, uint since)
 	return uint(clamp(int(float(GI_BUCKETS_PER_OCTAVE) * (octave + 41.0)), 1, int(GI_BUCKETS) - 2));
 }
 
-// What it is worth to look at a leaf that may be off by so much, at a cost in rays: under a budget of time a large leaf
-// counts for its size, in shares of the scene's, and what is cheap comes first; otherwise the bound alone counts.
+// What a leaf counts for under a budget of time, where `size` is its share of the scene: its size, or with a camera what
+// it fills of the picture.
+float weight_of(gi_node_geometry p, float size)
+{
+	if ((frame.update.w & GI_UPDATE_VIEWED) == 0u)
+		return size;
+	return max(UNSEEN * size, may_be_seen(p) ? share_of_picture(p) : 0.0);
+}
+
+// What it is worth to look at a leaf that may be off by so much, at a cost in rays: under a budget of time what it counts
+// for, and what is cheap comes first; otherwise the bound alone counts, of what a camera does not see a share.
 float worth_of(float off, gi_node_geometry p, uint rays)
 {
+	if (!is_timed())
+		return (frame.update.w & GI_UPDATE_VIEWED) == 0u || may_be_seen(p) ? off : UNSEEN * off;
 	float cells = min(frame.cells.x, min(frame.cells.y, frame.cells.z)) / GI_PACKED_CELLS; // scenes per metre
-	return is_timed() ? off * cells * sqrt(p.moment.w / float(max(rays, 1u))) : off;
+	return off * sqrt(weight_of(p, cells * cells * p.moment.w) / float(max(rays, 1u)));
 }
 
 // Is a leaf that may be off by so much, W/m2, to be refreshed at all?

@@ -1,5 +1,6 @@
-// Where visibility rays begin and end: pure functions of (id of the receiver leaf, id of the source node, sample number), in
-// the rest frames of their objects, so that a segment is the same in every frame, after every rebuild and every commit.
+// Where visibility rays begin and end: pure functions of (id of the receiver leaf, id of the source node, sample
+// number), in the rest frames of their objects, so that a segment is the same in every frame, after every rebuild and
+// every commit.
 
 uint hash(uint x)
 {
@@ -29,8 +30,8 @@ vec4 unit_floats(uvec4 x)
 // The R4 sequence (Roberts), which fills the square pair evenly.
 const uvec4 R4 = uvec4(0xDB4F2A00u, 0xBBE05633u, 0xA0F2EC75u, 0x89E18285u);
 
-// Fractions of the roots of 2, 3, 5 and 7: a Kronecker sequence, also over every fifth and every 21st node, as quadtrees
-// number them.
+// Fractions of the roots of 2, 3, 5 and 7: a Kronecker sequence, also over every fifth and every 21st node, as
+// quadtrees number them.
 const uvec4 ROOTS = uvec4(0x6A09E668u, 0xBB67AE86u, 0x3C6EF373u, 0xA54FF53Au);
 
 // Of the k-th sample of a pair: a hash of it, then R4 over its samples.
@@ -39,11 +40,12 @@ vec4 sample_numbers(uint leaf, uint node, uint k)
 	return unit_floats(hashed_start(hash(leaf * 0x9e3779b9u ^ hash(node + 0x7f4a7c15u))) + k * R4);
 }
 
-// Of the k-th segment from a leaf to a node, and of the attempts to draw it: a hash of the leaf, even over the nodes too.
-// Entries side by side have a ray or two each, and what a wall with a hole lets through of them all is their sum.
+// Of the k-th segment from a leaf to a node, and of the attempts to draw it: a hash of the leaf, even over the nodes
+// too. Entries side by side have a ray or two each, and what a wall with a hole lets through of them all is their sum.
 vec4 segment_numbers(uint leaf, uint node, uint attempt, uint k)
 {
-	return unit_floats(hashed_start(hash(leaf * 0x9e3779b9u ^ hash(attempt + 0x7f4a7c15u))) + node * ROOTS + k * R4);
+	return unit_floats(hashed_start(hash(leaf * 0x9e3779b9u ^ hash(attempt + 0x7f4a7c15u))) + node * ROOTS +
+			   k * R4);
 }
 
 // The unit square onto the two triangles a b c and a c d: they, not a bilinear patch, are the surface that rays meet.

@@ -10,8 +10,8 @@ bool is_smooth(gi_smooth_material m)
 	return is_glass(m) || m.specular.xyz != vec3(0.0);
 }
 
-// Share of unpolarised light that is reflected, by Fresnel's equations (Born and Wolf, Principles of Optics, 7th edition,
-// 1.5.2); cosine of the angle of incidence, index of what is behind over that of what is before.
+// Share of unpolarised light that is reflected, by Fresnel's equations (Born and Wolf, Principles of Optics, 7th
+// edition, 1.5.2); cosine of the angle of incidence, index of what is behind over that of what is before.
 float fresnel(float cosine, float index)
 {
 	float sine2 = (1.0 - cosine * cosine) / (index * index);
@@ -28,14 +28,15 @@ struct light_ray {
 	vec3 throughput;
 };
 
-// Which of both ways: one by chance, as often as it carries of the light; or a given one, or the one that carries more, with
-// what it carries.
+// Which of both ways: one by chance, as often as it carries of the light; or a given one, or the one that carries more,
+// with what it carries.
 const uint WAY_BY_CHANCE = 0u, WAY_REFLECTED = 1u, WAY_REFRACTED = 2u, WAY_LARGER = 3u;
 
 vec3 smooth_normal(nearest hit)
 {
 	uvec4 corners = load_smooth_normals(hit.primitive);
-	vec3 a = direction_from_octahedron(unpackSnorm2x16(corners.x)), b = direction_from_octahedron(unpackSnorm2x16(hit.second ? corners.z : corners.y)),
+	vec3 a = direction_from_octahedron(unpackSnorm2x16(corners.x)),
+	     b = direction_from_octahedron(unpackSnorm2x16(hit.second ? corners.z : corners.y)),
 	     c = direction_from_octahedron(unpackSnorm2x16(hit.second ? corners.w : corners.z));
 	vec3 n = a + (b - a) * hit.barycentric.x + (c - a) * hit.barycentric.y;
 	return normalize(world_direction_from_rest(hit.object, n));
@@ -67,13 +68,15 @@ bool go_on(smooth_point p, gi_smooth_material m, uint way, float chance, float l
 		return false;
 	float cosine = min(-dot(r.direction, p.normal), 1.0), index = p.front ? m.specular.w : 1.0 / m.specular.w;
 	float reflected = glass ? fresnel(cosine, index) : 1.0;
-	bool reflects = way == WAY_REFLECTED || (way == WAY_BY_CHANCE && chance < reflected) || (way == WAY_LARGER && reflected >= 0.5);
+	bool reflects = way == WAY_REFLECTED || (way == WAY_BY_CHANCE && chance < reflected) ||
+			(way == WAY_LARGER && reflected >= 0.5);
 	if (!reflects && reflected >= 1.0)
 		return false;
 	vec3 tint = reflects ? (glass ? vec3(1.0) : m.specular.xyz) : m.transmittance.xyz;
 	r.throughput *= way == WAY_BY_CHANCE ? tint : tint * (reflects ? reflected : 1.0 - reflected);
 	float inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (index * index), 0.0));
-	vec3 ahead = reflects ? r.direction + 2.0 * cosine * p.normal : r.direction / index + p.normal * (cosine / index - inside);
+	vec3 ahead = reflects ? r.direction + 2.0 * cosine * p.normal
+			      : r.direction / index + p.normal * (cosine / index - inside);
 	// A smooth normal may lead through a leaf where light is reflected by it, or back where it is refracted.
 	float along = dot(ahead, p.flat_normal), least = 1e-3;
 	ahead += p.flat_normal * (reflects ? max(least - along, 0.0) : min(-least - along, 0.0));

@@ -1,5 +1,5 @@
-// What swept boxes (gi_shared.h) and others may have to do with a leaf. Conservative by more than rounding, of shapes and of where
-// samples lie.
+// What swept boxes (gi_shared.h) and others may have to do with a leaf. Conservative by more than rounding, of shapes
+// and of where samples lie.
 
 const float SWEPT_SLACK = 1e-4;
 
@@ -21,12 +21,14 @@ bool reaches_before(vec4 ball, gi_node_geometry leaf)
 	return between + ball.w + folded > -SWEPT_SLACK * (d + ball.w + leaf.sphere.w);
 }
 
-// Can a ray from within the leaf's ball to a patch of sky, a direction and the chord to its edge, come into the ball? No sine is more than
-// its chord.
+// Can a ray from within the leaf's ball to a patch of sky, a direction and the chord to its edge, come into the ball?
+// No sine is more than its chord.
 bool cone_meets(vec4 ball, vec4 leaf, vec4 patch_of_sky)
 {
 	vec3 to = ball.xyz - leaf.xyz;
 	float along = dot(to, patch_of_sky.xyz), d2 = dot(to, to), sine = patch_of_sky.w;
-	float reach = ball.w + leaf.w + SWEPT_SLACK * (abs(to.x) + abs(to.y) + abs(to.z) + ball.w + leaf.w), best = reach + along * sine;
-	return sine >= 1.0 || (best >= 0.0 && along >= -reach && (d2 - along * along) * (1.0 - sine * sine) <= best * best);
+	float reach = ball.w + leaf.w + SWEPT_SLACK * (abs(to.x) + abs(to.y) + abs(to.z) + ball.w + leaf.w),
+	      best = reach + along * sine;
+	return sine >= 1.0 ||
+	       (best >= 0.0 && along >= -reach && (d2 - along * along) * (1.0 - sine * sine) <= best * best);
 }

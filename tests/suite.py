@@ -1,4 +1,4 @@
-"""Runs the tests of one class, or a part of them, and ends with the lines that cmocka writes, for scripts/test to count."""
+"""Runs the tests of one class, or a part of them, and ends with lines like cmocka's, which scripts/test counts."""
 import sys
 import unittest
 

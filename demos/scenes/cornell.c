@@ -182,6 +182,7 @@ static gi_result add_buddha(gi_context *gi, const cornell_def *def, cornell *out
 	const scene_body b = {.name = "buddha",
 			      .moves = true,
 			      .scheme = GI_SCHEME_CATMULL_CLARK,
+			      .levels = def->smooth_levels,
 			      .leaf_size = def->leaf_size,
 			      .rho = cornell_stone,
 			      .scale = def->buddha_height};
@@ -205,6 +206,7 @@ static gi_result add_balls(gi_context *gi, const cornell_def *def, cornell *out)
 			return GI_ERROR_OUT_OF_MEMORY;
 		const scene_body b = {.name = k ? "small ball" : "ball",
 				      .scheme = GI_SCHEME_CATMULL_CLARK,
+				      .levels = def->smooth_levels,
 				      .leaf_size = def->leaf_size,
 				      .rho = def->ball_specular ? BLACK : cornell_white,
 				      .position = {at[0], at[1], at[2]}};

@@ -17,6 +17,7 @@ typedef struct cornell_def {
 	float buddha_height;            /* metres, default 2.8 */
 	const engine_mesh *figure;      /* drawn in the Buddha's place, fitted to its height; NULL: the project's own */
 	const engine_mesh *figure_cage; /* what lights it (triangles); required with figure */
+	uint32_t smooth_levels;         /* refinement of the Buddha and the balls where leaf_size is 0; default 0 */
 	float leaf_size;     /* > 0: mean leaf edge of everything, metres, instead of all levels; default 0 */
 	bool balls;          /* two balls beside it, as in Song et al. (README); default true */
 	uint32_t ball_faces; /* base faces of a ball: 6 n^2; default 5 */

@@ -86,7 +86,8 @@ class Writer:
         self.gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)})
         self.data += raw
         size = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[kind]
-        self.gltf["accessors"].append(dict(bufferView=len(self.gltf["bufferViews"]) - 1, componentType=component, type=kind,
+        self.gltf["accessors"].append(dict(bufferView=len(self.gltf["bufferViews"]) - 1, componentType=component,
+                                           type=kind,
                                            count=len(values) // size, **more))
         return len(self.gltf["accessors"]) - 1
 

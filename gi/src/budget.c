@@ -21,6 +21,7 @@
 #include "bits.h"
 #include "context.h"
 #include "state.h"
+#include "view.h"
 
 #include <math.h>
 
@@ -40,6 +41,8 @@ gi_result budget_check(const gi_context *gi, const gi_budget *budget)
 	if (!(budget->error >= 0 && budget->error <= 1))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "budget.error %g is outside [0, 1]",
 			       (double)budget->error);
+	if (budget->view && !view_is_finite(budget->view))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "budget.view: a matrix is not finite");
 	if (budget->ms > 0 && !gi->def.profile)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "budget.ms needs the GPU timers: set gi_context_def.profile, or give budget.rays");
@@ -98,6 +101,24 @@ gi_budget budget_less(const gi_budget *budget, float ms)
 	return left;
 }
 
+static gi_vec4 matrix_row(const float matrix[16], int row)
+{
+	return (gi_vec4){matrix[row], matrix[4 + row], matrix[8 + row], matrix[12 + row]};
+}
+
+/* Whose picture counts. */
+static void set_view(const gi_view *view, gi_frame *frame)
+{
+	float clip[16], eye[4];
+	view_clip_from_world(view, clip);
+	view_eye(view, eye);
+	frame->update.w |= GI_UPDATE_VIEWED;
+	frame->view_x = matrix_row(clip, 0);
+	frame->view_y = matrix_row(clip, 1);
+	frame->view_w = matrix_row(clip, 3);
+	frame->view_eye = (gi_vec4){eye[0], eye[1], eye[2], eye[3]};
+}
+
 void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 {
 	const gi_costs *c = &gi->budget.costs;
@@ -108,6 +129,9 @@ void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 		rows = gi_costs_rows(c, budget->ms);
 	}
 	gi->budget.last = *budget;
+	gi->budget.last.view = NULL; /* the host's, for this update alone */
+	if (budget->view)
+		set_view(budget->view, frame);
 	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
 	frame->budget.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
 }

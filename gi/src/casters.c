@@ -143,46 +143,94 @@ static double off_of(const object_record *o, bool flat)
 	return flat && outside <= 0 ? 0 : 2 * far;
 }
 
-static bool add_caster(const object_record *o, uint32_t slot, gi_caster *c, caster_vertex *vertices, uint32_t *indices,
-		       uint32_t *index_count)
+/* All casters' triangles. */
+typedef struct caster_mesh {
+	caster_vertex *vertices;
+	uint32_t *indices;
+	uint32_t vertex_count, index_count;
+} caster_mesh;
+
+static void add_vertex(caster_mesh *mesh, const void *position, uint32_t slot)
 {
-	const gi_hierarchy *h = &o->hierarchy;
-	for (uint32_t v = 0; v < h->vertex_count; v++) {
-		memcpy(vertices[o->vertex_base + v].position, &h->vertices[v], 3 * sizeof(float));
-		vertices[o->vertex_base + v].slot = slot;
-	}
-	c->solid = h->closed && h->volume > 0;
-	c->range.first = *index_count;
+	caster_vertex *v = &mesh->vertices[mesh->vertex_count++];
+	memcpy(v->position, position, sizeof v->position);
+	v->slot = slot;
+}
+
+/* The coarsest flat polygons of the leaves; how many. */
+static uint32_t add_polygons(const gi_hierarchy *h, uint32_t slot, caster_mesh *mesh)
+{
+	const uint32_t base = mesh->vertex_count;
+	for (uint32_t v = 0; v < h->vertex_count; v++)
+		add_vertex(mesh, &h->vertices[v], slot);
 	uint32_t node = 0, found, polygons = 0;
 	for (; (found = next_flat(h, &node)) != GI_NONE; polygons++)
-		*index_count += add_polygon(indices + *index_count, &h->topology[found], o->vertex_base);
-	c->range.count = *index_count - c->range.first;
+		mesh->index_count += add_polygon(mesh->indices + mesh->index_count, &h->topology[found], base);
+	return polygons;
+}
+
+/* What is drawn. */
+static void add_drawn(const gi_drawn_surface *drawn, uint32_t slot, caster_mesh *mesh)
+{
+	const uint32_t base = mesh->vertex_count;
+	for (uint32_t v = 0; v < drawn->vertex_count; v++)
+		add_vertex(mesh, drawn->vertices[v].position, slot);
+	for (uint32_t k = 0; k < drawn->index_count; k++)
+		mesh->indices[mesh->index_count++] = base + drawn->indices[k];
+}
+
+static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	const uint32_t first_vertex = mesh->vertex_count;
+	c->solid = h->closed && h->volume > 0;
+	c->range.first = mesh->index_count;
+	const uint32_t polygons = add_polygons(h, slot, mesh);
+	if (fine && polygons > WALL_POLYGONS) {
+		c->solid = false; /* a detailed mesh may be open where its cage is not */
+		mesh->vertex_count = first_vertex;
+		mesh->index_count = c->range.first;
+		add_drawn(&o->drawn, slot, mesh);
+	}
+	c->range.count = mesh->index_count - c->range.first;
 	c->off = off_of(o, polygons <= WALL_POLYGONS);
 	return polygons > WALL_POLYGONS || add_walls(h, c, polygons);
+}
+
+static bool allocate_mesh(const gi_scene *s, bool fine, caster_mesh *mesh)
+{
+	size_t vertices = s->vertex_count, indices = 6 * (size_t)s->leaf_count;
+	for (uint32_t slot = 0; fine && slot < s->slot_count; slot++)
+		if (scene_slot_is_seen(s, slot)) {
+			vertices += s->objects[s->slots[slot]].drawn.vertex_count;
+			indices += s->objects[s->slots[slot]].drawn.index_count;
+		}
+	mesh->vertices = gi_calloc(vertices + 1, sizeof *mesh->vertices);
+	mesh->indices = gi_calloc(indices + 1, sizeof *mesh->indices);
+	return mesh->vertices && mesh->indices;
 }
 
 gi_result casters_create(gi_context *gi, gi_casters *casters)
 {
 	const gi_scene *s = &gi->scene;
+	const bool fine = gi->def.fine_shadows;
+	caster_mesh mesh = {0};
 	casters->list = gi_calloc(s->slot_count + 1, sizeof *casters->list);
 	casters->count = s->slot_count;
-	caster_vertex *vertices = gi_calloc(s->vertex_count + 1, sizeof *vertices);
-	uint32_t *indices = gi_calloc(6 * (size_t)s->leaf_count + 1, sizeof *indices), index_count = 0;
-	bool ok = casters->list && vertices && indices;
+	bool ok = allocate_mesh(s, fine, &mesh) && casters->list;
 	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
 		if (scene_slot_is_seen(s, slot))
-			ok = add_caster(&s->objects[s->slots[slot]], slot, &casters->list[slot], vertices, indices,
-					&index_count);
+			ok = add_caster(&s->objects[s->slots[slot]], slot, fine, &casters->list[slot], &mesh);
 	ok = ok && share_spheres(s, casters);
 	static const gpu_attribute attributes[] = {{3, false, 0}, {1, true, offsetof(caster_vertex, slot)}, {0}};
 	gi_result result = GI_OK;
 	if (ok)
-		result = gpu_mesh_create(&gi->gpu, &casters->mesh, "shadow casters", attributes, sizeof *vertices,
-					 s->vertex_count, vertices, index_count, indices);
+		result = gpu_mesh_create(&gi->gpu, &casters->mesh, "shadow casters", attributes, sizeof *mesh.vertices,
+					 mesh.vertex_count, mesh.vertices, mesh.index_count, mesh.indices);
 	else
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	gi_free(vertices);
-	gi_free(indices);
+	gi_free(mesh.vertices);
+	gi_free(mesh.indices);
 	return result;
 }
 

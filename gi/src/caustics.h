@@ -1,6 +1,6 @@
-/* Light of emitters through mirrors and glass: photons traced from each emitting object to each smooth one and on, for
- * their leaves' irradiance and the picture. Photons are traced anew where something moved on their paths; what they bring
- * is summed in whole steps, so that all of it is what a scene made at once would have, bit for bit. */
+/* Light of emitters through mirrors and glass: photons traced from each emitting object to each smooth one and on,
+ * for their leaves' irradiance and the picture. Photons are traced anew where something moved on their paths; what
+ * they bring is summed in whole steps, so that all of it is what a scene made at once would have, bit for bit. */
 #ifndef GI_CAUSTICS_H
 #define GI_CAUSTICS_H
 

@@ -1,7 +1,7 @@
 /* A commit: the scene of now takes the place of the one before, with its rows and its light, or all stays as it was.
  *
- * New buffers are made beside the old ones, which go when nothing can fail any more. Rows and light of objects that stay
- * are carried over. */
+ * New buffers are made beside the old ones, which go when nothing can fail any more. Rows and light of objects that
+ * stay are carried over. */
 #include "commit.h"
 
 #include "caustics.h"

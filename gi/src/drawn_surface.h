@@ -4,8 +4,8 @@
  *   vertex
  *
  * Light vertices are the corners of the leaves, split where the surface has an edge (the leaves' normals differ by more
- * than 40 degrees, or one side is not connected to the other) or another surface stands on it (gi_refined.parted): light
- * does not bleed round a corner of a box, nor under a wall.
+ * than 40 degrees, or one side is not connected to the other) or another surface stands on it (gi_refined.parted):
+ * light does not bleed round a corner of a box, nor under a wall.
  */
 #ifndef GI_DRAWN_SURFACE_H
 #define GI_DRAWN_SURFACE_H

@@ -270,8 +270,8 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
-/* A static object moved, or is not seen any more: the update begins with a commit. What that takes is time of the budget,
- * `left` is what is left of it. */
+/* A static object moved, or is not seen any more: the update begins with a commit. What that takes is time of the
+ * budget, `left` is what is left of it. */
 static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_budget *left)
 {
 	float *commit_ms = &gi->issued[gi->frame_number % GPU_READBACK_RING].commit_ms;

@@ -27,6 +27,7 @@ gi_context_def gi_context_def_default(void)
 	    .solve_tolerance = .1f,
 	    .max_sweeps = 100,
 	    .pixel_lamps = GI_LAMP_MAX,
+	    .shadow_map_size = 512,
 	    .caustic_photons = 16384,
 	    .profile = true,
 	    .internal = CONTEXT_COOKIE,
@@ -91,6 +92,9 @@ static gi_result check_lamps(const gi_log *log, const gi_context_def *def)
 	if (def->pixel_lamps > GI_LAMP_MAX)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "pixel_lamps %u is outside 0..%u", def->pixel_lamps,
 			       GI_LAMP_MAX);
+	if (def->shadow_map_size < 64 || def->shadow_map_size > 4096)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "shadow_map_size %u is outside 64..4096",
+			       def->shadow_map_size);
 	return GI_OK;
 }
 

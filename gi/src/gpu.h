@@ -87,7 +87,8 @@ void gpu_group_end(const gpu *g);
 /* How large a buffer may be, bytes, which is asked for where `wanted` are. llvmpipe promises storage blocks of 128 MiB
  * and reaches as far as buffers go: where a block shall be larger than promised, a trial decides, once. */
 uint64_t gpu_buffer_limit(gpu *g, uint64_t wanted);
-/* For messages, after what is needed: whose limit that is, and of how many bytes. Until the next call on this thread. */
+/* For messages, after what is needed: whose limit that is, and of how many bytes. Until the next call on this
+ * thread. */
 const char *gpu_limit_text(const gpu *g, uint64_t limit);
 
 /* (Re)allocates: contents are undefined unless `data` is given. Keeps the name of a live buffer out of use by others.
@@ -96,8 +97,8 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uin
 void gpu_buffer_free(gpu *g, gpu_buffer *buffer);
 /* Of data that mostly is as large as before: then into the same memory. */
 gi_result gpu_buffer_replace(gpu *g, gpu_buffer *buffer, const char *label, uint64_t size, const void *data);
-/* The same as allocating for what a commit makes anew, with room for an eighth more: in the memory that was kept of an earlier one of this
- * binding, where that is enough and not far too much. */
+/* The same as allocating for what a commit makes anew, with room for an eighth more: in the memory that was kept of
+ * an earlier one of this binding, where that is enough and not far too much. */
 gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_t size, const void *data);
 /* Keeps its memory for that; large ones are freed. */
 void gpu_buffer_retire(gpu *g, gpu_buffer *buffer, uint32_t binding);

@@ -256,8 +256,8 @@ static void square_window(const lamp_view *l, double lower[2], double *width)
 		*width = fmax(*width, to[axis] - from[axis]);
 	}
 	for (int axis = 0; axis < 2; axis++)
-		lower[axis] = 0.5 * (from[axis] + to[axis] - *width) - *width * BORDER_TEXELS / LAMP_MAP_SIZE;
-	*width *= 1 + 2 * BORDER_TEXELS / LAMP_MAP_SIZE;
+		lower[axis] = 0.5 * (from[axis] + to[axis] - *width) - *width * BORDER_TEXELS / l->map_size;
+	*width *= 1 + 2 * BORDER_TEXELS / l->map_size;
 }
 
 static gi_vec4 frame_row(gi_vec3d axis, gi_vec3d origin)
@@ -283,6 +283,6 @@ void lamp_view_fill(const lamp_view *l, const lamp_polygon *p, bool casts, gi_la
 	const double n = l->nearest, f = l->farthest;
 	out->map = (gi_vec4){(float)(1 / width), l->hemisphere ? 1.0f : 0.0f, (float)(-lower[0] / width),
 			     (float)(-lower[1] / width)};
-	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / LAMP_MAP_SIZE),
+	out->depth = (gi_vec4){(float)(f / (f - n)), (float)(-f * n / (f - n)), (float)(width / l->map_size),
 			       (float)(LOOK_ASIDE * l->spacing)};
 }

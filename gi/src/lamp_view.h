@@ -7,15 +7,13 @@
 #include "lamp.h"
 #include "vec3d.h"
 
-/* Edge of a depth map, texels. */
-enum { LAMP_MAP_SIZE = 512 };
-
 /* A lamp's frame and corners in the world, and what its frustum has to hold. */
 typedef struct lamp_view {
 	gi_vec3d x, y, z, origin, corner[4];
 	uint32_t sample_count;
 	double sample_lower[2], sample_upper[2];
-	double spacing; /* of the samples */
+	double spacing;    /* of the samples */
+	uint32_t map_size; /* of a depth map, texels a side */
 	bool hemisphere;
 	double nearest, farthest, lower[2], upper[2]; /* along z; slopes x/z, y/z. Of a hemisphere: distances e */
 } lamp_view;

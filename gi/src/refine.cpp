@@ -2,7 +2,8 @@
  *
  * A cage goes through three stages, each of which may throw:
  *
- *   gi_refine_cage --check_cage, clean_cage--> Cage --refine--> Far::TopologyRefiner --export_*--> gi_refined (gi_malloc)
+ *   gi_refine_cage --check_cage, clean_cage--> Cage --refine--> Far::TopologyRefiner
+ *       --export_*--> gi_refined (gi_malloc)
  *
  * Everything is validated before OpenSubdiv sees it, because it reports trouble to stderr and not to its caller.
  * Points are interpolated in double and stored as float: a flat wall stays flat to the last bit of a float.

@@ -1,5 +1,5 @@
-/* What is seen in mirrors and through glass: a layer each of what is reflected and what is refracted by the first surface,
- * which the lamps' passes light as they light the picture. */
+/* What is seen in mirrors and through glass: a layer each of what is reflected and what is refracted by the first
+ * surface, which the lamps' passes light as they light the picture. */
 #ifndef GI_REFLECTIONS_H
 #define GI_REFLECTIONS_H
 

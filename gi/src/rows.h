@@ -63,8 +63,8 @@ void rows_forget(gi_rows *rows);
 void rows_release(gi_context *gi, gi_rows *rows); /* frees it */
 void rows_retire(gi_context *gi, gi_rows *rows);  /* likewise, but memory of tables is kept for the next commit */
 void rows_free(gi_context *gi);
-/* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update come
- * before this one. */
+/* Of the first rows after a commit, tells the host that this pass begins, of so many: the passes of an exact update
+ * come before this one. */
 enum { ROWS_FIRST_STEPS = GI_PASS_ESTIMATE };
 void rows_progress(const gi_context *gi, gi_pass pass);
 

@@ -7,8 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float steps there or
- * more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of 5 m. */
+/* A ray that starts on a surface starts this far above it, in parts of the scene's largest coordinate: 32 float
+ * steps there or more, above the rounding of a point and of its turn between frames, and 20 micrometres in a room of
+ * 5 m. */
 static const float RAY_LIFT = 0x1p-18f;
 
 float scene_ray_lift(const gi_scene *s)

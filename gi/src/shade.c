@@ -416,14 +416,6 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	return result;
 }
 
-static bool all_finite(const float *values, size_t count)
-{
-	bool finite = true;
-	for (size_t k = 0; k < count; k++)
-		finite = finite && isfinite(values[k]);
-	return finite;
-}
-
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
@@ -433,7 +425,7 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "gi_draw: a viewport of %u x %u: this device draws 1 to %u pixels each way", view->width,
 			       view->height, gi->gpu.most_pixels);
-	if (!all_finite(view->view_from_world, 16) || !all_finite(view->clip_from_view, 16))
+	if (!view_is_finite(view))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: a matrix is not finite");
 	return GI_OK;
 }

@@ -232,7 +232,7 @@ static void place_lamps(const gi_context *gi, gi_shadow *shadow)
 		const lamp_polygon *p = &lamps->polygon[k];
 		const uint32_t hole = own_shadow(p, shadow), boxes = gather_boxes(shadow, hole);
 		gi_lamp *lamp = &shadow->lamps[k];
-		lamp_view view = {0};
+		lamp_view view = {.map_size = gi->def.shadow_map_size};
 		lamp_view_place(&view, p, &gi->scene.object_data[p->slot], samples[k], lamp->samples);
 		const uint32_t wide = samples[k] == GI_LAMP_FEW_SAMPLES ? GI_LAMP_WIDE_PROBES : GI_LAMP_PROBES;
 		lamp->range = (gi_uvec4){first, samples[k], 2 * k * OCCLUDER_MASK_ROWS, wide};
@@ -265,7 +265,7 @@ static gi_result redraw(gi_context *gi, gi_shadow *shadow)
 	gpu_buffer_upload(&gi->gpu, &shadow->uniforms, 0, sizeof *shadow->lamps * shadow->lamp_count, shadow->lamps);
 	gpu_buffer_upload(&gi->gpu, &shadow->mask_words, 0, OCCLUDER_MASK_BYTES * (uint64_t)shadow->lamp_count,
 			  shadow->mask_rows);
-	gi_result result = gpu_depth_maps_create(&gi->gpu, &shadow->maps, LAMP_MAP_SIZE, shadow->map_count);
+	gi_result result = gpu_depth_maps_create(&gi->gpu, &shadow->maps, gi->def.shadow_map_size, shadow->map_count);
 	if (!result && shadow->map_count)
 		draw_all_maps(gi, shadow);
 	return result;

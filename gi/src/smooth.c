@@ -29,9 +29,10 @@ static bool same_place(const gi_vec4 *a, const gi_vec4 *b)
 	return a->x == b->x && a->y == b->y && a->z == b->z;
 }
 
-/* A quad may be bent: its normal at a corner is that of the two edges there. A triangle repeats its third corner. What it is of
- * the mean, a x b / (a^2 b^2) for edges a and b, makes that exact where all vertices lie on a sphere (Max, "Weights for computing
- * vertex normals from facet normals", 1999): light that is reflected shows a hundredth of a degree. */
+/* A quad may be bent: its normal at a corner is that of the two edges there. A triangle repeats its third corner.
+ * What it is of the mean, a x b / (a^2 b^2) for edges a and b, makes that exact where all vertices lie on a sphere
+ * (Max, "Weights for computing vertex normals from facet normals", 1999): light that is reflected shows a hundredth
+ * of a degree. */
 static corner make_corner(const gi_primitive *p, uint32_t primitive, uint32_t k)
 {
 	const uint32_t count = same_place(&p->c, &p->d) ? 3 : 4;

@@ -1,5 +1,5 @@
-/* Normals of the smooth surface that an object's leaves stand for, at the corners of what rays meet: mirrors and glass are
- * round where they are meant to be. */
+/* Normals of the smooth surface that an object's leaves stand for, at the corners of what rays meet: mirrors and
+ * glass are round where they are meant to be. */
 #ifndef GI_SMOOTH_H
 #define GI_SMOOTH_H
 

@@ -1,5 +1,7 @@
 #include "view.h"
 
+#include <math.h>
+
 gi_view gi_view_default(void)
 {
 	return (gi_view){
@@ -8,6 +10,19 @@ gi_view gi_view_default(void)
 	    .width = 512,
 	    .height = 512,
 	};
+}
+
+static bool all_finite(const float *values, size_t count)
+{
+	bool finite = true;
+	for (size_t k = 0; k < count; k++)
+		finite = finite && isfinite(values[k]);
+	return finite;
+}
+
+bool view_is_finite(const gi_view *view)
+{
+	return all_finite(view->view_from_world, 16) && all_finite(view->clip_from_view, 16);
 }
 
 void view_clip_from_world(const gi_view *view, float out[16])

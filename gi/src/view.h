@@ -5,6 +5,8 @@
 #include "gi/gi.h"
 #include "gpu_draw.h"
 
+bool view_is_finite(const gi_view *view);
+
 /* Column-major. */
 void view_clip_from_world(const gi_view *view, float out[16]);
 

@@ -1,5 +1,6 @@
 #include "caustic_splats.h"
 
+#include "caustic_map.h"
 #include "low_discrepancy.h"
 #include "parallel.h"
 #include "trace_smooth.h"
@@ -7,13 +8,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { CHUNK = 4096, MOST_STEPS = 64 };
+enum { CHUNK = 4096, MOST_STEPS = 64, MOST_PHOTONS = 65536, UNSEEN = -1 };
 
-/* What a photon adds to a pixel. */
-typedef struct splat {
-	uint32_t pixel;
+/* Of the first pass, metres: as wide as the finest that is asked for. */
+static const float FIRST_RADIUS = 0.05f;
+
+/* Where a photon ended, and what it adds to the pixel that shows that place. */
+typedef struct landing {
+	caustic_photon photon;
 	vec3 radiance;
-} splat;
+	int32_t pixel; /* or UNSEEN */
+} landing;
 
 /* A mirror or glass object and the sphere round it. */
 typedef struct target {
@@ -31,10 +36,12 @@ struct caustic_splats {
 	target targets[TRACE_MOST_OBJECTS];
 	uint32_t target_count;
 	/* Of the pass being traced. */
-	uint32_t first, photons;
-	splat *splats;    /* CHUNK of each chunk, so that they are added in one order whatever the threads do */
-	uint32_t *counts; /* of each chunk */
+	uint32_t first, pass_photons;
+	landing *landings; /* CHUNK of each chunk, so that they are added in one order whatever the threads do */
+	uint32_t *counts;  /* of each chunk */
 	uint32_t chunk_room;
+	caustic_map map;
+	caustic_photon *kept; /* MOST_PHOTONS, before they are sorted */
 };
 
 static void find_sphere(target *t)
@@ -60,6 +67,11 @@ caustic_splats *caustic_splats_create(const trace_scene *scene, const trace_embr
 	if (!s)
 		return NULL;
 	*s = (caustic_splats){.scene = scene, .embree = embree, .lights = lights, .camera = camera, .seed = seed};
+	s->kept = malloc(MOST_PHOTONS * sizeof *s->kept);
+	if (!s->kept) {
+		free(s);
+		return NULL;
+	}
 	caustic_splats_update(s);
 	return s;
 }
@@ -68,7 +80,9 @@ void caustic_splats_destroy(caustic_splats *splats)
 {
 	if (!splats)
 		return;
-	free(splats->splats);
+	caustic_map_free(&splats->map);
+	free(splats->kept);
+	free(splats->landings);
 	free(splats->counts);
 	free(splats);
 }
@@ -126,39 +140,51 @@ static bool emit(const caustic_splats *s, const target *t, photon *p)
 	glm_vec3_muladds((float *)l.light->normal, trace_embree_lift(s->embree), p->origin);
 	const float solid_angle = aim(t, p->origin, way, p->direction);
 	const float cosine = glm_vec3_dot(p->direction, (float *)l.light->normal);
-	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->photons;
+	const float share = solid_angle * fmaxf(cosine, 0) / GLM_PIf * (float)s->target_count / (float)s->pass_photons;
 	glm_vec3_scale((float *)l.light->exitance, share / l.density, p->flux);
 	return cosine > 0;
 }
 
-/* The pixel that shows where a photon ended. Shading by the smooth normal counts each way as it does for paths from the
- * eye (Veach, 1997, 5.3.2). */
-static bool find_splat(const caustic_splats *s, const photon *p, const trace_hit *hit, splat *out)
+/* The pixel that shows where a photon ended. */
+static void find_pixel(const caustic_splats *s, const photon *p, const trace_hit *hit, landing *out)
 {
 	int x, y;
 	vec3 from, to_eye;
-	const float arrives = -glm_vec3_dot((float *)p->direction, (float *)hit->flat);
-	const float shaded = -glm_vec3_dot((float *)p->direction, (float *)hit->normal);
-	if (!hit->front || shaded <= 0 || !trace_camera_find(s->camera, hit->point, &x, &y))
-		return false;
+	out->pixel = UNSEEN;
+	if (!trace_camera_find(s->camera, hit->point, &x, &y))
+		return;
 	trace_embree_leave(s->embree, hit, p->direction, from);
 	glm_vec3_sub((float *)s->camera->eye, from, to_eye);
 	const float square = glm_vec3_norm2(to_eye);
 	const float leaves = glm_vec3_dot(to_eye, (float *)hit->flat) / sqrtf(square);
 	if (leaves <= 0 || !trace_embree_is_free(s->embree, from, s->camera->eye))
-		return false;
+		return;
 	const float axis = -glm_vec3_dot(to_eye, (float *)s->camera->forward) / sqrtf(square);
 	/* The pixel's patch of the surface has the area square * solid angle / leaves. */
 	const float solid_angle = trace_camera_pixel_area(s->camera) * axis * axis * axis;
-	const float factor = shaded / arrives * leaves / (GLM_PIf * square * solid_angle);
-	out->pixel = (uint32_t)(y * s->camera->width + x);
+	out->pixel = y * s->camera->width + x;
 	for (int c = 0; c < 3; c++)
-		out->radiance[c] = p->flux[c] * hit->object->rho[c] * factor;
+		out->radiance[c] =
+		    out->photon.flux[c] * hit->object->rho[c] * leaves / (GLM_PIf * square * solid_angle);
+}
+
+/* False at a back. Shading by the smooth normal counts each way as it does for paths from the eye (Veach, 1997,
+ * 5.3.2). */
+static bool land(const caustic_splats *s, const photon *p, const trace_hit *hit, landing *out)
+{
+	const float arrives = -glm_vec3_dot((float *)p->direction, (float *)hit->flat);
+	const float shaded = -glm_vec3_dot((float *)p->direction, (float *)hit->normal);
+	if (!hit->front || shaded <= 0 || arrives <= 0)
+		return false;
+	glm_vec3_copy((float *)hit->point, out->photon.point);
+	glm_vec3_copy((float *)hit->flat, out->photon.normal);
+	glm_vec3_scale((float *)p->flux, shaded / arrives, out->photon.flux);
+	find_pixel(s, p, hit, out);
 	return true;
 }
 
-/* False where nothing is seen of it. What meets another object first is that one's. */
-static bool trace_photon(const caustic_splats *s, uint32_t number, splat *out)
+/* False where it lands nowhere. What meets another object first is that one's. */
+static bool trace_photon(const caustic_splats *s, uint32_t number, landing *out)
 {
 	const target *t = &s->targets[number % s->target_count];
 	photon p = {.number = number / s->target_count,
@@ -170,7 +196,7 @@ static bool trace_photon(const caustic_splats *s, uint32_t number, splat *out)
 		if (!hit.object || (k == 0 && hit.object != t->object))
 			return false;
 		if (!trace_object_is_smooth(hit.object))
-			return find_splat(s, &p, &hit, out);
+			return land(s, &p, &hit, out);
 		float numbers[2];
 		next_numbers(&p, numbers);
 		if (!trace_smooth_go_on(&hit, trace_embree_lift(s->embree), numbers[0], p.origin, p.direction, p.flux))
@@ -182,10 +208,10 @@ static bool trace_photon(const caustic_splats *s, uint32_t number, splat *out)
 static void trace_chunk(void *user, uint32_t chunk)
 {
 	caustic_splats *s = user;
-	const uint32_t first = chunk * CHUNK, left = s->photons - first;
+	const uint32_t first = chunk * CHUNK, left = s->pass_photons - first;
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < CHUNK && k < left; k++)
-		count += trace_photon(s, s->first + first + k, &s->splats[first + count]);
+		count += trace_photon(s, s->first + first + k, &s->landings[first + count]);
 	s->counts[chunk] = count;
 }
 
@@ -193,14 +219,38 @@ static bool make_room(caustic_splats *s, uint32_t chunks)
 {
 	if (chunks <= s->chunk_room)
 		return true;
-	splat *splats = realloc(s->splats, sizeof *splats * CHUNK * chunks);
-	s->splats = splats ? splats : s->splats;
+	landing *landings = realloc(s->landings, sizeof *landings * CHUNK * chunks);
+	s->landings = landings ? landings : s->landings;
 	uint32_t *counts = realloc(s->counts, sizeof *counts * chunks);
 	s->counts = counts ? counts : s->counts;
-	if (!splats || !counts)
+	if (!landings || !counts)
 		return false;
 	s->chunk_room = chunks;
 	return true;
+}
+
+static void add_splats(const caustic_splats *s, uint32_t chunk, double *sums)
+{
+	for (uint32_t k = 0; k < s->counts[chunk]; k++) {
+		const landing *one = &s->landings[(size_t)chunk * CHUNK + k];
+		for (int c = 0; c < 3 && one->pixel != UNSEEN; c++)
+			sums[3 * (size_t)one->pixel + (size_t)c] += (double)one->radiance[c];
+	}
+}
+
+/* Photons of the first chunks that fit; those stand for the others too. */
+static bool build_map(caustic_splats *s, uint32_t pass, uint32_t chunks)
+{
+	uint32_t count = 0, traced = 0;
+	for (uint32_t chunk = 0; chunk < chunks && count + s->counts[chunk] <= MOST_PHOTONS; chunk++) {
+		for (uint32_t k = 0; k < s->counts[chunk]; k++)
+			s->kept[count++] = s->landings[(size_t)chunk * CHUNK + k].photon;
+		traced += s->pass_photons - traced < CHUNK ? s->pass_photons - traced : CHUNK;
+	}
+	for (uint32_t k = 0; k < count; k++)
+		glm_vec3_scale(s->kept[k].flux, (float)s->pass_photons / (float)traced, s->kept[k].flux);
+	/* So the radius goes where two thirds of a pass's photons stay within it. */
+	return caustic_map_build(&s->map, s->kept, count, FIRST_RADIUS * powf((float)(pass + 1), -1 / 6.0f));
 }
 
 bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t photons, uint32_t threads, double *sums)
@@ -209,14 +259,15 @@ bool caustic_splats_add(caustic_splats *s, uint32_t pass, uint32_t photons, uint
 	const uint32_t chunks = (photons + CHUNK - 1) / CHUNK;
 	if (!make_room(s, chunks))
 		return false;
-	s->photons = photons;
+	s->pass_photons = photons;
 	s->first = pass * photons;
 	parallel_for(threads, chunks, trace_chunk, s);
 	for (uint32_t chunk = 0; chunk < chunks; chunk++)
-		for (uint32_t k = 0; k < s->counts[chunk]; k++) {
-			const splat *one = &s->splats[(size_t)chunk * CHUNK + k];
-			for (int c = 0; c < 3; c++)
-				sums[3 * (size_t)one->pixel + (size_t)c] += (double)one->radiance[c];
-		}
-	return true;
+		add_splats(s, chunk, sums);
+	return build_map(s, pass, chunks);
+}
+
+void caustic_splats_irradiance(const caustic_splats *s, const vec3 point, const vec3 normal, vec3 out)
+{
+	caustic_map_irradiance(&s->map, point, normal, out);
 }

@@ -1,6 +1,6 @@
 #include "frame_rows.h"
 
-#include "tests/gpu/exact_rows.h"
+#include "tests/support/exact_rows.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -90,15 +90,19 @@ static bool build_embree(tessellation *t)
 	t->geometry = t->scene ? rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SUBDIVISION) : NULL;
 	if (!t->geometry)
 		return false;
-	float *positions = rtcSetNewGeometryBuffer(t->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-						   sizeof(vec3), cage->vertex_count);
+	/* Embree reads four numbers of a vertex, and wants all to be numbers. */
+	float(*positions)[4] = rtcSetNewGeometryBuffer(t->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+						       sizeof *positions, cage->vertex_count);
 	uint32_t *corners = rtcSetNewGeometryBuffer(t->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
 						    sizeof(uint32_t), cage->index_count);
 	uint32_t *faces = rtcSetNewGeometryBuffer(t->geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT,
 						  sizeof(uint32_t), cage->face_count);
 	if (!positions || !corners || !faces)
 		return false;
-	memcpy(positions, cage->positions, sizeof(vec3) * cage->vertex_count);
+	for (uint32_t v = 0; v < cage->vertex_count; v++) {
+		memcpy(positions[v], cage->positions + 3 * (size_t)v, sizeof(vec3));
+		positions[v][3] = 0;
+	}
 	memcpy(corners, cage->indices, sizeof *corners * cage->index_count);
 	memcpy(faces, cage->face_counts, sizeof *faces * cage->face_count);
 	rtcCommitGeometry(t->geometry);

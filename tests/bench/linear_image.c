@@ -1,14 +1,9 @@
 #include "linear_image.h"
 
 #include "gl.h"
-#include "output.h"
 #include "tonemap.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-enum { MOST_SIDE = 16384 };
 
 bool linear_image_create(int width, int height, linear_image *out)
 {
@@ -21,47 +16,6 @@ void linear_image_free(linear_image *image)
 {
 	free(image->rgb);
 	*image = (linear_image){0};
-}
-
-bool linear_image_write_pfm(const linear_image *image, const char *path, char *message, size_t message_size)
-{
-	engine_output file;
-	if (!engine_output_open(&file, path, message, message_size))
-		return false;
-	const size_t row = 3 * (size_t)image->width;
-	bool written = fprintf(file.file, "PF\n%d %d\n-1.0\n", image->width, image->height) > 0;
-	for (int y = image->height - 1; written && y >= 0; y--)
-		written = fwrite(image->rgb + row * (size_t)y, sizeof *image->rgb, row, file.file) == row;
-	return engine_output_close(&file, written, message, message_size);
-}
-
-static bool read_rows(FILE *file, linear_image *out)
-{
-	double scale;
-	if (fscanf(file, "PF %d %d %lf", &out->width, &out->height, &scale) != 3 || fgetc(file) == EOF || scale >= 0)
-		return false;
-	if (out->width < 1 || out->width > MOST_SIDE || out->height < 1 || out->height > MOST_SIDE ||
-	    !linear_image_create(out->width, out->height, out))
-		return false;
-	const size_t row = 3 * (size_t)out->width;
-	for (int y = out->height - 1; y >= 0; y--)
-		if (fread(out->rgb + row * (size_t)y, sizeof *out->rgb, row, file) != row)
-			return false;
-	return true;
-}
-
-bool linear_image_read_pfm(const char *path, linear_image *out, char *message, size_t message_size)
-{
-	*out = (linear_image){0};
-	FILE *file = fopen(path, "rb");
-	const bool read = file && read_rows(file, out);
-	if (file)
-		fclose(file);
-	if (!read) {
-		linear_image_free(out);
-		snprintf(message, message_size, "%s is no little-endian colour PFM that can be read", path);
-	}
-	return read;
 }
 
 /* Textures have their first row at the bottom. */

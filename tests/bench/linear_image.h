@@ -15,10 +15,6 @@ typedef struct linear_image {
 bool linear_image_create(int width, int height, linear_image *out);
 void linear_image_free(linear_image *image);
 
-/* Portable float map (Debevec): little-endian, rows from the bottom up. False with one line in message. */
-bool linear_image_write_pfm(const linear_image *image, const char *path, char *message, size_t message_size);
-bool linear_image_read_pfm(const char *path, linear_image *out, char *message, size_t message_size);
-
 /* What engine_target_tonemap makes of it, width * height * 3 bytes; an OpenGL context is current. False with one
  * line in message. */
 bool linear_image_tonemap(const linear_image *image, float exposure, uint8_t *rgb, char *message, size_t message_size);

@@ -5,6 +5,7 @@
 #include "image.h"
 #include "output.h"
 #include "path_tracer.h"
+#include "pfm.h"
 #include "trace_box.h"
 
 #include <stdio.h>
@@ -177,7 +178,7 @@ int main(int argc, char **argv)
 		fail("Embree or memory fails");
 	trace(&o, tracer);
 	path_tracer_picture(tracer, &image);
-	if (o.linear && !linear_image_write_pfm(&image, o.linear, message, sizeof message))
+	if (o.linear && !engine_pfm_write(o.linear, o.width, o.height, image.rgb, message, sizeof message))
 		fail(message);
 	if (o.out)
 		write_png(&o, kind, &image);

@@ -35,7 +35,6 @@ typedef struct path {
 	vec3 light;        /* found so far */
 	float density;     /* of the direction from the last diffuse vertex, 1/sr */
 	uint32_t bounces;  /* diffuse */
-	bool smooth_first; /* mirrors or glass before the first diffuse vertex */
 	bool smooth_since; /* since the last diffuse vertex, or the eye */
 } path;
 
@@ -64,7 +63,7 @@ static void add_emission(const path_tracer *t, path *p, const trace_hit *hit)
 	const bool direct = p->bounces == 0 || (p->bounces == 1 && !p->smooth_since);
 	float part = 1;
 	if (p->bounces > 0 && p->smooth_since) {
-		part = p->bounces == 1 && !p->smooth_first && t->caustics ? 0 : 1;
+		part = t->caustics ? 0 : 1;
 	} else if (p->bounces > 0) {
 		const float by_area = trace_lights_density(&t->lights, hit->object->exitance);
 		const float cosine = -glm_vec3_dot(p->direction, (float *)hit->flat);
@@ -91,6 +90,16 @@ static void add_drawn_light(const path_tracer *t, path *p, const trace_hit *hit,
 		return;
 	const float density = l.density * square / lamp_cosine, onward = cosine / GLM_PIf;
 	add_light(t, p, p->bounces == 0, l.light->exitance, share(density, onward) * onward / density);
+}
+
+/* What caustics give, but where the eye sees them straight. The weight already has the surface's reflectance. */
+static void add_caustics(const path_tracer *t, path *p, const trace_hit *hit)
+{
+	if (!t->caustics || (p->bounces == 0 && !p->smooth_since))
+		return;
+	vec3 irradiance;
+	caustic_splats_irradiance(t->caustics, hit->point, hit->flat, irradiance);
+	add_light(t, p, false, irradiance, 1);
 }
 
 /* Ends by chance what carries little. */
@@ -123,10 +132,10 @@ static bool bounce(const path_tracer *t, path *p, const trace_hit *hit)
 	glm_vec3_mul(p->weight, (float *)hit->object->rho, p->weight);
 	trace_embree_leave(t->embree, hit, p->direction, p->origin);
 	add_drawn_light(t, p, hit, p->origin);
+	add_caustics(t, p, hit);
 	float numbers[2], chance[2];
 	next_numbers(p, numbers);
 	next_numbers(p, chance);
-	p->smooth_first = p->bounces == 0 ? p->smooth_since : p->smooth_first;
 	p->smooth_since = false;
 	p->bounces++;
 	if (t->def.light == GI_MODE_DIRECT && p->bounces > 1)
@@ -229,14 +238,16 @@ void path_tracer_update(path_tracer *t)
 bool path_tracer_add(path_tracer *t, uint32_t samples)
 {
 	const uint32_t pixels = (uint32_t)(t->def.camera.width * t->def.camera.height);
-	t->wanted = samples;
-	parallel_for(t->def.threads, (uint32_t)t->def.camera.height, trace_row, t);
-	bool ok = true;
-	for (uint32_t k = 0; ok && t->caustics && k < samples; k++)
-		ok = caustic_splats_add(t->caustics, t->samples + k, pixels >> CAUSTIC_SHARE_BITS, t->def.threads,
-					t->sums);
-	t->samples += samples;
-	return ok;
+	const uint32_t end = t->samples + samples;
+	t->wanted = t->caustics ? 1 : samples; /* each with photons of its own */
+	while (t->samples < end) {
+		if (t->caustics &&
+		    !caustic_splats_add(t->caustics, t->samples, pixels >> CAUSTIC_SHARE_BITS, t->def.threads, t->sums))
+			return false;
+		parallel_for(t->def.threads, (uint32_t)t->def.camera.height, trace_row, t);
+		t->samples += t->wanted;
+	}
+	return true;
 }
 
 uint32_t path_tracer_samples(const path_tracer *tracer)

@@ -2,9 +2,10 @@
  *
  * Light is the sum over paths from the eye (Kajiya, "The rendering equation", 1986), each diffuse vertex lit by a point
  * of light drawn and by the direction its path goes on, joined by multiple importance sampling (Veach and Guibas,
- * 1995); mirrors and glass take a path on, by Fresnel's equations; Russian roulette ends it. Caustics that the eye sees
- * straight come from photons traced forward (caustic_splats.h). Numbers are scrambled Sobol points
- * (low_discrepancy.h). Unbiased, and the same bits for the same seed whatever the number of threads.
+ * 1995); mirrors and glass take a path on, by Fresnel's equations; Russian roulette ends it. Caustics come from photons
+ * of light traced forward (caustic_splats.h). Numbers are scrambled Sobol points (low_discrepancy.h). Unbiased, but for
+ * caustics that are not seen straight, which only tend to the truth; the same bits for the same seed whatever the
+ * number of threads.
  */
 #ifndef TESTS_BENCH_PATH_TRACER_H
 #define TESTS_BENCH_PATH_TRACER_H

@@ -95,9 +95,9 @@ def pair_table(pair):
 def main():
     worlds, pair, about = read(sys.argv[1])
     print("# How costs grow\n")
-    print(f"Made by `scripts/bench scale --docs`: {about}. Worlds are those of tests/bench/scale_world.h. Processor ms, all")
-    print("threads, of the calls and the update that takes them in, medians of some rounds; exponents are of leaves, over")
-    print(f"worlds of {LEAST_LEAVES} leaves and more.")
+    print(f"Made by `scripts/bench scale --docs`: {about}. Worlds are those of tests/bench/scale_world.h. Processor")
+    print("ms, all threads, of the calls and the update that takes them in, medians of some rounds; exponents are of")
+    print(f"leaves, over worlds of {LEAST_LEAVES} leaves and more.")
     for name, world in worlds.items():
         print(f"\n## {name.capitalize()}\n")
         print("\n".join(costs(world)))
@@ -106,8 +106,9 @@ def main():
         print(f"\n![{name}: ms by leaves](pictures/scale-{name}.png)")
     if pair:
         print("\n## Many objects, or few of as many leaves\n")
-        print("Two halls of the same size and number of leaves, the boxes of one cut finer instead of being many; one box")
-        print("moves, in both in turn. The ratio is the median of the rounds' quotients of processor times, many to few.\n")
+        print("Two halls of the same size and number of leaves, the boxes of one cut finer instead of being many; one")
+        print("box moves, in both in turn. The ratio is the median of the rounds' quotients of processor times, many")
+        print("to few.\n")
         print("\n".join(pair_table(pair)))
 
 

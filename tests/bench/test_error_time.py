@@ -1,4 +1,4 @@
-"""Runs gi_error_time briefly in one scene: its CSV is whole, and its tables name what was measured. No time is judged."""
+"""Runs gi_error_time briefly in one scene: its CSV is whole, its tables name what was measured. No time is judged."""
 import csv
 import math
 import os

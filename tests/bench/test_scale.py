@@ -45,7 +45,8 @@ class Scale(unittest.TestCase):
         self.assertIsNone(scale_tables.exponent([(5, 5)]))
 
     def test_bad_options(self):
-        for bad in ("--objects=3", "--objects=many", "--world=sea", "--rounds=few", "--rounds=0", "--cells=1x", "--pair=3",
+        for bad in ("--objects=3", "--objects=many", "--world=sea", "--rounds=few", "--rounds=0", "--cells=1x",
+                    "--pair=3",
                     "--leaf-size=nan"):
             done = subprocess.run([PROGRAM, bad], capture_output=True, text=True, check=False)
             self.assertNotEqual(done.returncode, 0)

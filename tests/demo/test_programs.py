@@ -244,7 +244,8 @@ class Programs(unittest.TestCase):
         for name, more in (("exact", []), ("rate", ["--budget-fps", "1000"]), ("none", ["--budget-fps", "0"]),
                            ("zero", ["--budget-fps", "1000", "--budget-ms", "0"]), ("own", ["--budget-ms", "0.5"])):
             report = self.path(name + ".csv")
-            done = self.good("moving_buddha", "--frames", "3", "--row-tolerance", "0.2", "--images", self.path("p%d.png"),
+            done = self.good("moving_buddha", "--frames", "3", "--row-tolerance", "0.2",
+                             "--images", self.path("p%d.png"),
                              "--report", report, *more, *TINY)
             runs[name] = read_csv(report)
             self.assertIn("frames a second", done.stdout)
@@ -273,6 +274,18 @@ class Programs(unittest.TestCase):
         self.assertGreater(largest, 10)  # the lamp, where a picture is 1
         for k, value in enumerate(pixels["global"]):
             self.assertLess(abs(pixels["direct"][k] + pixels["indirect"][k] - value), 2e-3 * largest, k)
+
+    def test_two_balls_under_a_budget(self):
+        """What an exact frame takes is told after frames that were not; kinds of balls are options."""
+        common = ["--frames", "2", "--row-tolerance", "0.3", "--caustic-photons", "64", "--out", self.path("out"), *TINY]
+        done = self.good("two_balls", "--balls", "glass,mirror", "--budget-ms", "1", *common)
+        self.assertRegex(done.stdout, r"an exact frame, ms +\d+\.\d")
+        with open(self.path("out/frame_0000_global.png"), "rb") as file:
+            turned = file.read()
+        done = self.good("two_balls", *common)
+        self.assertNotIn("an exact frame", done.stdout)
+        with open(self.path("out/frame_0000_global.png"), "rb") as file:
+            self.assertNotEqual(file.read(), turned)
 
     def test_buddha_of_a_file(self):
         figure = self.path("figure.obj", PYRAMID)
@@ -325,7 +338,8 @@ class Programs(unittest.TestCase):
     def test_obj_room_is_true(self):
         self.path("room.mtl", ROOM_MATERIALS)
         self.good("gi_play", self.path("room.obj", ROOM), "--leaf-size", "10", "--field", self.path("f%d.ply"),
-                  "--form-factors", self.path("F.csv"), "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005", *CONTEXT)
+                  "--form-factors", self.path("F.csv"), "--solve-tolerance", "1e-6", "--row-tolerance", "0.0005",
+                  *CONTEXT)
         faces = read_ply(self.path("f0.ply"))[1]
         names = [row["from"] for row in read_csv(self.path("F.csv")) if row["to"] == "*"]
         self.assertEqual(names, ["floor", "ceiling", "back", "front", "left", "right"])
@@ -355,13 +369,20 @@ class Programs(unittest.TestCase):
     def test_bad_options(self):
         for arguments in (["--nonsense"], ["--frames"], ["--frames", "0"], ["--frames", "1e99"], ["--fps", "-1"],
                           ["--fps", "nan"], ["--size", "0x5"], ["--size", "5"], ["--size", "5x5x"], ["--mode", "all"],
-                          ["--context", "x"], ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"], ["--row-tolerance", "1e-6"],
+                          ["--context", "x"], ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"],
+                          ["--row-tolerance", "1e-6"],
                           ["--leaf-size", "0"], ["--leaf-size", "1e-50"], ["--solve-tolerance", "1e-40"],
-                          ["--solve-tolerance", "x"], ["--images", "frame.png"], ["--images", "%s.png"], ["--sky", "-1"],
+                          ["--solve-tolerance", "x"], ["--images", "frame.png"], ["--images", "%s.png"],
+                          ["--sky", "-1"],
                           ["--field", "%d%d"], ["--report", ""], ["--cage-faces", "1"],
                           ["--budget-fps", "-1"], ["--budget-fps", "x"], ["--budget-ms", "-0.5"], ["--budget-ms", ""]):
             self.bad("moving_buddha", *arguments, says=arguments[0])
             self.bad("gi_play", DOOR, *arguments, says=arguments[0])
+        for text in ("glass", "glass,", "glass,glas", "mirror,mirror,glass"):
+            self.bad("two_balls", "--balls", text, says="--balls " + text)
+        self.bad("moving_buddha", "--shadow-map", "32", says="--shadow-map")
+        self.bad("moving_buddha", "--caustic-photons", "-1", says="--caustic-photons")
+        self.bad("moving_buddha", "--levels", "9", says="--levels")
         self.bad("moving_buddha", "scene.gltf", says="scene.gltf")
         self.bad("gi_play", says="scene")
         self.bad("gi_play", DOOR, DOOR, says=DOOR)
@@ -404,7 +425,8 @@ class Programs(unittest.TestCase):
     def limited(self, bytes_of_a_file, *arguments):
         """The program where no file may be larger: what a full disk does to it."""
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_of_a_file, bytes_of_a_file))
-        return subprocess.run([os.path.join(PROGRAMS, "gi_play"), *arguments], capture_output=True, text=True, timeout=300,
+        return subprocess.run([os.path.join(PROGRAMS, "gi_play"), *arguments], capture_output=True, text=True,
+                              timeout=300,
                               preexec_fn=limit, env=dict(os.environ, MESA_SHADER_CACHE_DISABLE="true"))
 
     def test_full_disk_leaves_no_halves(self):
@@ -419,7 +441,8 @@ class Programs(unittest.TestCase):
                 self.assertEqual(file.read(), before)
             os.unlink(place)
         self.assertEqual(os.listdir(self.folder), [])
-        done = self.limited(4096, DOOR, "--frames", "20", "--row-tolerance", "0.2", "--report", self.path("r.csv"), *TINY)
+        done = self.limited(4096, DOOR, "--frames", "20", "--row-tolerance", "0.2", "--report", self.path("r.csv"),
+                            *TINY)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("cannot write " + self.path("r.csv"), done.stderr)
         with open(self.path("r.csv")) as file:
@@ -460,7 +483,8 @@ class Programs(unittest.TestCase):
             self.skipTest("a minute under sanitizers, for nothing that the shorter frames do not run")
         lines, count = ["mtllib lamp.mtl", "usemtl lamp"], 0
         for k in range(701):
-            x, y, z, size = (0, 0, 0, 20) if k == 700 else (k % 9 * 2.1 + 0.3, k // 9 % 9 * 2.1 + 0.3, k // 81 * 2.1 + 0.3, 1)
+            x, y, z, size = (0, 0, 0, 20) if k == 700 else (k % 9 * 2.1 + 0.3, k // 9 % 9 * 2.1 + 0.3,
+                                                            k // 81 * 2.1 + 0.3, 1)
             lines += ["o box%d" % k] + ["v %g %g %g" % (x + c % 2 * size, y + c // 2 % 2 * size, z + c // 4 * size)
                                         for c in range(8)]
             for face in ("3 4 2 1", "5 6 8 7", "1 2 6 5", "7 8 4 3", "5 7 3 1", "4 8 6 2"):
@@ -504,7 +528,8 @@ class Programs(unittest.TestCase):
                                    ("gi_play", [DOOR, "--frames", "1", "--row-tolerance", "0.2", "--images",
                                                 self.path("p%d.png"), *TINY])):
             with open("/dev/full", "w") as full:
-                done = subprocess.run([os.path.join(PROGRAMS, program), *arguments], stdout=full, stderr=subprocess.PIPE,
+                done = subprocess.run([os.path.join(PROGRAMS, program), *arguments], stdout=full,
+                                      stderr=subprocess.PIPE,
                                       text=True, timeout=300)
             self.assertEqual(done.returncode, 1, (program, arguments, done.stderr))
             self.assertRegex(done.stderr, "^%s: cannot write to standard output: .*\n$" % program)
@@ -528,7 +553,8 @@ class Programs(unittest.TestCase):
         self.assertIn("from,to,F\n", done.stdout)
         self.assertIn("certified bound", done.stdout)
         with open(self.path("both"), "w") as both:
-            subprocess.run([os.path.join(PROGRAMS, "gi_play"), DOOR, "--form-factors", "/dev/stdout", *common], stdout=both,
+            subprocess.run([os.path.join(PROGRAMS, "gi_play"), DOOR, "--form-factors", "/dev/stdout", *common],
+                           stdout=both,
                            check=True, timeout=300)
         with open(self.path("both")) as file:
             self.assertIn("certified bound", file.read())
@@ -551,7 +577,8 @@ class Programs(unittest.TestCase):
         for node in scene["nodes"]:
             node["name"] = "a\nb\r\"c,%s" % node.get("name", "")
         name = self.path("two\nlines.gltf", json.dumps(scene))
-        done = self.good("gi_play", name, "--frames", "1", "--row-tolerance", "0.2", "--form-factors", self.path("F.csv"),
+        done = self.good("gi_play", name, "--frames", "1", "--row-tolerance", "0.2",
+                         "--form-factors", self.path("F.csv"),
                          "--field", self.path("f%d.ply"), *TINY)
         self.assertIn("two lines.gltf: 1 frames", done.stdout)
         with open(self.path("F.csv")) as file:
@@ -562,7 +589,8 @@ class Programs(unittest.TestCase):
         for material in scene["materials"]:
             material.pop("emissiveFactor", None)
         dark = self.path("two\nlines, dark.gltf", json.dumps(scene))
-        done = self.good("gi_play", dark, "--frames", "1", "--row-tolerance", "0.2", "--images", self.path("p%d.png"), *TINY)
+        done = self.good("gi_play", dark, "--frames", "1", "--row-tolerance", "0.2", "--images", self.path("p%d.png"),
+                         *TINY)
         self.assertIn("two lines, dark.gltf: nothing in it emits light", done.stderr)
         self.assertTrue(all(line.startswith("gi_play: ") for line in done.stderr.splitlines()), done.stderr)
         self.bad("gi_play", self.path("no\nsuch\x1b[2J.gltf"), *TINY, says="no such")
@@ -593,7 +621,8 @@ class Programs(unittest.TestCase):
         self.path("hall.mtl", HALL_MATERIALS)
         hall = self.path("hall.obj", HALL)
         for options in ([], ["--leaf-size", "0.5"], ["--leaf-size", "0.27"], ["--leaves", "500"]):
-            done = self.good("gi_play", hall, "--field", self.path("f%d.ply"), "--report", self.path("r.csv"), *options, *CONTEXT)
+            done = self.good("gi_play", hall, "--field", self.path("f%d.ply"), "--report", self.path("r.csv"), *options,
+                             *CONTEXT)
             leaves = int(read_csv(self.path("r.csv"))[0]["leaves"])
             self.assertIn("%d leaves of" % leaves, done.stderr)
             self.assertIn("--leaf-size", done.stderr)
@@ -601,7 +630,8 @@ class Programs(unittest.TestCase):
                 wanted = int(options[1]) if options else 4000
                 self.assertTrue(0.7 * wanted < leaves < 1.3 * wanted, (leaves, wanted))
             vertices, faces = read_ply(self.path("f0.ply"))
-            middles = [[sum(vertices[i][k] for i in face["corners"]) / len(face["corners"]) for k in (0, 1, 2)] for face in faces]
+            middles = [[sum(vertices[i][k] for i in face["corners"]) / len(face["corners"]) for k in range(3)]
+                       for face in faces]
             lit = max(face["b_g"] for face, at in zip(faces, middles) if at[0] < 1.5 and face["e_g"] == 0)
             dark = max(face["b_g"] for face, at in zip(faces, middles) if at[0] > 1.7)
             print("%s: %d leaves, lit room at most %.3g, dark room %.3g W/m2" % (options, leaves, lit, dark), end=" ")
@@ -620,7 +650,8 @@ class Programs(unittest.TestCase):
                   for j in range(rings) for i in range(around)]
         ball = self.path("ball.obj", "\n".join(lines) + "\n")
         for options, most in (([], 2000), (["--cage-faces", "300"], 300), (["--leaves", "2000"], 1000)):
-            done = self.good("gi_play", ball, "--sky", "1", "--report", self.path("r.csv"), "--field", self.path("f%d.ply"),
+            done = self.good("gi_play", ball, "--sky", "1", "--report", self.path("r.csv"),
+                             "--field", self.path("f%d.ply"),
                              *options, *TINY)
             self.assertIn("cage of", done.stderr)
             leaves = int(read_csv(self.path("r.csv"))[0]["leaves"])
@@ -648,7 +679,8 @@ class Programs(unittest.TestCase):
         began = time.monotonic()
         self.bad("gi_play", hall, "--frames", "1", "--leaf-size", "0.0005", *TINY, says="would be 40")
         print("%.1f s" % (time.monotonic() - began), end=" ")
-        told = self.bad("gi_play", hall, "--frames", "1", "--leaf-size", "0.0005", *TINY, says="(--leaf-size, --leaves)").stderr
+        told = self.bad("gi_play", hall, "--frames", "1", "--leaf-size", "0.0005", *TINY,
+                        says="(--leaf-size, --leaves)").stderr
         fitting = re.search(r"a leaf size of (\S+) fits", told).group(1)
         self.assertTrue(0.01 < float(fitting) < 0.1, fitting)
 

@@ -2,8 +2,6 @@
 
     test_reload.py FOLDER_OF_PROGRAMS SOURCES
 """
-import ctypes
-import ctypes.util
 import os
 import shutil
 import subprocess
@@ -11,72 +9,14 @@ import sys
 import tempfile
 import time
 
+from window_events import ESCAPE, F5, find_window, open_display, press, wait_for
+
 PROGRAMS, SOURCES = sys.argv[1:3]
-KEY_PRESS, KEY_RELEASE, F5, ESCAPE = 2, 3, 0xffc2, 0xff1b
-SECONDS = 60
 AGAIN = "shaders were read again"
-
-x11 = ctypes.CDLL(ctypes.util.find_library("X11") or "libX11.so.6")
-WINDOW = ctypes.c_ulong
-x11.XOpenDisplay.restype = ctypes.c_void_p
-x11.XDefaultRootWindow.argtypes = [ctypes.c_void_p]
-x11.XDefaultRootWindow.restype = WINDOW
-x11.XQueryTree.argtypes = [ctypes.c_void_p, WINDOW, ctypes.POINTER(WINDOW), ctypes.POINTER(WINDOW),
-                           ctypes.POINTER(ctypes.POINTER(WINDOW)), ctypes.POINTER(ctypes.c_uint)]
-x11.XFetchName.argtypes = [ctypes.c_void_p, WINDOW, ctypes.POINTER(ctypes.c_char_p)]
-x11.XKeysymToKeycode.argtypes = [ctypes.c_void_p, ctypes.c_ulong]
-x11.XKeysymToKeycode.restype = ctypes.c_ubyte
-x11.XSendEvent.argtypes = [ctypes.c_void_p, WINDOW, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]
-x11.XFlush.argtypes = [ctypes.c_void_p]
-
-
-# The window may be gone while a key is on its way to it.
-IGNORE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(lambda display, error: 0)
-x11.XSetErrorHandler(IGNORE)
-
-
-class KeyEvent(ctypes.Structure):
-    """XKeyEvent, as large as XEvent."""
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
-                ("display", ctypes.c_void_p), ("window", WINDOW), ("root", WINDOW), ("subwindow", WINDOW),
-                ("time", ctypes.c_ulong), ("x", ctypes.c_int), ("y", ctypes.c_int), ("x_root", ctypes.c_int),
-                ("y_root", ctypes.c_int), ("state", ctypes.c_uint), ("keycode", ctypes.c_uint),
-                ("same_screen", ctypes.c_int), ("pad", ctypes.c_long * 24)]
-
-
-def find_window(display):
-    root, parent, children, count = WINDOW(), WINDOW(), ctypes.POINTER(WINDOW)(), ctypes.c_uint()
-    x11.XQueryTree(display, x11.XDefaultRootWindow(display), root, parent, children, count)
-    for k in range(count.value):
-        name = ctypes.c_char_p()
-        if x11.XFetchName(display, children[k], ctypes.byref(name)) and name.value:
-            return children[k]
-    return None
-
-
-def press(display, window, key):
-    for kind in (KEY_PRESS, KEY_RELEASE):
-        event = KeyEvent(type=kind, display=display, window=window, root=x11.XDefaultRootWindow(display),
-                         time=int(1000 * time.monotonic()) % 2 ** 31, keycode=x11.XKeysymToKeycode(display, key),
-                         same_screen=1)
-        x11.XSendEvent(display, window, 1, 1, ctypes.byref(event))
-    x11.XFlush(display)
-
-
-def wait_for(what, found):
-    until = time.monotonic() + SECONDS
-    while time.monotonic() < until:
-        result = found()
-        if result:
-            return result
-        time.sleep(0.1)
-    sys.exit("no " + what)
 
 
 def main():
-    display = x11.XOpenDisplay(None)
-    if not display:
-        sys.exit("no X server")
+    display = open_display()
     with tempfile.TemporaryDirectory() as folder:
         shaders, log = os.path.join(folder, "shaders"), os.path.join(folder, "log")
         shutil.copytree(os.path.join(SOURCES, "shaders"), shaders)

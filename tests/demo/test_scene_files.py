@@ -185,7 +185,8 @@ class SceneFiles(unittest.TestCase):
                                                        "--two-sided=off"))
         self.assertNotIn("nothing lit is seen", self.play(self.path("shut.obj", shut), "--row-tolerance", "0.5",
                                                           "--two-sided=off", "--sky", "2"))
-        self.assertEqual(self.play(self.path("ground.obj", ground(2, 0.5, 0)), "--row-tolerance", "0.5", "--sky", "0"), "")
+        self.assertEqual(self.play(self.path("ground.obj", ground(2, 0.5, 0)), "--row-tolerance", "0.5", "--sky", "0"),
+                         "")
 
     def test_a_camera_that_sees_backs_is_told(self):
         # A unit square that is a lamp towards +z and a camera behind it.
@@ -248,7 +249,8 @@ class SceneFiles(unittest.TestCase):
         "g_point_light_and_lamp.gltf": ("KHR_lights_punctual", 2), "g_alpha_zero.gltf": ("let light through", 2),
         "g_metal.gltf": ("metals are taken as diffuse", 2), "g_orthographic.gltf": ("orthographic", 2),
         "g_no_mesh.gltf": ("holds no faces", 0), "g_emissive_texture_black.gltf": ("read as their mean", 2),
-        "g_skin_scale.gltf": ("skins are read as they are at rest", 3), "g_all_two_sides.gltf": ("where light falls", 2),
+        "g_skin_scale.gltf": ("skins are read as they are at rest", 3),
+        "g_all_two_sides.gltf": ("where light falls", 2),
         "flipped.obj": ("turned round", 2), "white_kd.obj": ("0.98", 2), "unused_white.obj": ("", 2),
     }
 

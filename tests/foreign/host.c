@@ -1,5 +1,5 @@
-/* A program that knows nothing of Relume but the installed package: one context, one update, the light of the floor. The
- * same text is compiled as C and as C++. */
+/* A program that knows nothing of Relume but the installed package: one context, one update, the light of the floor.
+ * The same text is compiled as C and as C++. */
 #include "headless.h"
 #include "room.h"
 

@@ -1,5 +1,5 @@
-/* A program with an OpenGL loader of its own beside the library's, whose functions are poisoned while the library works:
- * it must neither call nor change them. */
+/* A program with an OpenGL loader of its own beside the library's, whose functions are poisoned while the library
+ * works: it must neither call nor change them. */
 #include "headless.h"
 #include "loader.h"
 #include "room.h"

@@ -1,5 +1,5 @@
-/* Two contexts on two threads, each with an OpenGL context and OpenGL functions of its own. Both update at the same time,
- * again and again, and get the bits that one alone gets; neither calls the other's functions. */
+/* Two contexts on two threads, each with an OpenGL context and OpenGL functions of its own. Both update at the same
+ * time, again and again, and get the bits that one alone gets; neither calls the other's functions. */
 #include "headless.h"
 #include "room.h"
 

@@ -65,7 +65,8 @@ static double room_mean(const gi_leaf leaves[ROOM_LEAVES])
 	return sum / ROOM_FLOOR_LEAVES;
 }
 
-/* The same by the midpoint rule: E / pi * mean over the floor of the integral over the lamp of cos^2 / r^2 = h^2 / r^4. */
+/* The same by the midpoint rule: E / pi * mean over the floor of the integral over the lamp of cos^2 / r^2 = h^2 /
+ * r^4. */
 static double room_mean_by_hand(void)
 {
 	enum { FLOOR = 64, LAMP = 16 };

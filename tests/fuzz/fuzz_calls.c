@@ -568,8 +568,10 @@ static gi_context_def next_def(input *in)
 		next_floats(in, def.sky_exitance, 3);
 	for (int c = 0; c < 3; c++)
 		in->exitance = fmaxf(in->exitance, def.sky_exitance[c]);
-	if (parts & 8)
+	if (parts & 8) {
 		def.pixel_lamps = next_below(in, 40);
+		def.shadow_map_size = 32u << next_below(in, 5);
+	}
 	if (parts & 16)
 		def.estimate_leaves = next_byte(in);
 	if (parts & 32)

@@ -1,5 +1,6 @@
 /* Objects that came, or are shown again, start from the light around them, not from black: how far their first pictures
- * are from the solution where an update may not build their rows, and that all that is certified of an update still holds.
+ * are from the solution where an update may not build their rows, and that all that is certified of an update still
+ * holds.
  */
 #include "snapshot.h"
 

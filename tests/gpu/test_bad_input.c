@@ -582,8 +582,8 @@ static void update_before_commit(void **state)
 	unload(&l);
 }
 
-/* Between gi_commit and gi_update what is new has no rows yet, what was there has those of before, and there is nothing of what else
- * was in memory. */
+/* Between gi_commit and gi_update what is new has no rows yet, what was there has those of before, and there is
+ * nothing of what else was in memory. */
 static void read_before_update(void **state)
 {
 	(void)state;

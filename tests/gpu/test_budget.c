@@ -186,6 +186,82 @@ static void error(void **state)
 	play("error 0.05 and 3,000 rays", open_box, &def, &(gi_budget){.rays = 3000, .error = .05f}, 30);
 }
 
+/* ---- a camera ---- */
+
+/* Above the middle, looking down: the floor is in sight, and what faces up. */
+static gi_view view_from_above(void)
+{
+	gi_view view = gi_view_default();
+	const float down[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, -4.5f, 1};
+	const float wide[16] = {.8f, 0, 0, 0, 0, .8f, 0, 0, 0, 0, -1.02f, -1, 0, 0, -.2f, 0};
+	memcpy(view.view_from_world, down, sizeof down);
+	memcpy(view.clip_from_view, wide, sizeof wide);
+	return view;
+}
+
+static bool faces_up(const gi_leaf *leaf)
+{
+	float a[3], b[3];
+	for (int k = 0; k < 3; k++) {
+		a[k] = leaf->corners[2][k] - leaf->corners[0][k];
+		b[k] = leaf->corners[3][k] - leaf->corners[1][k];
+	}
+	return a[2] * b[0] - a[0] * b[2] > 0;
+}
+
+/* Sum of area |B - B'|^2 over the leaves that face up and lie below the camera, or over the others. */
+static double squared_error(const pair *p, bool seen)
+{
+	snapshot a = snapshot_take(p->bounded.gi), b = snapshot_take(p->exact.gi);
+	double sum = 0;
+	for (uint32_t k = 0; k < a.leaf_count; k++)
+		for (int c = 0; c < 3 && seen == (faces_up(&a.leaves[k]) && a.leaves[k].corners[0][1] < 4); c++) {
+			const double d = (double)a.leaves[k].radiosity[c] - (double)b.leaves[k].radiosity[c];
+			sum += (double)a.leaves[k].area * d * d;
+		}
+	snapshot_free(&a);
+	snapshot_free(&b);
+	return sum;
+}
+
+typedef struct errors {
+	double seen, unseen;
+} errors;
+
+static errors errors_under(const gi_budget *budget)
+{
+	const gi_context_def def = coarse_def();
+	pair p = open_pair(open_room, &def, 21, true);
+	update_under(p.bounded.gi, budget);
+	harness_update(p.exact.gi);
+	errors sum = {0, 0};
+	for (uint32_t frame = 1; frame <= 24; frame++) {
+		move_both(&p);
+		update_under(p.bounded.gi, budget);
+		harness_update(p.exact.gi);
+		sum.seen += squared_error(&p, true);
+		sum.unseen += squared_error(&p, false);
+	}
+	update_under(p.bounded.gi, NULL);
+	expect_same_rows(&p, "a camera, then an exact update");
+	close_pair(&p);
+	return sum;
+}
+
+/* With as many rays what the camera sees is less wrong, and bounds hold as without. */
+static void what_is_seen_goes_first(void **state)
+{
+	(void)state;
+	const gi_view view = view_from_above();
+	const errors alike = errors_under(&(gi_budget){.rays = 3000}),
+		     viewed = errors_under(&(gi_budget){.rays = 3000, .view = &view});
+	printf("  squared error with a camera: in sight %.2f of that without, elsewhere %.2f\n",
+	       viewed.seen / alike.seen, viewed.unseen / alike.unseen);
+	assert_true(alike.seen > 0 && viewed.seen < .8 * alike.seen);
+	const gi_context_def def = coarse_def();
+	play("2,000 rays, a camera", open_box, &def, &(gi_budget){.rays = 2000, .view = &view}, 20);
+}
+
 /* ---- many frames ---- */
 
 /* Another budget every frame; every 20th an exact update, which has to find everything that waited. */
@@ -603,6 +679,10 @@ static void bad_budgets(void **state)
 		assert_int_equal(gi_update(p.bounded.gi, &bad[k]), GI_ERROR_INVALID_ARGUMENT);
 		assert_non_null(harness_last_message()[0] ? harness_last_message() : NULL);
 	}
+	gi_view view = view_from_above();
+	view.view_from_world[5] = NAN;
+	assert_int_equal(gi_update(p.bounded.gi, &(gi_budget){.rays = 5, .view = &view}), GI_ERROR_INVALID_ARGUMENT);
+	assert_non_null(strstr(harness_last_message(), "budget.view"));
 	close_pair(&p);
 }
 
@@ -613,6 +693,7 @@ int main(void)
 	    cmocka_unit_test(rays),
 	    cmocka_unit_test(bright_sky),
 	    cmocka_unit_test(error),
+	    cmocka_unit_test(what_is_seen_goes_first),
 	    cmocka_unit_test(nothing_waits_for_ever),
 	    cmocka_unit_test(small_changes_wait),
 	    cmocka_unit_test(small_lamps_hide_nothing),

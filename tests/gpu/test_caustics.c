@@ -1,5 +1,5 @@
-/* Light of a small lamp through a mirror ball and a glass ball, in a black box, against light traced forward through smooth
- * balls; then what moves. */
+/* Light of a small lamp through a mirror ball and a glass ball, in a black box, against light traced forward through
+ * smooth balls; then what moves. */
 #include "harness.h"
 #include "scenes/body.h"
 #include "scenes/shapes.h"
@@ -13,8 +13,8 @@
 
 static const float BLACK[3] = {0, 0, 0}, LAMP[3] = {1000, 1000, 1000};
 
-/* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and each gets
- * some hundred of the photons. */
+/* A room of 2 x 2 x 2 m, floor at y = 0, of leaves of 0.2 m: a mirror ball spreads its light over all of them, and
+ * each gets some hundred of the photons. */
 enum { CELLS = 10, PHOTONS = 131072 };
 static const float BALL[3] = {0.1f, 0.7f, -0.1f}, RADIUS = 0.4f;
 

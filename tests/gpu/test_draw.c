@@ -432,7 +432,8 @@ static void test_overlays(void **state)
 
 /* ---- mirrors and glass ---- */
 
-/* Every pixel is the lamp's radiance times `share` within [lower, upper] of the plane, dark beyond; edges are no matter. */
+/* Every pixel is the lamp's radiance times `share` within [lower, upper] of the plane, dark beyond; edges are no
+ * matter. */
 static void check_seen(const target *t, double exitance, double share, const float lower[2], const float upper[2])
 {
 	for (int y = 0; y < SIZE; y++)

@@ -232,8 +232,8 @@ static void expect_block(float height, float leaf_size, const float turn[4])
 	       (double)m.choice.least_size, m.choice.cuts, mean, truth, worst, 100 * m.rms, 100 * m.noise);
 	assert_true(fabs(mean - truth) <= fmax(.02, .25 * truth));
 	assert_true(height > 0 || worst == 0); /* nothing comes in */
-	/* 1 is wanted; it is 0.9 to 1.9, by the draw of the rays (what comes through the slit has some 30 entries) and because
-	 * light falls off within leaves that send it on as one (docs/accuracy.md). */
+	/* 1 is wanted; it is 0.9 to 1.9, by the draw of the rays (what comes through the slit has some 30 entries)
+	 * and because light falls off within leaves that send it on as one (docs/accuracy.md). */
 	assert_true(worst <= 2.2);
 	assert_true(m.rms <= .02);
 	end(gi, &s, &m);

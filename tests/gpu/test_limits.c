@@ -1,5 +1,5 @@
-/* What would not fit is refused with what it needs and what there is, before any work was done, and leaves everything as it
- * was; whoever follows the advice of the message gets through.
+/* What would not fit is refused with what it needs and what there is, before any work was done, and leaves everything
+ * as it was; whoever follows the advice of the message gets through.
  */
 #include "snapshot.h"
 

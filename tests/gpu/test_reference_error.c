@@ -18,8 +18,8 @@
 static const double ERROR_LIMIT = 0.03;
 static const double ENTRIES_LIMIT = 350;
 
-/* Where a patch of the black sky before the box's open side is half of what a leaf sees: closing must not take it for all
- * or nothing. Rows that a single ray decides are 7.0 % off, 4 % too bright. */
+/* Where a patch of the black sky before the box's open side is half of what a leaf sees: closing must not take it
+ * for all or nothing. Rows that a single ray decides are 7.0 % off, 4 % too bright. */
 static const float COARSE[2] = {0.1f, 0.05f};
 static const double COARSE_LIMIT = 0.06, COARSE_BIAS = 0.03;
 

@@ -1,4 +1,5 @@
-/* What is set after creation gives the same bits as a context that was created with it, at the price the header names. */
+/* What is set after creation gives the same bits as a context that was created with it, at the price the header
+ * names. */
 #include "snapshot.h"
 
 #include "scenes/shapes.h"

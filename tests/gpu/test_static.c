@@ -171,8 +171,8 @@ static gi_context *open_three(float x, gi_object *middle)
 	return gi;
 }
 
-/* One takes a step, stays static and is below the nodes that it was below: these are what they are where it was there from
- * the first. */
+/* One takes a step, stays static and is below the nodes that it was below: these are what they are where it was
+ * there from the first. */
 static void the_same_nodes_of_one_that_stepped(void **state)
 {
 	(void)state;
@@ -192,8 +192,8 @@ static void the_same_nodes_of_one_that_stepped(void **state)
 	gi_context_destroy(from_the_first);
 }
 
-/* Three boxes of which the middle one goes from next to the first to next to the last, and stays static: they are in the
- * same order below other nodes. And one that was to be movable from the next commit on is hidden before that. */
+/* Three boxes of which the middle one goes from next to the first to next to the last, and stays static: they are in
+ * the same order below other nodes. And one that was to be movable from the next commit on is hidden before that. */
 static void other_nodes_in_the_same_order(void **state)
 {
 	(void)state;
@@ -222,8 +222,8 @@ static void other_nodes_in_the_same_order(void **state)
 	gi_context_destroy(gi);
 }
 
-/* What moves has hundreds of neighbours: each row of it is asked for all of them, which is more turns than llvmpipe gives
- * a thread's loops. */
+/* What moves has hundreds of neighbours: each row of it is asked for all of them, which is more turns than llvmpipe
+ * gives a thread's loops. */
 static void the_hall_moves(void **state)
 {
 	(void)state;

@@ -46,7 +46,8 @@ static void ceiling_of(const snapshot *s, double ceiling[3])
 	}
 }
 
-/* The ceiling, what E leaves of it for R, and E + R are each rounded to float: half a unit in the last place, three times. */
+/* The ceiling, what E leaves of it for R, and E + R are each rounded to float: half a unit in the last place, three
+ * times. */
 static const double ROUNDED = 1.8e-7;
 
 static void expect_within(const snapshot *s, uint64_t seed, int frame, tally *t)

@@ -459,8 +459,9 @@ static void one_more_one_less(void **state)
 	gi_context_destroy(w.gi);
 }
 
-/* A box that moves below a cover: every row that faces it has another entry of it, which no ray sees, as before. What rows sum to
- * stays, so that none outside the cover is closed. Without the cover those are that see it, and both times rows are a rebuild's. */
+/* A box that moves below a cover: every row that faces it has another entry of it, which no ray sees, as before.
+ * What rows sum to stays, so that none outside the cover is closed. Without the cover those are that see it, and
+ * both times rows are a rebuild's. */
 static void a_mover_below_a_cover(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* Forward light tracing (Arvo, "Backward ray tracing", 1986). Each step takes one way by chance, reflection or refraction
- * by Fresnel's share, so a photon stays one ray; colours are weights. */
+/* Forward light tracing (Arvo, "Backward ray tracing", 1986). Each step takes one way by chance, reflection or
+ * refraction by Fresnel's share, so a photon stays one ray; colours are weights. */
 #include "light_trace.h"
 
 #include "embree.h"

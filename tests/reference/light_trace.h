@@ -1,8 +1,9 @@
 /* Light traced forward through mirrors and glass: what the library's specular transport is measured against.
  *
  * Photons of flux leave the emitters, are reflected and refracted by smooth surfaces, and end on the first surface that
- * is neither mirror nor glass, which takes all of it: one pass of light, without what that surface gives on. Independent of
- * the library on purpose: Embree for the rays, its own Fresnel equations and sampling. Only tests and benchmarks link it.
+ * is neither mirror nor glass, which takes all of it: one pass of light, without what that surface gives on.
+ * Independent of the library on purpose: Embree for the rays, its own Fresnel equations and sampling. Only tests and
+ * benchmarks link it.
  */
 #ifndef TESTS_REFERENCE_LIGHT_TRACE_H
 #define TESTS_REFERENCE_LIGHT_TRACE_H
@@ -46,9 +47,9 @@ typedef struct light_result {
 bool light_trace(const light_scene *scene, uint64_t photons, uint64_t seed, light_result *out);
 void light_result_free(light_result *result);
 
-/* Share of unpolarised light that a smooth surface between two clear media reflects (Fresnel's equations; Born and Wolf,
- * Principles of Optics, 7th ed., 1.5.2); cosine of the angle of incidence, (0, 1]; index of the medium behind over that
- * before. 1 where all is reflected. */
+/* Share of unpolarised light that a smooth surface between two clear media reflects (Fresnel's equations; Born and
+ * Wolf, Principles of Optics, 7th ed., 1.5.2); cosine of the angle of incidence, (0, 1]; index of the medium behind
+ * over that before. 1 where all is reflected. */
 double light_fresnel(double cosine, double index);
 
 #endif

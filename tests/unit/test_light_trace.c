@@ -138,7 +138,8 @@ static void test_fresnel(void **state)
 	(void)state;
 	CHECK_NEAR(light_fresnel(1, 1.5), 0.04, 1e-12);
 	CHECK_NEAR(light_fresnel(1, 1 / 1.5), 0.04, 1e-12);
-	/* At Brewster's angle, tan = n, one polarisation is not reflected at all, the other by ((n^2 - 1) / (n^2 + 1))^2. */
+	/* At Brewster's angle, tan = n, one polarisation is not reflected at all, the other by ((n^2 - 1) / (n^2 +
+	 * 1))^2. */
 	CHECK_NEAR(light_fresnel(1 / sqrt(1 + 1.5 * 1.5), 1.5), 0.5 * pow(1.25 / 3.25, 2), 1e-12);
 	CHECK_NEAR(light_fresnel(1e-9, 1.5), 1, 1e-8);
 	/* Total internal reflection from sin = 1 / n on. */
@@ -147,7 +148,8 @@ static void test_fresnel(void **state)
 	assert_true(light_fresnel(critical * 1.001, 1 / 1.5) < 0.95);
 }
 
-/* What a plate lets through of light from all directions of a half space: (1 - R) / (1 + R) with all inner reflections. */
+/* What a plate lets through of light from all directions of a half space: (1 - R) / (1 + R) with all inner
+ * reflections. */
 static double plate_transmittance(double index)
 {
 	enum { STEPS = 100000 };
@@ -186,8 +188,9 @@ static void test_mirror_ball(void **state)
 	free(s);
 }
 
-/* Glass of index 1 is not there; of 1.5 a ball of radius R brings what comes from a distance a of its centre together at a
- * distance b behind it, 1/a + 1/b = 1/f, f = n R / (2 (n - 1)) (thin pencils): much of it falls on a small square there. */
+/* Glass of index 1 is not there; of 1.5 a ball of radius R brings what comes from a distance a of its centre
+ * together at a distance b behind it, 1/a + 1/b = 1/f, f = n R / (2 (n - 1)) (thin pencils): much of it falls on a
+ * small square there. */
 static void test_glass_ball(void **state)
 {
 	(void)state;

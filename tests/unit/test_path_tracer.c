@@ -1,6 +1,9 @@
 /* Off-line ray tracing (tests/bench/path_tracer.h) against closed forms, and its parts against each other. */
+#include "../bench/caustic_map.h"
 #include "../bench/path_tracer.h"
+#include "../bench/trace_box.h"
 #include "../reference/exact.h"
+#include "scenes/cornell.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -198,6 +201,51 @@ static void test_mirror_caustic(void **state)
 	trace_scene_free(&scene);
 }
 
+/* Photons and what they light in turn make the picture that paths alone find. */
+static void test_photons(void **state)
+{
+	(void)state;
+	trace_scene scene = {0};
+	float view_from_world[16], clip_from_view[16];
+	assert_true(trace_box_balls(&scene));
+	cornell_camera(1, view_from_world, clip_from_view);
+	path_tracer_def def = {.scene = &scene,
+			       .camera = trace_camera_make(view_from_world, clip_from_view, SIDE, SIDE),
+			       .light = GI_MODE_INDIRECT,
+			       .antialias = true,
+			       .seed = 1};
+	const double photons = mean_rendered(&def, 512);
+	def.paths_alone = true;
+	CHECK_NEAR(photons / mean_rendered(&def, 2048), 1, 0.01);
+	trace_scene_free(&scene);
+}
+
+/* Photons spread evenly over a plane: the irradiance is their flux over its area; none on the other side of it. */
+static void test_caustic_map(void **state)
+{
+	(void)state;
+	enum { GRID = 200 };
+	caustic_photon *photons = calloc(GRID * GRID, sizeof *photons);
+	assert_non_null(photons);
+	for (int k = 0; k < GRID * GRID; k++)
+		photons[k] =
+		    (caustic_photon){.point = {(float)(k % GRID) / GRID - 0.5f, 0, (float)(k / GRID) / GRID - 0.5f},
+				     .normal = {0, 1, 0},
+				     .flux = {3.0f / (GRID * GRID), 2.0f / (GRID * GRID), 0}};
+	caustic_map map = {0};
+	assert_true(caustic_map_build(&map, photons, GRID * GRID, 0.05f));
+	vec3 irradiance;
+	caustic_map_irradiance(&map, (vec3){0.013f, 0, -0.22f}, (vec3){0, 1, 0}, irradiance);
+	CHECK_NEAR((double)irradiance[0], 3, 0.03);
+	CHECK_NEAR((double)irradiance[1], 2, 0.02);
+	caustic_map_irradiance(&map, (vec3){0.013f, 0, -0.22f}, (vec3){0, -1, 0}, irradiance);
+	CHECK_NEAR((double)irradiance[0], 0, 0);
+	caustic_map_irradiance(&map, (vec3){0.5f - 0.5f / GRID, 0, 0}, (vec3){0, 1, 0}, irradiance);
+	CHECK_NEAR((double)irradiance[0], 1.5, 0.03);
+	caustic_map_free(&map);
+	free(photons);
+}
+
 /* ---- the same bits ---- */
 
 static void test_threads_change_nothing(void **state)
@@ -266,6 +314,8 @@ int main(void)
 	    cmocka_unit_test(test_furnace_with_mirror_and_glass),
 	    cmocka_unit_test(test_lamp),
 	    cmocka_unit_test(test_mirror_caustic),
+	    cmocka_unit_test(test_photons),
+	    cmocka_unit_test(test_caustic_map),
 	    cmocka_unit_test(test_threads_change_nothing),
 	    cmocka_unit_test(test_update),
 	};

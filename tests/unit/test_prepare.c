@@ -1,5 +1,5 @@
-/* Objects are prepared on several threads at once, from the same definitions, and come out as on one thread, to the bit.
- * Built with -fsanitize=thread (preset "thread") it is also the proof that those threads share nothing they write.
+/* Objects are prepared on several threads at once, from the same definitions, and come out as on one thread, to the
+ * bit. Built with -fsanitize=thread (preset "thread") it is also the proof that those threads share nothing they write.
  */
 #include "handles.h"
 

@@ -17,21 +17,22 @@
  *     ... gi_create_object() for everything, gi_commit() once ...
  *     every frame:  gi_set_pose() on what moves;  gi_update(gi, NULL);  gi_draw();  gi_get_report();
  *
- * Rules. One thread at a time per context, the OpenGL context it was created in current; gi_prepare_object
- * takes none and runs on any thread. The library leaves these
- * pieces of OpenGL state changed: bound program, vertex array, shader-storage buffer bindings 0..36 and uniform buffer
- * bindings 0 and 1 (the indexed ones), texture units 0..43 with their samplers, the GL_DISPATCH_INDIRECT_BUFFER binding.
- * It takes nothing for granted: drawing state is set and given back, whatever it was. Calls are not made between
- * glBeginConditionalRender or glBeginTransformFeedback and their ends. Errors that the host left in glGetError stay
- * there, but for calls that end with GI_ERROR_OUT_OF_MEMORY. Matrices are column-major float[16] as OpenGL and cglm have
- * them, clip space as gi_view says. Lengths are metres, but any unit does if it is the same everywhere;
- * coordinates and positions are at most 1e9, areas of leaves at least 1e-24. Surfaces emit and reflect on
- * the side their normal points to (corners counter-clockwise seen from there); their back is black and opaque.
+ * Rules. One thread at a time per context, the OpenGL context it was created in current; gi_prepare_object takes none
+ * and runs on any thread. The library leaves these pieces of OpenGL state changed: bound program, vertex array,
+ * shader-storage buffer bindings 0..36 and uniform buffer bindings 0 and 1 (the indexed ones), texture units 0..43 with
+ * their samplers, the GL_DISPATCH_INDIRECT_BUFFER binding. It takes nothing for granted: drawing state is set and given
+ * back, whatever it was. Calls are not made between glBeginConditionalRender or glBeginTransformFeedback and their
+ * ends. Errors that the host left in glGetError stay there, but for calls that end with GI_ERROR_OUT_OF_MEMORY.
+ * Matrices are column-major float[16] as OpenGL and cglm have them, clip space as gi_view says. Lengths are metres, but
+ * any unit does if it is the same everywhere; coordinates and positions are at most 1e9, areas of leaves at least
+ * 1e-24. Surfaces emit and reflect on the side their normal points to (corners counter-clockwise seen from there);
+ * their back is black and opaque.
  *
- * Where surfaces lie in one place, nearer than about 1e-6 of their coordinates, one is seen: a front before any back; of
- * those that look the same way one that emitted at gi_commit, else that of the object of less area, else of the one created
- * later; within an object the smaller polygon. A carpet lies on the floor, a lamp on the ceiling, a wall that is there twice
- * counts once. Leaves that are covered keep B and H as if they were on top; nothing of them arrives anywhere.
+ * Where surfaces lie in one place, nearer than about 1e-6 of their coordinates, one is seen: a front before any back;
+ * of those that look the same way one that emitted at gi_commit, else that of the object of less area, else of the one
+ * created later; within an object the smaller polygon. A carpet lies on the floor, a lamp on the ceiling, a wall that
+ * is there twice counts once. Leaves that are covered keep B and H as if they were on top; nothing of them arrives
+ * anywhere.
  *
  * Errors. Functions return a gi_result; whatever is not GI_OK left the scene as it was, and one line that says what to
  * do about it went to the message callback. All but those that only set and get values need the OpenGL context current
@@ -67,7 +68,7 @@ extern "C" {
 /* GI_VERSION of the library that the program runs with, which may be another than that of this header. */
 GI_API uint32_t gi_version(void);
 
-/* ---- results ---------------------------------------------------------------------------------------------------- */
+/* ---- results ----------------------------------------------------------------------------------------------------- */
 
 /* Name, text: one table, so that they cannot drift. */
 #define GI_RESULTS(X)                                                                                                  \
@@ -91,25 +92,29 @@ typedef enum gi_result { GI_RESULTS(GI_RESULT_ENUM) GI_RESULT_COUNT } gi_result;
 /* The text of the table above; never NULL. */
 GI_API const char *gi_result_text(gi_result result);
 
-/* Receives one line, without a newline, for every error and warning. `result` says how severe it is: what the call fails
- * with, or GI_OK of a warning. The text is gone when the callback returns. */
+/* Receives one line, without a newline, for every error and warning. `result` says how severe it is: what the call
+ * fails with, or GI_OK of a warning. The text is gone when the callback returns. */
 typedef void gi_message_fn(gi_result result, const char *message, void *user);
 
-/* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says what
- * it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
- * gi_context_create, gi_create_object, gi_commit, by a gi_update that builds every row after a commit, and where compute
- * shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings alone
- * that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver takes back
- * what it computes: a program that must end within a second ends without gi_context_destroy (demos/interrupt.c). */
+/* Hears that step `done` of `total` of something long begins; total 0: how many there are is not known. `what` says
+ * what it is in a few words for people, e.g. "compiling shaders", and is gone when the callback returns. Called by
+ * gi_context_create, gi_create_object, gi_commit, by a gi_update that builds every row after a commit, and where
+ * compute shaders are compiled later. It may draw and show a frame if it leaves the buffer and texture bindings
+ * alone that the library uses (see Rules); it must not call the library. Nothing stops what has begun, as no driver
+ * takes back what it computes: a program that must end within a second ends without gi_context_destroy
+ * (demos/interrupt.c). */
 typedef void gi_progress_fn(const char *what, uint32_t done, uint32_t total, void *user);
 
-/* Where the library's memory comes from. NULL for all functions, the default: malloc. The library asks for everything of
- * its own here, on the thread that called it; what OpenSubdiv, the C library and the driver take for themselves it does
- * not. An update of a scene in motion asks for nothing once it has seen as much move before. Sizes are bytes; memory is
- * aligned as malloc's is. */
-typedef void *gi_allocate_fn(size_t size, void *user);                                        /* NULL: out of memory */
-typedef void *gi_reallocate_fn(void *memory, size_t old_size, size_t new_size, void *user); /* NULL: memory is as it was */
-typedef void gi_free_fn(void *memory, size_t size, void *user); /* size: as last allocated; memory is never NULL */
+/* Where the library's memory comes from. NULL for all functions, the default: malloc. The library asks for
+ * everything of its own here, on the thread that called it; what OpenSubdiv, the C library and the driver take for
+ * themselves it does not. An update of a scene in motion asks for nothing once it has seen as much move before.
+ * Sizes are bytes; memory is aligned as malloc's is. */
+/* NULL: out of memory. */
+typedef void *gi_allocate_fn(size_t size, void *user);
+/* NULL: memory is as it was. */
+typedef void *gi_reallocate_fn(void *memory, size_t old_size, size_t new_size, void *user);
+/* size: as last allocated; memory is never NULL. */
+typedef void gi_free_fn(void *memory, size_t size, void *user);
 
 typedef struct gi_allocator {
 	gi_allocate_fn *allocate;
@@ -118,18 +123,19 @@ typedef struct gi_allocator {
 	void *user; /* handed to all three */
 } gi_allocator;
 
-/* ---- handles ------------------------------------------------------------------------------------------------------ */
+/* ---- handles ----------------------------------------------------------------------------------------------------- */
 
 typedef struct gi_context gi_context;
 
-/* By value; zero is no object. The handle of a destroyed object, or of another context's, is detected, never followed. */
+/* By value; zero is no object. The handle of a destroyed object, or of another context's, is detected, never
+ * followed. */
 typedef struct gi_object {
 	uint32_t index1;
 	uint32_t generation;
 	uint32_t context; /* no two contexts of a program have the same */
 } gi_object;
 
-/* ---- context ------------------------------------------------------------------------------------------------------ */
+/* ---- context ----------------------------------------------------------------------------------------------------- */
 
 typedef void (*gi_proc)(void);
 /* Finds an OpenGL function; NULL: there is none of this name. */
@@ -145,47 +151,64 @@ typedef enum gi_sky {
 typedef struct gi_context_def {
 	/* Required. Asked by gi_context_create alone; each context keeps the functions that it was given. */
 	gi_get_proc_address_fn *get_proc_address;
-	void *get_proc_user;                      /* handed to get_proc_address */
-	gi_message_fn *message;                   /* default NULL: messages go to stderr */
-	gi_progress_fn *progress;                 /* default NULL: nobody hears of it */
-	void *user;                               /* handed to message and progress */
-	gi_allocator allocator;                   /* default all NULL: malloc; copied */
-	const char *shader_directory;             /* copied; *.comp etc. are read from here; default NULL: those built in */
+	void *get_proc_user;      /* handed to get_proc_address */
+	gi_message_fn *message;   /* default NULL: messages go to stderr */
+	gi_progress_fn *progress; /* default NULL: nobody hears of it */
+	void *user;               /* handed to message and progress */
+	gi_allocator allocator;   /* default all NULL: malloc; copied */
+	/* Copied; *.comp etc. are read from here; default NULL: those built in */
+	const char *shader_directory;
 
 	/* How fine. A source node is taken whole by a row once its form factor is below row_tolerance; (1e-6, 1],
 	 * default 0.01. Entries per leaf grow about as 1/row_tolerance, the error falls with it. */
 	float row_tolerance;
-	float emitter_refinement;  /* emitters are cut at row_tolerance / this, less where they cover more than 1 / this of
-				    * the scene's area: not at all finer from a half on; >= 1, default 20 */
-	uint32_t emitter_samples;  /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
+	/* Emitters are cut at row_tolerance / this, less where they cover more than 1 / this of the scene's area:
+	 * not at all finer from a half on; >= 1, default 20 */
+	float emitter_refinement;
+	uint32_t emitter_samples; /* visibility rays per emitter entry that is partly hidden; 4..16, default 16 */
 
-	uint32_t near_samples;     /* the same for leaves whose form factor exceeds row_tolerance; up to four times as many, 16
-				    * at most, where it exceeds 0.04; 1..16, default 4 */
+	/* The same for leaves whose form factor exceeds row_tolerance; up to four times as many, 16 at most, where
+	 * it exceeds 0.04; 1..16, default 4 */
+	uint32_t near_samples;
 
-	/* When the solve stops: it is certain that at every leaf, channel by channel, B is off by at most solve_tolerance *
-	 * (R + largest R / 100000). R = B - E is the light that the leaf reflects, the largest that of all leaves: what lamps
-	 * give does not count, and where it is dark the light there does, down to a hundred-thousandth of the brightest
-	 * place. (0, 1], default 0.1: the worst leaf is then off by 1 % in truth, others by far less. Single precision ends
-	 * between 1e-6 and 1e-4 times gi_report.amplification, the higher the darker the darkest place: below that the solve
-	 * ends with GI_OUTCOME_ROUNDING, and the report has the bound. */
+	/* When the solve stops: it is certain that at every leaf, channel by channel, B is off by at most
+	 * solve_tolerance * (R + largest R / 100000). R = B - E is the light that the leaf reflects, the largest
+	 * that of all leaves: what lamps give does not count, and where it is dark the light there does, down to a
+	 * hundred-thousandth of the brightest place. (0, 1], default 0.1: the worst leaf is then off by 1 % in
+	 * truth, others by far less. Single precision ends between 1e-6 and 1e-4 times gi_report.amplification, the
+	 * higher the darker the darkest place: below that the solve ends with GI_OUTCOME_ROUNDING, and the report
+	 * has the bound. */
 	float solve_tolerance;
-	/* Per frame, 1..1000, default 100. Few sweeps make no light: B stays within [E, largest E / (1 - rho)] whatever they
-	 * leave to do, and where light from before is no help the solve starts from B = E by itself. */
+	/* Per frame, 1..1000, default 100. Few sweeps make no light: B stays within [E, largest E / (1 - rho)]
+	 * whatever they leave to do, and where light from before is no help the solve starts from B = E by itself. */
 	uint32_t max_sweeps;
 
 	gi_sky sky;
 	float sky_exitance[3]; /* pi * radiance of the sky, W/m2; 0..1e12, default 0 */
 
-	/* Lamp polygons that gi_draw lights per pixel, with soft shadows; 0..32, default 32. The rest lights through the
-	 * leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the leaves. */
+	/* Lamp polygons that gi_draw lights per pixel, with soft shadows; 0..32, default 32. The rest lights through
+	 * the leaves: 0 makes drawing several times cheaper on a software renderer, and shadows as coarse as the
+	 * leaves. */
 	uint32_t pixel_lamps;
+
+	/* Texels a side of the depth maps that those lamps' shadows come from, 16 maps for one lamp or two; 64..4096,
+	 * default 512. Shadows are off by up to three texels: by half a per cent of the distance from the lamp where
+	 * casters fill 60 degrees of its view. Twice as many take four times the memory, 16 MiB at the default, and
+	 * up to four times the time when something moves. */
+	uint32_t shadow_map_size;
+
+	/* Shadows of curved objects are cast by what is drawn of them instead of by their leaves: as round as they
+	 * look, and a detailed mesh by itself, not by its cage. A frame in which something moves draws as many more
+	 * triangles into every map, 16 times as many at the default draw_levels. Default false. */
+	bool fine_shadows;
 
 	/* Photons that each emitting object sends through each mirror or glass object, for caustics; 0..2^20, default
 	 * 16384, 0: none. A photon takes some four rays, when something moved that it meets. */
 	uint32_t caustic_photons;
 
-	/* How many leaves an update that solved looks at to estimate the error of its rows (gi_report.sampling_estimate);
-	 * 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are a good number. */
+	/* How many leaves an update that solved looks at to estimate the error of its rows
+	 * (gi_report.sampling_estimate); 0..65536, default 0: none, at no cost. Each takes 512 rays; 256 leaves are
+	 * a good number. */
 	uint32_t estimate_leaves;
 
 	/* Most a single GPU buffer may take, MiB; default 0: what the renderer binds, mostly 2048. Rows, 16 bytes an
@@ -194,20 +217,21 @@ typedef struct gi_context_def {
 	 * about three times the largest. */
 	uint32_t max_buffer_mib;
 
-	bool profile; /* measure ms per pass with GPU timers; default true */
+	bool profile;      /* measure ms per pass with GPU timers; default true */
 	uint32_t internal; /* set by gi_context_def_default */
 } gi_context_def;
 
 GI_API gi_context_def gi_context_def_default(void);
 
-/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their own
- * do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
- * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is NULL.
+/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their
+ * own do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
+ * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is
+ * NULL.
  *
- * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw for
- * each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its part to the
- * first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading screen. Drivers keep
- * what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
+ * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw
+ * for each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its
+ * part to the first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading
+ * screen. Drivers keep what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
 
 /* The settings in force: those of creation, and what was set since. shader_directory is the library's copy. */
@@ -219,8 +243,8 @@ GI_API gi_result gi_get_context_def(const gi_context *gi, gi_context_def *out);
 /* A solve, from the light that is there. */
 GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t max_sweeps);
 
-/* Another colour: a solve, no rays. Every row anew where the sky begins to shine or ceases to: a black one is cut coarser.
- * `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
+/* Another colour: a solve, no rays. Every row anew where the sky begins to shine or ceases to: a black one is cut
+ * coarser. `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
 GI_API gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3]);
 
 /* Every row anew, as after a gi_commit that keeps none; nothing where the values are those in force. */
@@ -233,15 +257,15 @@ GI_API gi_result gi_set_pixel_lamps(gi_context *gi, uint32_t pixel_lamps);
 /* Nothing more than gi_context_def says of it; where nothing else changes, an update at rest estimates nothing. */
 GI_API gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves);
 
-/* Compiles all shaders again, those of shader_directory as they are now: for work on shaders while a program runs. The next
- * gi_update builds everything anew. GI_ERROR_SHADER where one does not compile: then none is exchanged. */
+/* Compiles all shaders again, those of shader_directory as they are now: for work on shaders while a program runs.
+ * The next gi_update builds everything anew. GI_ERROR_SHADER where one does not compile: then none is exchanged. */
 GI_API gi_result gi_reload_shaders(gi_context *gi);
 
-/* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already, what it
- * holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
+/* Frees everything, its OpenGL objects too. NULL is fine. Where its OpenGL context is not current, or gone already,
+ * what it holds there is left to that context, with a line (GI_ERROR_WRONG_CONTEXT). */
 GI_API void gi_context_destroy(gi_context *gi);
 
-/* ---- objects ------------------------------------------------------------------------------------------------------ */
+/* ---- objects ----------------------------------------------------------------------------------------------------- */
 
 typedef struct gi_material {
 	float rho[3];      /* reflectance, linear RGB, each in [0,1) */
@@ -250,16 +274,19 @@ typedef struct gi_material {
 
 /* What a material is besides: a mirror or glass. All 0: neither.
  *
- * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees. What
- * emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are many,
- * leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect does not go through them to
- * leaves, for which they are black but for rho; it is seen in them all the same. Channel by channel rho + reflectance and
- * rho + transmittance are at most 1; what is missing is absorbed. A material has one of the two, not both. */
+ * Both are smooth: normals between their leaves are interpolated, where the leaves meet at less than 40 degrees.
+ * What emitters send through them falls on other surfaces as caustics, as fine as gi_context_def.caustic_photons are
+ * many, leaf by leaf and, where gi_draw lights per pixel, pixel by pixel. What other surfaces reflect does not go
+ * through them to leaves, for which they are black but for rho; it is seen in them all the same. Channel by channel
+ * rho + reflectance and rho + transmittance are at most 1; what is missing is absorbed. A material has one of the
+ * two, not both. */
 typedef struct gi_specular {
-	float reflectance[3];   /* of a mirror, at any angle, each in [0,1]; its back is black */
-	float transmittance[3]; /* of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is
-				 * refracted and how much reflected Fresnel's equations say; it takes a closed object */
-	float index;            /* of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
+	float reflectance[3]; /* of a mirror, at any angle, each in [0,1]; its back is black */
+	/* Of glass: share of the light refracted at a crossing that goes on, each in [0,1]. How much is refracted
+	 * and how much reflected Fresnel's equations say; it takes a closed object */
+	float transmittance[3];
+	/* Of refraction behind the surface, over that before it; 1..4 for glass, window glass 1.5 */
+	float index;
 } gi_specular;
 
 /* World from object: rotate, then translate. A scale belongs to gi_object_def. */
@@ -285,13 +312,15 @@ typedef enum gi_boundary {
  * a leaf that is partly under a wall has one B for both sides of it. */
 typedef struct gi_leaf_cut {
 	uint32_t face;
-	float from[3], to[3]; /* object space as gi_object_def.positions; what is off the face's plane is projected to it */
-	bool parts; /* another surface stands on it: what is drawn does not blend the light of its sides; default false */
+	/* Object space as gi_object_def.positions; what is off the face's plane is projected to it */
+	float from[3], to[3];
+	/* Another surface stands on it: what is drawn does not blend the light of its sides; default false */
+	bool parts;
 } gi_leaf_cut;
 
-/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. Static objects
- * hang below common nodes: from afar many of them are one, so that rows grow with the logarithm of their number. Every row
- * that faces a movable object has entries for it alone, so that it may move at the price of those.
+/* What an object is to rows. The light is the same within the row tolerance; what differs is what it costs. Static
+ * objects hang below common nodes: from afar many of them are one, so that rows grow with the logarithm of their
+ * number. Every row that faces a movable object has entries for it alone, so that it may move at the price of those.
  *
  * A static object may move, come, go, be hidden or relit all the same, which costs what a moving one costs; once it was
  * given another pose after a commit it is movable. The update after such a move, or after one was hidden, shown or
@@ -302,8 +331,8 @@ typedef enum gi_mobility {
 	GI_MOBILITY_STATIC,
 } gi_mobility;
 
-/* Where there are at least so many objects that are static or never moved, hidden ones too, GI_MOBILITY_AUTOMATIC is static;
- * with fewer common nodes save little, and it is movable. gi_commit counts. */
+/* Where there are at least so many objects that are static or never moved, hidden ones too, GI_MOBILITY_AUTOMATIC is
+ * static; with fewer common nodes save little, and it is movable. gi_commit counts. */
 #define GI_AUTOMATIC_OBJECTS 64
 
 /* One object: a control cage, refined by OpenSubdiv into its leaves. All arrays are copied before gi_create_object
@@ -311,13 +340,13 @@ typedef enum gi_mobility {
 typedef struct gi_object_def {
 	const char *name; /* default NULL; for messages: the first 127 bytes */
 
-	const float *positions;          /* 3 * vertex_count */
+	const float *positions; /* 3 * vertex_count */
 	uint32_t vertex_count;
-	const uint32_t *face_counts;     /* face_count corners per face, each >= 3; NULL: all 4. Of bilinear faces those
-					  * that are not convex are cut into triangles; one that crosses itself is
-					  * GI_ERROR_INVALID_GEOMETRY */
+	/* face_count corners per face, each >= 3; NULL: all 4. Of bilinear faces those that are not convex are cut
+	 * into triangles; one that crosses itself is GI_ERROR_INVALID_GEOMETRY */
+	const uint32_t *face_counts;
 	uint32_t face_count;
-	const uint32_t *indices;         /* index_count vertex numbers, faces back to back */
+	const uint32_t *indices; /* index_count vertex numbers, faces back to back */
 	uint32_t index_count;
 	const uint32_t *face_materials;  /* face_count numbers below material_count; NULL: all 0 */
 	const uint32_t *crease_vertices; /* 2 * crease_count: edges */
@@ -326,25 +355,26 @@ typedef struct gi_object_def {
 
 	gi_scheme scheme;
 	gi_boundary boundary;
-	uint32_t levels;      /* refinement steps, 0..8, default 0 */
-	/* > 0: instead of levels, edges of leaves are about this long at most, metres; default 0. Each face of a bilinear cage
-	 * is split for itself: quads into grids of n x m cells, triangles at their longest edges. Smooth schemes refine alike
-	 * everywhere, until the mean leaf edge is at most this, 8 times at most. More leaves than the renderer holds are
-	 * GI_ERROR_INVALID_GEOMETRY, before any work. */
+	uint32_t levels; /* refinement steps, 0..8, default 0 */
+	/* > 0: instead of levels, edges of leaves are about this long at most, metres; default 0. Each face of a
+	 * bilinear cage is split for itself: quads into grids of n x m cells, triangles at their longest edges.
+	 * Smooth schemes refine alike everywhere, until the mean leaf edge is at most this, 8 times at most. More
+	 * leaves than the renderer holds are GI_ERROR_INVALID_GEOMETRY, before any work. */
 	float leaf_size;
-	const float *leaf_sizes;      /* with leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size;
-				       * NULL: none */
-	const gi_leaf_cut *leaf_cuts; /* likewise: leaf_cut_count; flat convex faces are cut along them;
-				       * gi_choose_leaves finds such lines */
+	/* With leaf_size and a bilinear cage: face_count, of single faces, 0: leaf_size; NULL: none */
+	const float *leaf_sizes;
+	/* Likewise: leaf_cut_count; flat convex faces are cut along them; gi_choose_leaves finds such lines */
+	const gi_leaf_cut *leaf_cuts;
 	uint32_t leaf_cut_count;
-	uint32_t draw_levels; /* smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where
-			       * that would be more than 200,000 faces, 8 steps in all, or than there is memory for */
+	/* Smooth schemes are drawn this many steps finer than the leaves, 0..4, default 2; fewer where that would be
+	 * more than 200,000 faces, 8 steps in all, or than there is memory for */
+	uint32_t draw_levels;
 
 	const gi_material *materials; /* material_count; NULL: one of rho 0.5 */
 	uint32_t material_count;
 	const gi_specular *specular; /* material_count, or one without materials; default NULL: no mirrors, no glass */
-	gi_mobility mobility; /* default automatic */
-	bool double_sided; /* adds a back-to-back side that reflects too; default false */
+	gi_mobility mobility;        /* default automatic */
+	bool double_sided;           /* adds a back-to-back side that reflects too; default false */
 
 	float scale[3]; /* default 1 1 1; not zero, not negative */
 	gi_pose pose;
@@ -361,27 +391,27 @@ typedef struct gi_object_def {
 
 GI_API gi_object_def gi_object_def_default(void);
 
-/* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. Faces with the corners of
- * an earlier one in the same order round, wherever their list begins, are left out, with a warning that counts them: by
- * position, or by number where there are creases. */
+/* Refines the cage (CPU). The object takes part after the next gi_commit. On failure *out is zero. Faces with the
+ * corners of an earlier one in the same order round, wherever their list begins, are left out, with a warning that
+ * counts them: by position, or by number where there are creases. */
 GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
 
-/* An object built ahead, without a context: what takes time of a creation, refinement, hierarchy, trees and what is drawn
- * (1.2 s for a cage of 100,000 triangles), behind the host's back. */
+/* An object built ahead, without a context: what takes time of a creation, refinement, hierarchy, trees and what is
+ * drawn (1.2 s for a cage of 100,000 triangles), behind the host's back. */
 typedef struct gi_prepared_object gi_prepared_object;
 
-/* Builds one on any thread, no OpenGL context needed; as many threads at once as wanted, beside one that uses a gi_context.
- * They share nothing: what the definition points to is only read, so that several threads may be given the same one, and
- * is the caller's again when the call returns. Errors and messages as of gi_create_object, on the thread that calls, to
- * `message` with `user`; NULL: to stderr. `allocator`, NULL: malloc, is called on that thread, and later wherever parts of
- * the object are freed, in a context that has another one too. On failure *out is NULL. The object belongs to no thread: one
- * at a time may use it. */
+/* Builds one on any thread, no OpenGL context needed; as many threads at once as wanted, beside one that uses a
+ * gi_context. They share nothing: what the definition points to is only read, so that several threads may be given
+ * the same one, and is the caller's again when the call returns. Errors and messages as of gi_create_object, on the
+ * thread that calls, to `message` with `user`; NULL: to stderr. `allocator`, NULL: malloc, is called on that thread,
+ * and later wherever parts of the object are freed, in a context that has another one too. On failure *out is NULL.
+ * The object belongs to no thread: one at a time may use it. */
 GI_API gi_result gi_prepare_object(const gi_object_def *def, gi_message_fn *message, void *user,
 				   const gi_allocator *allocator, gi_prepared_object **out);
 
-/* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used. Takes
- * *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY where it has
- * more leaves than this context's renderer holds, which nobody knew before. */
+/* gi_create_object from what was prepared: the same object to the bit, in microseconds. Called where gi is used.
+ * Takes *prepared and makes it NULL; on failure that is left as it was, and *out is zero. GI_ERROR_INVALID_GEOMETRY
+ * where it has more leaves than this context's renderer holds, which nobody knew before. */
 GI_API gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepared, gi_object *out);
 
 /* Of one that no context took; on any thread. NULL is fine. */
@@ -392,10 +422,12 @@ typedef struct gi_leaf_choice_def {
 	uint32_t leaves;      /* about so many in all; default 0: 4,000 on a software renderer, 20,000 on others */
 	float leaf_size;      /* > 0: this size on large objects instead, metres; default 0 */
 	uint32_t most_leaves; /* more are refused; default 100,000 */
-	float finest;         /* small objects and lamps get leaves smaller by up to this factor; (0, 1], default 0.25 */
-	const bool *moves;    /* of each object: it will move, and where it stood no edge of light may stay; NULL: none does */
-	float contact;        /* faces are cut below edges that end closer above them than this share of a leaf; [0, 1],
-			       * default 0.5 */
+	/* Small objects and lamps get leaves smaller by up to this factor; (0, 1], default 0.25 */
+	float finest;
+	/* Of each object: it will move, and where it stood no edge of light may stay; NULL: none does */
+	const bool *moves;
+	/* Faces are cut below edges that end closer above them than this share of a leaf; [0, 1], default 0.5 */
+	float contact;
 	uint32_t internal;
 } gi_leaf_choice_def;
 
@@ -403,24 +435,24 @@ GI_API gi_leaf_choice_def gi_leaf_choice_def_default(void);
 
 /* What was chosen. */
 typedef struct gi_leaf_choice {
-	uint32_t leaves;   /* of all objects given */
-	float leaf_size;   /* of the largest, metres */
-	float least_size;  /* of the smallest and of lamps, metres */
-	uint32_t cuts;     /* lines along which faces are cut */
-	void *memory;      /* what the definitions' leaf_sizes and leaf_cuts point to */
+	uint32_t leaves;  /* of all objects given */
+	float leaf_size;  /* of the largest, metres */
+	float least_size; /* of the smallest and of lamps, metres */
+	uint32_t cuts;    /* lines along which faces are cut */
+	void *memory;     /* what the definitions' leaf_sizes and leaf_cuts point to */
 } gi_leaf_choice;
 
 /* Chooses leaf sizes for a scene from its bounds, areas and lamps: sets leaf_size, leaf_sizes, leaf_cuts and
- * leaf_cut_count of every definition whose levels and leaf_size are 0; others keep theirs and are counted. An object, or
- * a part of a mesh that shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of
- * bilinear cages cross, touch or come close to one another in the poses given, moving objects at rest, they are cut along
- * the lines of contact: one leaf on both sides of a wall would light the dark one.
+ * leaf_cut_count of every definition whose levels and leaf_size are 0; others keep theirs and are counted. An object,
+ * or a part of a mesh that shares no vertices with the rest, gets leaves the smaller the smaller it is. Where faces of
+ * bilinear cages cross, touch or come close to one another in the poses given, moving objects at rest, they are cut
+ * along the lines of contact: one leaf on both sides of a wall would light the dark one.
  *
  * Create the objects next, then gi_free_leaf_choice. GI_ERROR_INVALID_ARGUMENT, before any work, with a line that says
  * how many leaves there would be and which size fits, where they are more than most_leaves; whatever gi_create_object
  * would say of a definition. On failure *out is zero and the definitions are as they were. */
 GI_API gi_result gi_choose_leaves(gi_context *gi, const gi_leaf_choice_def *def, gi_object_def *objects, uint32_t count,
-			   gi_leaf_choice *out);
+				  gi_leaf_choice *out);
 
 /* The definitions' leaf_sizes and leaf_cuts are gone with it. A zero one is fine. */
 GI_API void gi_free_leaf_choice(gi_leaf_choice *choice);
@@ -438,9 +470,9 @@ GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_
 GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
 GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
 
-/* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it takes no
- * gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is chosen
- * automatically does not look at it: a room encloses the others while it is hidden too.) */
+/* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it
+ * takes no gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is
+ * chosen automatically does not look at it: a room encloses the others while it is hidden too.) */
 GI_API gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden);
 GI_API gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out);
 
@@ -449,25 +481,26 @@ GI_API gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility m
 /* What it is now: GI_MOBILITY_MOVABLE if it was given another pose after a commit. */
 GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *out);
 
-/* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are kept, if
- * those have at least half of the leaves and there is a sky as before; what came, and what of the others sees it or saw what
- * went, is the next gi_update's work, under a budget if that has one. Otherwise that builds every row. Either way rows are
- * those of a context in which the scene was built at once, bit for bit, if objects were created in the same order there, those
- * that went too: samples are drawn by ids that belong to a handle's index1, which is given again. An empty scene is fine: it
- * is black. Leaves, nodes and links get new numbers. B of what stays is kept; what came is lit by its own rows after an exact
- * update, and by the row of the nearest leaf that faces its way while its own wait for a budget.
- * Does not wait for the GPU. GI_ERROR_OUT_OF_MEMORY, before any work, where a buffer would be larger than the renderer binds;
- * GI_ERROR_SHADER, every time, when a shader does not compile. */
+/* Takes in what was created and gives away the places of what was destroyed. Rows and B of objects that stay are
+ * kept, if those have at least half of the leaves and there is a sky as before; what came, and what of the others
+ * sees it or saw what went, is the next gi_update's work, under a budget if that has one. Otherwise that builds
+ * every row. Either way rows are those of a context in which the scene was built at once, bit for bit, if objects
+ * were created in the same order there, those that went too: samples are drawn by ids that belong to a handle's
+ * index1, which is given again. An empty scene is fine: it is black. Leaves, nodes and links get new numbers. B of
+ * what stays is kept; what came is lit by its own rows after an exact update, and by the row of the nearest leaf
+ * that faces its way while its own wait for a budget. Does not wait for the GPU. GI_ERROR_OUT_OF_MEMORY, before any
+ * work, where a buffer would be larger than the renderer binds; GI_ERROR_SHADER, every time, when a shader does not
+ * compile. */
 GI_API gi_result gi_commit(gi_context *gi);
 
-/* ---- frames ------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* What an update may cost, or how exact it has to be. All zero: exact, every row is that of a rebuild, bit for bit.
  *
  * A row (all that one leaf receives) is refreshed whole or waits. Rows that an update would change most go first, by a
  * certified bound; a row that waits keeps the light of poses it knew, and gi_report counts it and bounds what all
- * waiting rows are off by (stale_bound). Updates after gi_invalidate, and after a gi_commit that keeps no rows, build every
- * row whatever the budget.
+ * waiting rows are off by (stale_bound). Updates after gi_invalidate, and after a gi_commit that keeps no rows, build
+ * every row whatever the budget.
  *
  * Under rays or error alone every row is looked at, and none waits for more than some 70 updates for lack of budget.
  * Given time, an update keeps to it: it looks at as many rows as fit, bounds the others by what any row may become
@@ -476,16 +509,23 @@ GI_API gi_result gi_commit(gi_context *gi);
  * the square of their age and their cost: none waits for ever. It takes some ten updates to learn what things take.
  * Where an update commits, because a static object moved or was hidden, that takes what it takes; rows and solve get
  * what is left of ms, a tenth of it at least. */
+typedef struct gi_view gi_view;
+
 typedef struct gi_budget {
 	float ms;      /* > 0: aim for so many milliseconds of GPU time in gi_update; needs gi_context_def.profile */
 	uint64_t rays; /* > 0: about so many rays */
-	float error;   /* > 0: rows wait whose part in stale_relative is at most this, if B changes about as much as in the
-			* update before; they wait even when nothing moves, until an update asks for less. [0, 1] */
+	/* > 0: rows wait whose part in stale_relative is at most this, if B changes about as much as in the update
+	 * before; they wait even when nothing moves, until an update asks for less. [0, 1] */
+	float error;
+
+	/* The camera whose picture counts: rows of leaves that it does not see wait longer, but not for ever; what rows
+	 * become is the same. Only the matrices are read, by this call. NULL: all of the scene counts alike. */
+	const gi_view *view;
 } gi_budget;
 
-/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing changed,
- * nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. Objects created since the last gi_commit
- * take no part yet. GI_ERROR_NOT_COMMITTED before the first one. */
+/* Brings rows and B up to date with the poses and materials. Issues GPU work and does not wait for it. Nothing
+ * changed, nothing waits and converged: no dispatch, no upload. budget may be NULL: exact. Objects created since the
+ * last gi_commit take no part yet. GI_ERROR_NOT_COMMITTED before the first one. */
 GI_API gi_result gi_update(gi_context *gi, const gi_budget *budget);
 
 /* Makes the next gi_update build every row from scratch; B is kept. The result is the same bits an update gives. */
@@ -503,10 +543,10 @@ typedef enum gi_outcome {
 	GI_OUTCOME_NOT_FINITE = -2, /* a NaN or infinity appeared */
 	GI_OUTCOME_TRUNCATED = -1,  /* the entry pool was full; the next gi_update grows it and builds anew */
 	GI_OUTCOME_NOT_RUN = 0,
-	GI_OUTCOME_CONVERGED = 1,   /* the bound meets the tolerance */
-	GI_OUTCOME_SWEEPS = 2,      /* max_sweeps spent; the next frame goes on from here */
-	GI_OUTCOME_AT_REST = 3,     /* nothing had changed: no work */
-	GI_OUTCOME_ROUNDING = 4,    /* single precision ends here, above the tolerance: the next frame is at rest */
+	GI_OUTCOME_CONVERGED = 1, /* the bound meets the tolerance */
+	GI_OUTCOME_SWEEPS = 2,    /* max_sweeps spent; the next frame goes on from here */
+	GI_OUTCOME_AT_REST = 3,   /* nothing had changed: no work */
+	GI_OUTCOME_ROUNDING = 4,  /* single precision ends here, above the tolerance: the next frame is at rest */
 } gi_outcome;
 
 /* How the solve went on from sweep to sweep. */
@@ -516,19 +556,19 @@ typedef enum gi_method {
 } gi_method;
 
 typedef enum gi_pass {
-	GI_PASS_POSE,       /* moved nodes and vertices to the world */
-	GI_PASS_CHOOSE,     /* under a budget: which rows to refresh */
-	GI_PASS_CUT,        /* new cuts */
-	GI_PASS_FACTOR,     /* form factors of new entries */
-	GI_PASS_FLAG,       /* which entries at rest a mover may have changed */
-	GI_PASS_TRACE,      /* visibility rays */
-	GI_PASS_CLOSE,      /* row sums */
-	GI_PASS_CAUSTICS,   /* photons through mirrors and glass */
-	GI_PASS_SOLVE,      /* sweeps */
-	GI_PASS_LIGHT,      /* indirect irradiance of what is drawn */
-	GI_PASS_ESTIMATE,   /* how far off the rows are (def.estimate_leaves) */
-	GI_PASS_SHADOW,     /* shadow maps (gi_draw) */
-	GI_PASS_DRAW,       /* the picture (gi_draw) */
+	GI_PASS_POSE,     /* moved nodes and vertices to the world */
+	GI_PASS_CHOOSE,   /* under a budget: which rows to refresh */
+	GI_PASS_CUT,      /* new cuts */
+	GI_PASS_FACTOR,   /* form factors of new entries */
+	GI_PASS_FLAG,     /* which entries at rest a mover may have changed */
+	GI_PASS_TRACE,    /* visibility rays */
+	GI_PASS_CLOSE,    /* row sums */
+	GI_PASS_CAUSTICS, /* photons through mirrors and glass */
+	GI_PASS_SOLVE,    /* sweeps */
+	GI_PASS_LIGHT,    /* indirect irradiance of what is drawn */
+	GI_PASS_ESTIMATE, /* how far off the rows are (def.estimate_leaves) */
+	GI_PASS_SHADOW,   /* shadow maps (gi_draw) */
+	GI_PASS_DRAW,     /* the picture (gi_draw) */
 	GI_PASS_COUNT
 } gi_pass;
 
@@ -540,60 +580,72 @@ typedef struct gi_report {
 	gi_outcome outcome;
 
 	uint32_t objects, leaves, nodes; /* nodes: leaves and their ancestors */
-	uint64_t entries;         /* in all rows, hidden ones too */
-	uint64_t links;           /* entries the solve reads: not hidden, not black */
-	uint64_t new_entries;     /* cut anew this frame */
-	uint64_t flagged_entries; /* at rest, but retested since a mover may have changed them */
-	uint64_t dirty_entries;   /* new_entries + flagged_entries */
-	uint64_t dirty_rows;      /* rows with at least one of those */
-	uint64_t closed_rows;     /* rows of which something that is seen is other than it was: summed and closed again */
+	uint64_t entries;                /* in all rows, hidden ones too */
+	uint64_t links;                  /* entries the solve reads: not hidden, not black */
+	uint64_t new_entries;            /* cut anew this frame */
+	uint64_t flagged_entries;        /* at rest, but retested since a mover may have changed them */
+	uint64_t dirty_entries;          /* new_entries + flagged_entries */
+	uint64_t dirty_rows;             /* rows with at least one of those */
+	/* Rows of which something that is seen is other than it was: summed and closed again */
+	uint64_t closed_rows;
 	uint64_t rays;
 
-	uint64_t waiting_rows;    /* under a budget: not refreshed although something of them may have changed */
-	uint64_t waiting_entries; /* their entries that may have; of rows not assessed, how many of theirs bring light */
-	uint32_t assessed_rows;   /* under a budget: rows whose entries this update looked at to choose; all that may
-				   * have changed, or as many as fit into budget.ms */
-	float stale_bound;    /* certified: the solution of the rows as they are and that of the rows of an exact update differ
-			       * nowhere by more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
+	uint64_t waiting_rows; /* under a budget: not refreshed although something of them may have changed */
+	/* Their entries that may have; of rows not assessed, how many of theirs bring light */
+	uint64_t waiting_entries;
+	/* Under a budget: rows whose entries this update looked at to choose; all that may have changed, or as many
+	 * as fit into budget.ms */
+	uint32_t assessed_rows;
+	/* Certified: the solution of the rows as they are and that of the rows of an exact update differ nowhere by
+	 * more, W/m2; what B is off by as a whole is at most solve_bound + stale_bound */
+	float stale_bound;
 	float stale_relative; /* stale_bound over the largest light reflected; 3e38 where nothing reflects any yet */
 
 	uint32_t sweeps;
-	uint32_t jacobi_sweeps; /* Jacobi alone: sweeps so far and those it would still have taken, when last foretold */
-	gi_method method;    /* the last one used; GI_METHOD_CHEBYSHEV where jacobi_sweeps were too many */
-	float residual;      /* largest |E + rho H - B| the last sweep found, and what rounding may hide of it, W/m2 */
-	float contraction;   /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
-	float amplification; /* A >= 1: |B - B*|max <= A * residual, whatever B; at most 1 / (1 - q), and often far less */
-	float solve_bound;   /* certified: |B - B*|max for the B stored and the rows as they are, rounding included, W/m2 */
-	float solve_relative; /* certified: no B is off by more than this times (R + largest R / 100000), see solve_tolerance;
-			       * 3e38 where nothing is certain yet */
-	float rounding_bound; /* what more sweeps cannot take from solve_bound: about 1e-7 A times the largest R, W/m2 */
+	/* Jacobi alone: sweeps so far and those it would still have taken, when last foretold */
+	uint32_t jacobi_sweeps;
+	gi_method method;  /* the last one used; GI_METHOD_CHEBYSHEV where jacobi_sweeps were too many */
+	float residual;    /* largest |E + rho H - B| the last sweep found, and what rounding may hide of it, W/m2 */
+	float contraction; /* q = max_i rho_i * sum_j F_ij V_ij, below 1 */
+	/* A >= 1: |B - B*|max <= A * residual, whatever B; at most 1 / (1 - q), and often far less */
+	float amplification;
+	/* Certified: |B - B*|max for the B stored and the rows as they are, rounding included, W/m2 */
+	float solve_bound;
+	/* Certified: no B is off by more than this times (R + largest R / 100000), see solve_tolerance; 3e38 where
+	 * nothing is certain yet */
+	float solve_relative;
+	/* What more sweeps cannot take from solve_bound: about 1e-7 A times the largest R, W/m2 */
+	float rounding_bound;
 	float radiosity_max; /* largest B, W/m2 */
 	float reflected_max; /* largest R = B - E, W/m2 */
 
-	/* Error of visibility and discretisation, estimated on def.estimate_leaves random leaves, others in every update:
-	 * area-weighted RMS over all leaves of |H - what finer rows would give|, rgb norm, W/m2; and over the RMS of |H|.
-	 * 0 without def.estimate_leaves, or where it drowns in the estimate's own noise. See docs/accuracy.md. */
+	/* Error of visibility and discretisation, estimated on def.estimate_leaves random leaves, others in every
+	 * update: area-weighted RMS over all leaves of |H - what finer rows would give|, rgb norm, W/m2; and over
+	 * the RMS of |H|. 0 without def.estimate_leaves, or where it drowns in the estimate's own noise. See
+	 * docs/accuracy.md. */
 	float sampling_estimate;
 	float sampling_relative;
 	float sampling_squared; /* the estimate's square, (W/m2)^2, below 0 where noise says so; average this */
-	/* The same where it is dark: area-weighted RMS over all leaves of the error over the leaf's own |H|, which counts as
-	 * a hundredth of the scene's RMS of |H| at least. Light that leaks into a dark room shows here, not above. */
+	/* The same where it is dark: area-weighted RMS over all leaves of the error over the leaf's own |H|, which
+	 * counts as a hundredth of the scene's RMS of |H| at least. Light that leaks into a dark room shows here,
+	 * not above. */
 	float sampling_local;
 	float sampling_local_squared; /* its square, below 0 where noise says so; average this */
-	uint64_t sampling_rays; /* taken for it, not in rays */
+	uint64_t sampling_rays;       /* taken for it, not in rays */
 
 	uint32_t dispatches;     /* compute dispatches issued by gi_update */
 	uint64_t uploaded_bytes; /* by gi_update */
 	uint64_t gpu_bytes;      /* all buffers of the context, and those kept for the next commit */
-	float pass_ms[GI_PASS_COUNT]; /* GPU time of this update's passes, SHADOW and DRAW of the last gi_draw; 0 of those that
-				       * did not run, and without def.profile */
-	float update_ms;         /* CPU time inside gi_update, ms */
+	/* GPU time of this update's passes, SHADOW and DRAW of the last gi_draw; 0 of those that did not run, and
+	 * without def.profile */
+	float pass_ms[GI_PASS_COUNT];
+	float update_ms; /* CPU time inside gi_update, ms */
 } gi_report;
 
 /* The newest finished report; all zero but for sizes before the first. */
 GI_API gi_result gi_get_report(gi_context *gi, gi_report *out);
 
-/* ---- picture ------------------------------------------------------------------------------------------------------- */
+/* ---- picture ----------------------------------------------------------------------------------------------------- */
 
 typedef enum gi_mode {
 	GI_MODE_GLOBAL, /* direct + indirect (default) */
@@ -605,24 +657,25 @@ typedef enum gi_overlay {
 	GI_OVERLAY_NONE,
 	GI_OVERLAY_WIREFRAME, /* the leaves' edges over the picture */
 	/* Heat maps take the picture's place: display colours in [0,1], linear; show them with an exposure of 1. */
-	GI_OVERLAY_DIRTY,     /* share of each row's entries touched by the last update */
-	GI_OVERLAY_RESIDUAL,  /* last |R_k+1 - R_k| of each leaf over the largest R, logarithmic: 1e-8 to 0.1 */
+	GI_OVERLAY_DIRTY,    /* share of each row's entries touched by the last update */
+	GI_OVERLAY_RESIDUAL, /* last |R_k+1 - R_k| of each leaf over the largest R, logarithmic: 1e-8 to 0.1 */
 } gi_overlay;
 
-typedef struct gi_view {
+struct gi_view {
 	float view_from_world[16];
 	float clip_from_view[16];
 	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
 	gi_mode mode;
 	gi_overlay overlay;
 
-	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked at.
-	 * All false by default. */
+	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked
+	 * at. All false by default. */
 	bool clip_upper_left;  /* y points down in the framebuffer */
 	bool clip_zero_to_one; /* z is in [0,1], not [-1,1] */
-	bool depth_reversed;   /* the nearer of two depths is the larger one: cleared to 0, compared with GL_GREATER. Depths
-				* are written as with glDepthRange(0, 1): a host that reverses that negates z instead */
-} gi_view;
+	/* The nearer of two depths is the larger one: cleared to 0, compared with GL_GREATER. Depths are written as
+	 * with glDepthRange(0, 1): a host that reverses that negates z instead */
+	bool depth_reversed;
+};
 
 GI_API gi_view gi_view_default(void);
 
@@ -631,27 +684,29 @@ GI_API gi_view gi_view_default(void);
  * per pixel with soft shadows of area emitters, indirect light interpolated from the leaves. Back faces are not drawn:
  * one looks into a room through its walls from behind.
  *
- * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it); objects
- * beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are drawn again
- * only after something moved. Surfaces go through textures of the viewport's size before they reach the framebuffer: one
- * that is multisampled gets the same value in all samples of a pixel. */
+ * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it);
+ * objects beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are
+ * drawn again only after something moved. Surfaces go through textures of the viewport's size before they reach the
+ * framebuffer: one that is multisampled gets the same value in all samples of a pixel. */
 GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
 
-/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that commits by
- * itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
+/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that
+ * commits by itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
 typedef struct gi_buffers {
-	uint32_t leaf_radiosity;  /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
-	uint32_t leaf_indirect;   /* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
-	uint32_t light_indirect;  /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
+	uint32_t leaf_radiosity; /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
+	/* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
+	uint32_t leaf_indirect;
+	uint32_t light_indirect; /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
 } gi_buffers;
 
 GI_API gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
 
-/* ---- read-back (waits for the GPU) ----------------------------------------------------------------------------------- */
+/* ---- read-back (waits for the GPU) ------------------------------------------------------------------------------- */
 
 typedef struct gi_leaf {
-	float corners[4][3]; /* world; a triangle repeats its third corner; the surface is the triangles a b c and a c d */
-	float area;          /* m2 */
+	/* World; a triangle repeats its third corner; the surface is the triangles a b c and a c d */
+	float corners[4][3];
+	float area; /* m2 */
 	float rho[3], exitance[3];
 	float radiosity[3];  /* B */
 	float irradiance[3]; /* H = sum_j F_ij V_ij B_j */
@@ -660,8 +715,8 @@ typedef struct gi_leaf {
 } gi_leaf;
 
 /* Copies up to `capacity` leaves; *count is how many there are, 0 on error. leaves may be NULL to ask for the count.
- * Between a gi_commit and the first gi_update after it corners are those of the committed poses, B is what the next solve
- * starts from, and objects that came have no rows: irradiance and row_sum are 0. */
+ * Between a gi_commit and the first gi_update after it corners are those of the committed poses, B is what the next
+ * solve starts from, and objects that came have no rows: irradiance and row_sum are 0. */
 GI_API gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count);
 
 /* One entry of a row: leaf `leaf` receives from `node`, an ancestor or self of leaves [first_leaf, first_leaf +
@@ -690,17 +745,17 @@ GI_API gi_result gi_read_links(gi_context *gi, gi_link *links, uint64_t capacity
 /* The fraction of what leaves the whole of `from` that arrives directly at `to`. `to` zero: at anything (the mean row
  * sum).
  *
- * It is read off the rows. Where `to` is static (gi_mobility) and so small or far that rows have it below a node with
- * others, one of those, drawn at random by what they show, stands for all of them: the sum over all objects is what it
- * would be, but a single small one is hit or missed by each leaf of `from`. The result is right on average over such
- * objects, and off by up to the form factor of the node, about row_tolerance, over the root of the number of leaves of `from`. Set
- * `to` to GI_MOBILITY_MOVABLE and commit where it matters. */
+ * It is read off the rows. Where `to` is static (gi_mobility) and so small or far that rows have it below a node
+ * with others, one of those, drawn at random by what they show, stands for all of them: the sum over all objects is
+ * what it would be, but a single small one is hit or missed by each leaf of `from`. The result is right on average
+ * over such objects, and off by up to the form factor of the node, about row_tolerance, over the root of the number
+ * of leaves of `from`. Set `to` to GI_MOBILITY_MOVABLE and commit where it matters. */
 GI_API gi_result gi_form_factor(gi_context *gi, gi_object from, gi_object to, double *out);
 
 /* The same to `count` objects at once, for one read-back: out[k] is towards to[k]. */
 GI_API gi_result gi_form_factors(gi_context *gi, gi_object from, const gi_object *to, uint32_t count, double *out);
 
-/* ---- ground truth ----------------------------------------------------------------------------------------------------- */
+/* ---- ground truth ------------------------------------------------------------------------------------------------ */
 
 typedef struct gi_path_options {
 	uint32_t paths; /* of every leaf, 1..2^24; powers of two stratify best; default 256 */
@@ -714,11 +769,11 @@ GI_API gi_path_options gi_path_options_default(void);
  * truth in a scene of your own: compare with gi_leaf.irradiance, both area means over a leaf, W/m2, in the order of
  * gi_read_leaves().
  *
- * Unbiased; the noise falls at least as 1 / sqrt(paths), some 10 % of the irradiance of a leaf at 256 paths in a room lit
- * by a lamp. A path has 2,000 vertices at most in the mean: where rho is above some 0.999 noise grows instead of the time,
- * and most results are below the truth while a few are far above it. Two calls with seeds of their own are two
- * independent halves R1, R2: the mean over leaves of (H - R1) (H - R2) is the squared error of H free of the noise of
- * both, and their difference says how large that noise is. The same scene, renderer and seed give the same bits.
+ * Unbiased; the noise falls at least as 1 / sqrt(paths), some 10 % of the irradiance of a leaf at 256 paths in a room
+ * lit by a lamp. A path has 2,000 vertices at most in the mean: where rho is above some 0.999 noise grows instead of
+ * the time, and most results are below the truth while a few are far above it. Two calls with seeds of their own are
+ * two independent halves R1, R2: the mean over leaves of (H - R1) (H - R2) is the squared error of H free of the noise
+ * of both, and their difference says how large that noise is. The same scene, renderer and seed give the same bits.
  *
  * `options` NULL: the defaults. irradiance: 3 * capacity floats; *count is how many leaves there are, and of those the
  * first `capacity` are traced. The scene is that of the last gi_update(): poses and materials set since then are not in
@@ -728,7 +783,7 @@ GI_API gi_path_options gi_path_options_default(void);
  * For loading screens and tests, not for frames: waits for the GPU, after dispatches short enough for a desktop to stay
  * alive, a second for about 200,000 paths on two cores without a GPU. The first call compiles a shader. */
 GI_API gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *irradiance, uint32_t capacity,
-			 uint32_t *count);
+				uint32_t *count);
 
 #ifdef __cplusplus
 }

@@ -28,8 +28,8 @@ void snapshot_expect_rebuilt_rows(gi_context *gi, const char *when);
 double snapshot_distance(const snapshot *a, const snapshot *b);
 double snapshot_largest(const snapshot *s);
 
-/* Area-weighted RMS of H against path tracing of the context that it was taken of, relative to the RMS of H and free of the
- * paths' noise. */
+/* Area-weighted RMS of H against path tracing of the context that it was taken of, relative to the RMS of H and free
+ * of the paths' noise. */
 double snapshot_light_error(gi_context *gi, const snapshot *s, uint32_t paths);
 
 /* FNV-1a over entries and links, and over the bits of B. */

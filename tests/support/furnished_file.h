@@ -1,4 +1,5 @@
-/* A glTF file of a hall with hundreds of things that stay where they are, nodes of one mesh, and one that is animated. */
+/* A glTF file of a hall with hundreds of things that stay where they are, nodes of one mesh, and one that is
+ * animated. */
 #ifndef TESTS_FURNISHED_FILE_H
 #define TESTS_FURNISHED_FILE_H
 
