@@ -1,5 +1,5 @@
-// How a shader gets at the library's buffers (buffer_list.h). It defines READ_name for those it reads and WRITE_name for
-// those it writes before it includes this file, and calls load_...() or assigns to name[n]; which kind of access is
+// How a shader gets at the library's buffers (buffer_list.h). It defines READ_name for those it reads and WRITE_name
+// for those it writes before it includes this file, and calls load_...() or assigns to name[n]; which kind of access is
 // behind that is decided here:
 //
 //   READ_name   a buffer texture of four words a texel (gpu.c), at unit GI_TEXEL_UNIT + binding. llvmpipe up to Mesa

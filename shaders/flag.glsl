@@ -105,8 +105,9 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
 	for (uint k = w.candidates.x + 1u; k < w.candidates.y && !found; k++)
-		found = crosses(load_obstacle(load_listed_object(k), w.moved || moved_since(load_listed_object(k), w.since)), p,
-				ball, sky);
+		found = crosses(
+		    load_obstacle(load_listed_object(k), w.moved || moved_since(load_listed_object(k), w.since)), p,
+		    ball, sky);
 	return found;
 }
 

@@ -32,8 +32,8 @@ uint bucket_of(uint leaf, float worth, uint since)
 	return uint(clamp(int(float(GI_BUCKETS_PER_OCTAVE) * (octave + 41.0)), 1, int(GI_BUCKETS) - 2));
 }
 
-// What a leaf counts for under a budget of time, where `size` is its share of the scene: its size, or with a camera what
-// it fills of the picture.
+// What a leaf counts for under a budget of time, where `size` is its share of the scene: its size, or with a camera
+// what it fills of the picture.
 float weight_of(gi_node_geometry p, float size)
 {
 	if ((frame.update.w & GI_UPDATE_VIEWED) == 0u)
@@ -41,8 +41,8 @@ float weight_of(gi_node_geometry p, float size)
 	return max(UNSEEN * size, may_be_seen(p) ? share_of_picture(p) : 0.0);
 }
 
-// What it is worth to look at a leaf that may be off by so much, at a cost in rays: under a budget of time what it counts
-// for, and what is cheap comes first; otherwise the bound alone counts, of what a camera does not see a share.
+// What it is worth to look at a leaf that may be off by so much, at a cost in rays: under a budget of time what it
+// counts for, and what is cheap comes first; otherwise the bound alone counts, of what a camera does not see a share.
 float worth_of(float off, gi_node_geometry p, uint rays)
 {
 	if (!is_timed())
