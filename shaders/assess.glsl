@@ -130,7 +130,7 @@ vec3 brightest_seen()
 
 source_part load_source(uint object)
 {
-	uint root = object_nodes(object).x, flags = load_range(root).w;
+	uint root = object_nodes(object).x, flags = topology_range(root).w;
 	bool emits = (flags & GI_NODE_EMITTER) != 0u;
 	vec3 b = load_radiosity(root).xyz;
 	if ((object_bvh(object).z & GI_OBJECT_SKY) != 0u)
@@ -162,7 +162,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	s.unseen += touched && v == 0.0 && from.dark_sky ? f : 0.0;
 	if (v == 0.0 && !(touched && stays))
 		return;
-	bool emitter = from.emits && (load_range(e.x).w & GI_NODE_EMITTER) != 0u;
+	bool emitter = from.emits && (topology_range(e.x).w & GI_NODE_EMITTER) != 0u;
 	if (!touched) {
 		s.firm_others += emitter ? 0.0 : v;
 		s.firm_emitters += emitter ? v : 0.0;
@@ -172,7 +172,7 @@ void add_entry(inout sums s, source_part from, uint at, uvec4 e, bool touched, b
 	vec3 own = (e.w & GI_ENTRY_BACK) != 0u ? vec3(0.0) : load_radiosity(target).xyz;
 	range b = range(own, own);
 	// The leaf whose light the entry takes may change, or is not known.
-	bool any_leaf = (taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && load_range(e.x).z > 1u;
+	bool any_leaf = (taken > 1u || target == e.x) && (e.w & GI_ENTRY_BACK) == 0u && topology_range(e.x).z > 1u;
 	if (any_leaf || from.smooth_part) {
 		b = range(from.others.least, emitter ? from.brightest : from.others.most);
 		s.exchanged += v * (b.most - b.least);
@@ -203,7 +203,7 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	if (from.emits)
 		include(s.emitters, b);
 	// Of all static objects together a row has about as many entries as of everything.
-	uint unknown = from.object == frame.swept.w ? max(state[GI_STATE_ENTRIES] / frame.counts.x, 1u) : 1u;
+	uint unknown = from.object == frame.swept.w ? max(state.rows.entries / frame.counts.x, 1u) : 1u;
 	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -236,7 +236,7 @@ sums sum_row(uint leaf, watch w)
 		if (s.firm_emitters > firm_emitters)
 			include(s.emitters, range(from.others.least, from.brightest));
 		if (cut)
-			add_cut(s, from, shape_of(p, load_range(load_leaf(leaf).x).w), w.moved, count);
+			add_cut(s, from, shape_of(p, topology_range(load_leaf(leaf).x).w), w.moved, count);
 	}
 	return s;
 }
@@ -283,7 +283,7 @@ void assess(uint leaf)
 	}
 	// A row of nothing yet will take about as much as others did.
 	if (s.had == 0u && s.entries > 0u)
-		s.rays = max(s.rays, state[GI_STATE_ENTRIES] / frame.counts.x);
+		s.rays = max(s.rays, state.rows.entries / frame.counts.x);
 	if (s.entries == 0u) {
 		rows[leaf].z = frame.update.x; // nothing of the row can have changed: it is current
 		pending[leaf].key = uvec4(0u);
@@ -303,7 +303,7 @@ void assess(uint leaf)
 
 void main()
 {
-	uint k = spread_number(state[GI_STATE_ASSESSED]);
-	if (k < state[GI_STATE_ASSESSED])
+	uint k = spread_number(state.counts.assessed_rows);
+	if (k < state.counts.assessed_rows)
 		assess(choices[GI_CHOICE_CHOSEN + frame.counts.x + k]);
 }

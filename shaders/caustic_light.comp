@@ -17,5 +17,5 @@ void main()
 	if (leaf >= frame.counts.x)
 		return;
 	vec3 sum = vec3(caustic_sums[3u * leaf], caustic_sums[3u * leaf + 1u], caustic_sums[3u * leaf + 2u]);
-	caustic_light[leaf] = vec4(sum * (load_caustic_pair(0u).power.w / load_area(load_leaf(leaf).x)), 0.0);
+	caustic_light[leaf] = vec4(sum * (load_caustic_pair(0u).power.w / rest_moment(load_leaf(leaf).x).w), 0.0);
 }

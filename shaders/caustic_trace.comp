@@ -13,8 +13,9 @@
 #define READ_BVH
 #define READ_PRIMITIVES
 #define READ_TLAS
-#define READ_PATH_LIGHTS
+#define READ_CAUSTIC_LIGHTS
 #define READ_SMOOTH
+#define READ_SMOOTH_MATERIALS
 #define READ_CAUSTIC_PAIRS
 #define WRITE_PHOTONS
 #define WRITE_CAUSTIC_PATHS
@@ -67,7 +68,7 @@ uint pick_light(uint u, uvec4 lights)
 	uint low = lights.x, high = lights.y - 1u;
 	while (low < high) {
 		uint middle = (low + high) >> 1u;
-		if (u <= load_light_triangle(3u * middle).w)
+		if (u <= load_caustic_triangle(3u * middle).w)
 			high = middle;
 		else
 			low = middle + 1u;
@@ -79,8 +80,8 @@ uint pick_light(uint u, uvec4 lights)
 light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 {
 	uint k = 3u * pick_light(hash_of(photon, OF_EMITTER), pair.lights);
-	vec3 a = uintBitsToFloat(load_light_triangle(k).xyz), b = uintBitsToFloat(load_light_triangle(k + 1u).xyz),
-	     c = uintBitsToFloat(load_light_triangle(k + 2u).xyz);
+	vec3 a = uintBitsToFloat(load_caustic_triangle(k).xyz), b = uintBitsToFloat(load_caustic_triangle(k + 1u).xyz),
+	     c = uintBitsToFloat(load_caustic_triangle(k + 2u).xyz);
 	vec3 n = normalize(cross(b - a, c - a));
 	float root = sqrt(unit(hash_of(photon, OF_POINT))), v = unit(hash_of(photon, OF_POINT + 1u));
 	vec3 p = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
@@ -96,7 +97,7 @@ light_ray emit(gi_caustic_pair pair, uint photon, out float reach)
 	     bitangent = vec3(m, s + axis.y * axis.y * d, -axis.y);
 	float radius = sqrt(max(down * (2.0 - down), 0.0));
 	vec3 direction = axis * (1.0 - down) + tangent * (radius * cos(phi)) + bitangent * (radius * sin(phi));
-	vec3 exitance = load_material(load_light_triangle(k + 1u).w).exitance.xyz;
+	vec3 exitance = load_material(load_caustic_triangle(k + 1u).w).exitance.xyz;
 	float largest = max(exitance.x, max(exitance.y, exitance.z));
 	// Radiance is exitance / pi, and the cap 2 pi (1 - cosine) wide.
 	float carried = pair.power.x * 2.0 * cap * max(dot(n, direction), 0.0);

@@ -14,5 +14,5 @@ void main()
 {
 	uint leaf = thread_number();
 	if (leaf < frame.counts.x && load_touched(frame.counts.x + leaf) != 0u)
-		list_row(leaf, GI_STATE_CHANGED_ROWS);
+		list_row(leaf, atomicAdd(state.counts.changed_rows, 1u));
 }

@@ -103,63 +103,40 @@ const uint POLISH_SWEEPS = 16u;
 // What half a unit in the last place, of R as stored and of the nodes, leaves of the residual, of the largest R.
 const float FLOOR = 2.0 / 16777216.0;
 
-// The words of the state that the solve goes by, as registers: read at the start, written at the end. In place, their
-// hundred loads and stores took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
-uint words[104];
+// What the solve goes by, as registers: read at the start, written at the end. In place, its hundred loads and stores
+// took llvmpipe 0.2 s to compile (Mesa 22.3), 0.3 s (25.0).
+gi_state_solve solve;
+gi_state_found found;
+uint gather_groups, double_groups; // of the next sweep, one of them 0
+bool over;                         // no sweep follows
 
-void read_words()
+void read_state()
 {
-	for (uint k = 0u; k < 26u; k++) {
-		uvec4 four = load_four_words(k);
-		for (uint c = 0u; c < 4u; c++)
-			words[4u * k + c] = four[c];
-	}
+	solve = state_before.solve;
+	found = state_before.found;
+	gather_groups = double_groups = 0u;
+	over = false;
 }
 
-// Only those that may have changed, in loops short enough to be unrolled: an array with indices known only at run time
-// is no registers.
-void write_words()
+void write_state()
 {
-	for (uint k = GI_STATE_SWEEPS; k <= GI_STATE_DONE_B_MAX_BITS; k++)
-		state[k] = words[k];
-	for (uint k = GI_STATE_ARGS_GATHER; k < GI_STATE_ARGS_RECYCLE; k++)
-		state[k] = words[k];
-	for (uint k = GI_STATE_ARGS_DOUBLE; k < GI_STATE_DIRECT_BITS; k++)
-		state[k] = words[k];
-	state[GI_STATE_START] = words[GI_STATE_START];
-	for (uint k = GI_STATE_FACTOR_BITS; k < GI_STATE_LIFT_BITS; k++)
-		state[k] = words[k];
+	state.solve = solve;
+	state.found = found;
+	state.gather = folded(gather_groups);
+	state.gather_double = folded(double_groups);
+	state.hand_over = folded(over ? 0u : groups_for(frame.counts.x));
+	state.check = folded(over ? 0u : 1u);
 }
 
-float load(uint word)
+float largest_of(vec3 x)
 {
-	return uintBitsToFloat(words[word]);
-}
-
-void store(uint word, float value)
-{
-	words[word] = floatBitsToUint(value);
-}
-
-float largest_of_three(uint word)
-{
-	return max(load(word), max(load(word + 1u), load(word + 2u)));
-}
-
-void put_groups(uint at, uint groups)
-{
-	uvec3 g = folded(groups);
-	words[at] = g.x;
-	words[at + 1u] = g.y;
-	words[at + 2u] = g.z;
+	return max(x.x, max(x.y, x.z));
 }
 
 void clear_findings()
 {
-	for (uint k = 0u; k < GI_STATE_LARGEST; k++)
-		words[GI_STATE_RESIDUAL_BITS + k] = 0u;
-	for (uint k = 0u; k < GI_STATE_LEAST; k++)
-		words[GI_STATE_GAP_BITS + k] = 0x7F800000u; // infinity
+	const uint INFINITY = 0x7F800000u;
+	found = gi_state_found(uvec4(0u), 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, INFINITY, INFINITY, 0u, 0u);
 }
 
 // ---- the solve's pace ----
@@ -167,53 +144,49 @@ void clear_findings()
 // What GI_ACTION_ says in a sweep's place the gather in single precision does.
 void queue_sweep(bool in_double)
 {
-	bool chosen = in_double && words[GI_STATE_ACTION] <= GI_ACTION_KEEP;
+	bool chosen = in_double && solve.action <= GI_ACTION_KEEP;
 	uint groups = groups_for(frame.counts.x);
-	put_groups(GI_STATE_ARGS_GATHER, chosen ? 0u : groups);
-	put_groups(GI_STATE_ARGS_DOUBLE, chosen ? groups : 0u);
-	// Says which it was, after a sweep of no leaves too.
-	words[GI_STATE_ARGS_DOUBLE + 2u] = chosen ? 1u : 0u;
+	gather_groups = chosen ? 0u : groups;
+	double_groups = chosen ? groups : 0u;
+	solve.in_double = chosen ? 1u : 0u;
 }
 
 void stop(uint verdict)
 {
 	// Solved without failing: a narrower ellipse may do for the next rows.
-	if (verdict != GI_SOLVE_GOES_ON && words[GI_STATE_FAILINGS] == 0u && words[GI_STATE_ELLIPSE] > 0u)
-		words[GI_STATE_ELLIPSE] -= 1u;
-	words[GI_STATE_VERDICT] = verdict;
-	words[GI_STATE_START] = GI_START_NONE;
-	words[GI_STATE_ARGS_GATHER] = 0u;
-	words[GI_STATE_ARGS_DOUBLE] = 0u;
-	words[GI_STATE_ARGS_HAND_OVER] = 0u;
-	words[GI_STATE_ARGS_CHECK] = 0u;
+	if (verdict != GI_SOLVE_GOES_ON && solve.failings == 0u && solve.ellipse > 0u)
+		solve.ellipse -= 1u;
+	solve.verdict = verdict;
+	solve.start = GI_START_NONE;
+	gather_groups = double_groups = 0u;
+	over = true;
 }
 
 // Of a sweep about which nothing else is known.
 void queue_next()
 {
-	queue_sweep(load(GI_STATE_SEEN_BITS) > AMPLIFIED);
+	queue_sweep(solve.seen > AMPLIFIED);
 }
 
 // The largest light reflected, as far as it is known before the first sweep. A cold start has v = 1.
 void note_first_scale()
 {
-	if (largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
-		store(GI_STATE_THETA_BITS, GI_DARK_SHARE);
-	for (uint c = 0u; c < 3u; c++)
-		store(GI_STATE_SCALE_BITS + c, max(load(GI_STATE_SCALE_BITS + c), load(GI_STATE_DIRECT_BITS + c)));
+	if (largest_of(solve.scale.xyz) == 0.0)
+		solve.theta = GI_DARK_SHARE;
+	solve.scale.xyz = max(solve.scale.xyz, uintBitsToFloat(state_before.emitted.direct_bits.xyz));
 }
 
 void begin_anew()
 {
-	words[GI_STATE_ACTION] = 0u;
-	words[GI_STATE_MANNER] = GI_MANNER_JACOBI;
-	words[GI_STATE_WINDOW] = words[GI_STATE_FAILINGS] = words[GI_STATE_RECALLS] = 0u;
-	words[GI_STATE_REACH_BITS] = 0u;
+	solve.action = 0u;
+	solve.manner = GI_MANNER_JACOBI;
+	solve.window = solve.failings = solve.recalls = 0u;
+	solve.reach = 0.0;
 	// A narrower ellipse may do for these rows.
-	words[GI_STATE_ELLIPSE] =
-	    (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(words[GI_STATE_ELLIPSE], 1u) - 1u;
-	store(GI_STATE_OMEGA_BITS, 1.0);
-	store(GI_STATE_AMPLIFICATION_BITS, HUGE);
+	solve.ellipse =
+	    (frame.update.w & GI_UPDATE_REBUILD) != 0u ? 0u : max(solve.ellipse, 1u) - 1u;
+	solve.omega = 1.0;
+	solve.amplification = HUGE;
 	note_first_scale();
 }
 
@@ -221,49 +194,46 @@ void begin_anew()
 // what was: the same scene, the same bits.
 void begin_cold()
 {
-	words[GI_STATE_SWEEPS] = words[GI_STATE_ELLIPSE] = 0u;
-	store(GI_STATE_SEEN_BITS, 0.0);
-	for (uint c = 0u; c < 3u; c++)
-		words[GI_STATE_SCALE_BITS + c] = 0u;
+	solve.sweeps = solve.ellipse = 0u;
+	solve.seen = 0.0;
+	solve.scale = vec4(0.0);
 	begin_anew();
-	words[GI_STATE_START] = GI_START_COLD;
-	words[GI_STATE_ACTION] = GI_ACTION_COLD;
+	solve.start = GI_START_COLD;
+	solve.action = GI_ACTION_COLD;
 }
 
 void begin_warm()
 {
 	begin_anew();
-	words[GI_STATE_START] = GI_START_WARM;
+	solve.start = GI_START_WARM;
 }
 
 // Sweeps of this frame, and what came in the place of sweeps: solver.c queues no more than max_sweeps of both and
 // SPARE_SWEEPS.
 uint spent()
 {
-	return words[GI_STATE_SWEEPS] + words[GI_STATE_RECALLS];
+	return solve.sweeps + solve.recalls;
 }
 
 void begin()
 {
-	words[GI_STATE_SWEEPS] = words[GI_STATE_RECALLS] = 0u;
-	words[GI_STATE_START] = GI_START_NONE;
-	words[GI_STATE_VERDICT] = GI_SOLVE_GOES_ON;
-	put_groups(GI_STATE_ARGS_HAND_OVER, groups_for(frame.counts.x));
-	put_groups(GI_STATE_ARGS_CHECK, 1u);
-	if (stage == STAGE_BEGIN && largest_of_three(GI_STATE_SCALE_BITS) == 0.0)
+	solve.sweeps = solve.recalls = 0u;
+	solve.start = GI_START_NONE;
+	solve.verdict = GI_SOLVE_GOES_ON;
+	if (stage == STAGE_BEGIN && largest_of(solve.scale.xyz) == 0.0)
 		begin_cold();
 	else if (stage == STAGE_BEGIN)
 		begin_warm();
-	else if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV && words[GI_STATE_ACTION] == 0u)
-		words[GI_STATE_ACTION] = GI_ACTION_KEEP;
+	else if (solve.manner == GI_MANNER_CHEBYSHEV && solve.action == 0u)
+		solve.action = GI_ACTION_KEEP;
 	clear_findings();
 	queue_next();
 	if (frame.counts.x == 0u) {
-		store(GI_STATE_BOUND_BITS, 0.0);
+		solve.bound = 0.0;
 		stop(GI_SOLVE_CONVERGED); // an empty scene
 	}
 	// Which rows did not fit is chance: B waits for the larger pool, and stays what it was.
-	if (words[GI_STATE_OVERFLOW] != 0u)
+	if (state_before.counts.overflow != 0u)
 		stop(GI_SOLVE_GOES_ON);
 }
 
@@ -271,9 +241,9 @@ void begin()
 
 float amplification()
 {
-	float a = 1.0 / min(load(GI_STATE_GAP_BITS), 1.0), m = load(GI_STATE_DESCENT_BITS);
+	float a = 1.0 / min(uintBitsToFloat(found.gap_bits), 1.0), m = uintBitsToFloat(found.descent_bits);
 	if (m > 0.0)
-		a = min(a, load(GI_STATE_V_MAX_BITS) / m);
+		a = min(a, uintBitsToFloat(found.largest_v_bits) / m);
 	return min(max(a, 1.0) * OUTWARD, HUGE);
 }
 
@@ -282,7 +252,7 @@ float shrunk()
 {
 	float most = 1.0;
 	for (uint c = 0u; c < 3u; c++) {
-		float scale = load(GI_STATE_SCALE_BITS + c), now = load(GI_STATE_R_MAX_BITS + c);
+		float scale = solve.scale[c], now = uintBitsToFloat(found.largest_r_bits[c]);
 		most = max(most, scale <= now ? 1.0 : now > scale / HUGE ? scale / now * OUTWARD : HUGE);
 	}
 	return most;
@@ -291,25 +261,26 @@ float shrunk()
 // Bound on what T R is off by, of the light reflected; HUGE: none is known.
 float relative_bound()
 {
-	return min(load(GI_STATE_KAPPA_BITS) * load(GI_STATE_SPREAD_BITS) * shrunk() * OUTWARD, HUGE);
+	return min(uintBitsToFloat(found.kappa_bits) * uintBitsToFloat(found.spread_bits) * shrunk() * OUTWARD, HUGE);
 }
 
 void certify()
 {
-	float amplified = min(load(GI_STATE_AMPLIFICATION_BITS), amplification()), relative = relative_bound();
-	float most = largest_of_three(GI_STATE_R_MAX_BITS), bound = load(GI_STATE_RESIDUAL_BITS) * (amplified - 1.0);
+	float amplified = min(solve.amplification, amplification()), relative = relative_bound();
+	float most = largest_of(uintBitsToFloat(found.largest_r_bits.xyz)),
+	      bound = uintBitsToFloat(found.residual_bits) * (amplified - 1.0);
 	if (relative < 1.0)
 		bound = min(bound, relative * (1.0 + GI_DARK_SHARE) * most);
-	bound = (bound + load(GI_STATE_WRITE_BITS)) * OUTWARD;
-	store(GI_STATE_AMPLIFICATION_BITS, amplified);
-	store(GI_STATE_BOUND_BITS, min(bound, HUGE));
-	store(GI_STATE_BOUND_RELATIVE_BITS, min((relative + load(GI_STATE_STRAY_BITS) * shrunk()) * OUTWARD, HUGE));
-	store(GI_STATE_ROUNDING_BITS, min(bound, FLOOR * most * amplified));
+	bound = (bound + uintBitsToFloat(found.write_bits)) * OUTWARD;
+	solve.amplification = amplified;
+	solve.bound = min(bound, HUGE);
+	solve.bound_relative = min((relative + uintBitsToFloat(found.stray_bits) * shrunk()) * OUTWARD, HUGE);
+	solve.rounding = min(bound, FLOOR * most * amplified);
 }
 
 bool meets_tolerance()
 {
-	return load(GI_STATE_BOUND_RELATIVE_BITS) <= frame.tolerance.w;
+	return solve.bound_relative <= frame.tolerance.w;
 }
 
 // ---- Chebyshev ----
@@ -317,8 +288,8 @@ bool meets_tolerance()
 // Half axes of the ellipse: q, and b, none at first, then doubling from half of sqrt(1 - q^2), the scale of its cost.
 vec2 half_axes()
 {
-	float q = 1.0 - 1.0 / load(GI_STATE_REACH_BITS);
-	float widened = float(words[GI_STATE_ELLIPSE]);
+	float q = 1.0 - 1.0 / solve.reach;
+	float widened = float(solve.ellipse);
 	return vec2(q, widened == 0.0 ? 0.0 : 0.25 * exp2(widened) * sqrt((1.0 - q) * (1.0 + q)));
 }
 
@@ -330,54 +301,54 @@ float rate(vec2 axes)
 
 void open_window(float residual)
 {
-	words[GI_STATE_WINDOW] = 0u;
-	store(GI_STATE_WINDOW_BITS, residual);
+	solve.window = 0u;
+	solve.window_residual = residual;
 }
 
 void settle_for(uint manner, float residual)
 {
-	words[GI_STATE_MANNER] = manner;
-	store(GI_STATE_OMEGA_BITS, manner == GI_MANNER_POLISH ? 0.5 : 1.0);
+	solve.manner = manner;
+	solve.omega = manner == GI_MANNER_POLISH ? 0.5 : 1.0;
 	open_window(residual);
 }
 
 void start_chebyshev(float amplified, uint widened, float residual)
 {
-	words[GI_STATE_ELLIPSE] = widened;
-	store(GI_STATE_REACH_BITS, amplified);
+	solve.ellipse = widened;
+	solve.reach = amplified;
 	vec2 axes = half_axes();
 	settle_for(axes.y < axes.x ? GI_MANNER_CHEBYSHEV : GI_MANNER_GIVEN_UP, residual);
-	words[GI_STATE_ACTION] = GI_ACTION_KEEP;
+	solve.action = GI_ACTION_KEEP;
 }
 
 // Back to where the window began, and on in a wider ellipse.
 void fail_chebyshev()
 {
-	words[GI_STATE_FAILINGS] += 1u;
-	words[GI_STATE_RECALLS] += 1u;
-	start_chebyshev(load(GI_STATE_REACH_BITS), words[GI_STATE_ELLIPSE] + 1u, load(GI_STATE_KEPT_BITS));
-	words[GI_STATE_ACTION] = GI_ACTION_RECALL;
+	solve.failings += 1u;
+	solve.recalls += 1u;
+	start_chebyshev(solve.reach, solve.ellipse + 1u, solve.kept_residual);
+	solve.action = GI_ACTION_RECALL;
 }
 
 void step_chebyshev(float amplified, float residual, bool near_floor)
 {
 	vec2 axes = half_axes();
-	float omega = load(GI_STATE_OMEGA_BITS), c2 = axes.x * axes.x - axes.y * axes.y;
-	store(GI_STATE_OMEGA_BITS, 1.0 / (1.0 - c2 * (omega == 1.0 ? 0.5 : 0.25 * omega)));
-	words[GI_STATE_WINDOW] += 1u;
-	float s = pow(rate(axes), float(words[GI_STATE_WINDOW] - 1u)), begun = load(GI_STATE_WINDOW_BITS);
+	float omega = solve.omega, c2 = axes.x * axes.x - axes.y * axes.y;
+	solve.omega = 1.0 / (1.0 - c2 * (omega == 1.0 ? 0.5 : 0.25 * omega));
+	solve.window += 1u;
+	float s = pow(rate(axes), float(solve.window - 1u)), begun = solve.window_residual;
 	bool judged = 2.0 * s / (1.0 + s * s) <= JUDGED;
 	bool bad = residual > BLOWN_UP * begun || (judged && residual > GOOD_ENOUGH * begun);
 	bool last = spent() + 1u >= max_sweeps;
-	if (amplified < 0.5 * load(GI_STATE_REACH_BITS)) {
-		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
+	if (amplified < 0.5 * solve.reach) {
+		start_chebyshev(amplified, solve.ellipse, residual);
 	} else if (bad && near_floor) {
 		settle_for(GI_MANNER_POLISH, residual);
-	} else if (bad || (last && residual > load(GI_STATE_KEPT_BITS))) {
+	} else if (bad || (last && residual > solve.kept_residual)) {
 		fail_chebyshev();
 	} else if (judged) {
 		open_window(residual);
-		words[GI_STATE_ACTION] = GI_ACTION_KEEP;
+		solve.action = GI_ACTION_KEEP;
 	}
 }
 
@@ -395,11 +366,11 @@ uint foretell_jacobi(float amplified, float off)
 // takes away noise, or has nothing to take.
 bool is_stuck(float amplified, float residual, bool in_double, bool polished)
 {
-	words[GI_STATE_WINDOW] += 1u;
+	solve.window += 1u;
 	uint enough = polished ? POLISH_SWEEPS : POLISH_SWEEPS + uint(min(amplified, 1e6));
-	if (in_double && words[GI_STATE_WINDOW] < enough)
+	if (in_double && solve.window < enough)
 		return false;
-	bool stuck = in_double && residual > (polished ? 0.5 : 0.9) * load(GI_STATE_WINDOW_BITS);
+	bool stuck = in_double && residual > (polished ? 0.5 : 0.9) * solve.window_residual;
 	open_window(residual);
 	return stuck;
 }
@@ -409,7 +380,7 @@ bool is_stuck(float amplified, float residual, bool in_double, bool polished)
 // What is left of the bound by the next sweep: by the last one's progress, or the theory's.
 float foretold(float amplified, float last_residual, float residual)
 {
-	if (words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV)
+	if (solve.manner == GI_MANNER_CHEBYSHEV)
 		return rate(half_axes());
 	float left = 1.0 - 1.0 / amplified;
 	return last_residual > 0.0 ? min(left, residual / last_residual) : left;
@@ -418,16 +389,16 @@ float foretold(float amplified, float last_residual, float residual)
 // How the next sweep goes. False: more bring nothing.
 bool go_on(bool in_double, bool near_floor, float residual)
 {
-	float amplified = load(GI_STATE_AMPLIFICATION_BITS), seen = load(GI_STATE_SEEN_BITS);
+	float amplified = solve.amplification, seen = solve.seen;
 	bool steady = amplified >= 0.9 * seen && amplified <= 1.1 * seen;
-	uint more = foretell_jacobi(amplified, relative_bound()), manner = words[GI_STATE_MANNER];
+	uint more = foretell_jacobi(amplified, relative_bound()), manner = solve.manner;
 	if (manner == GI_MANNER_JACOBI || manner == GI_MANNER_GIVEN_UP)
-		words[GI_STATE_JACOBI_SWEEPS] = words[GI_STATE_SWEEPS] + more;
+		solve.jacobi_sweeps = solve.sweeps + more;
 	if (manner == GI_MANNER_CHEBYSHEV) {
 		step_chebyshev(amplified, residual, near_floor);
-	} else if (manner == GI_MANNER_JACOBI && steady && words[GI_STATE_SWEEPS] >= LOCAL_SWEEPS &&
+	} else if (manner == GI_MANNER_JACOBI && steady && solve.sweeps >= LOCAL_SWEEPS &&
 		   more > JACOBI_MOST) {
-		start_chebyshev(amplified, words[GI_STATE_ELLIPSE], residual);
+		start_chebyshev(amplified, solve.ellipse, residual);
 	} else if (is_stuck(amplified, residual, in_double, near_floor && manner == GI_MANNER_POLISH)) {
 		if (manner == GI_MANNER_POLISH)
 			return false;
@@ -438,18 +409,18 @@ bool go_on(bool in_double, bool near_floor, float residual)
 
 void judge(bool in_double, float last_residual, float residual)
 {
-	float kappa = load(GI_STATE_KAPPA_BITS), least = load(GI_STATE_NOISE_BITS),
-	      amplified = load(GI_STATE_AMPLIFICATION_BITS);
+	float kappa = uintBitsToFloat(found.kappa_bits), least = uintBitsToFloat(found.noise_bits),
+	      amplified = solve.amplification;
 	bool at_floor = in_double && kappa <= AT_FLOOR * least && kappa < HUGE;
 	if (at_floor || !go_on(in_double, in_double && kappa <= NEAR_FLOOR * least, residual)) {
 		stop(GI_SOLVE_ROUNDING);
 		return;
 	}
-	store(GI_STATE_SEEN_BITS, amplified);
+	solve.seen = amplified;
 	// What a step adds to T R counts against the bound; Chebyshev begins anew behind it where it was not enough.
 	bool enough = foretold(amplified, last_residual, residual) * relative_bound() <= frame.tolerance.w;
-	if (enough && words[GI_STATE_MANNER] == GI_MANNER_CHEBYSHEV)
-		store(GI_STATE_OMEGA_BITS, 1.0);
+	if (enough && solve.manner == GI_MANNER_CHEBYSHEV)
+		solve.omega = 1.0;
 	queue_sweep(amplified > AMPLIFIED || in_double || (kappa < HUGE && kappa <= IN_DOUBLE * least));
 }
 
@@ -458,32 +429,32 @@ void judge(bool in_double, float last_residual, float residual)
 // Is R of before no help in a channel, as far as what is left of the residual tells?
 bool is_colder(uint c, float a)
 {
-	float astray = load(GI_STATE_WARM_MEAN_BITS + c), local = load(GI_STATE_WARM_MOST_BITS + c);
-	float mean = load(GI_STATE_COLD_MEAN_BITS + c), most = load(GI_STATE_COLD_MOST_BITS + c);
+	float astray = state_before.start.warm_mean[c], local = state_before.start.warm_most[c];
+	float mean = state_before.start.cold_mean[c], most = state_before.start.cold_most[c];
 	return !(astray <= NEARER * mean && a * astray + local <= NEARER * (a * mean + most));
 }
 
 // Does R of before leave no less than nothing would, in some channel? A cold start has nothing to be compared with.
 bool is_refused(float a)
 {
-	return words[GI_STATE_START] == GI_START_WARM && (is_colder(0u, a) || is_colder(1u, a) || is_colder(2u, a));
+	return solve.start == GI_START_WARM && (is_colder(0u, a) || is_colder(1u, a) || is_colder(2u, a));
 }
 
 // What the sweep would have made of the start that weigh.comp found, instead of what it made of R before. v anew, as of
 // a sweep from v = 1, where that of other rows is no start.
 void begin_from_start(float a, float seen)
 {
-	bool other_rows = words[GI_STATE_START] == GI_START_WARM && (a > OTHER_ROWS * seen || seen > OTHER_ROWS * a);
-	store(GI_STATE_FACTOR_BITS + 3u, other_rows ? 0.0 : 1.0);
-	store(GI_STATE_SEEN_BITS, other_rows ? 0.0 : seen);
-	if (other_rows)
-		words[GI_STATE_ELLIPSE] = 0u;
-	for (uint c = 0u; other_rows && c < 3u; c++)
-		words[GI_STATE_SCALE_BITS + c] = 0u;
-	words[GI_STATE_DONE_RESIDUAL_BITS] = 0u;
+	bool other_rows = solve.start == GI_START_WARM && (a > OTHER_ROWS * seen || seen > OTHER_ROWS * a);
+	solve.keeps_v = other_rows ? 0u : 1u;
+	solve.seen = other_rows ? 0.0 : seen;
+	if (other_rows) {
+		solve.ellipse = 0u;
+		solve.scale = vec4(0.0);
+	}
+	solve.residual = 0.0;
 	begin_anew();
-	words[GI_STATE_SWEEPS] = max_sweeps > 1u ? 1u : 0u;
-	words[GI_STATE_ACTION] = GI_ACTION_SCALE;
+	solve.sweeps = max_sweeps > 1u ? 1u : 0u;
+	solve.action = GI_ACTION_SCALE;
 }
 
 void begin_weighed(float seen)
@@ -501,10 +472,10 @@ void begin_weighed(float seen)
 // the one that went astray does not count.
 void end_frame()
 {
-	if (words[GI_STATE_ACTION] != GI_ACTION_RECALL)
+	if (solve.action != GI_ACTION_RECALL)
 		stop(GI_SOLVE_GOES_ON);
 	else if (spent() > max_sweeps)
-		words[GI_STATE_SWEEPS] -= 1u;
+		solve.sweeps -= 1u;
 }
 
 // ---- after a sweep, or what came in its place ----
@@ -512,25 +483,24 @@ void end_frame()
 // What a sweep found of the light, for the one that follows.
 void note_light()
 {
-	for (uint c = 0u; c < 3u; c++)
-		words[GI_STATE_SCALE_BITS + c] = words[GI_STATE_R_MAX_BITS + c];
-	store(GI_STATE_THETA_BITS, GI_DARK_SHARE / max(load(GI_STATE_V_MAX_BITS), 1.0));
+	solve.scale.xyz = uintBitsToFloat(found.largest_r_bits.xyz);
+	solve.theta = GI_DARK_SHARE / max(uintBitsToFloat(found.largest_v_bits), 1.0);
 }
 
 void finish_sweep()
 {
-	bool in_double = words[GI_STATE_ARGS_DOUBLE + 2u] != 0u;
-	float residual = load(GI_STATE_RESIDUAL_BITS), seen = load(GI_STATE_SEEN_BITS);
-	float last_residual = words[GI_STATE_SWEEPS] > 0u ? load(GI_STATE_DONE_RESIDUAL_BITS) : 0.0;
+	bool in_double = solve.in_double != 0u;
+	float residual = uintBitsToFloat(found.residual_bits), seen = solve.seen;
+	float last_residual = solve.sweeps > 0u ? solve.residual : 0.0;
 	// Of the R that this sweep kept, if it kept one.
-	if (words[GI_STATE_ACTION] == GI_ACTION_KEEP)
-		store(GI_STATE_KEPT_BITS, residual);
-	bool weighed = words[GI_STATE_START] != GI_START_NONE;
-	words[GI_STATE_ACTION] = 0u;
-	words[GI_STATE_SWEEPS] += 1u;
-	store(GI_STATE_DONE_RESIDUAL_BITS, residual);
-	store(GI_STATE_DONE_Q_BITS, 1.0 - min(load(GI_STATE_GAP_BITS), 1.0));
-	store(GI_STATE_DONE_B_MAX_BITS, load(GI_STATE_B_MAX_BITS));
+	if (solve.action == GI_ACTION_KEEP)
+		solve.kept_residual = residual;
+	bool weighed = solve.start != GI_START_NONE;
+	solve.action = 0u;
+	solve.sweeps += 1u;
+	solve.residual = residual;
+	solve.contraction = 1.0 - min(uintBitsToFloat(found.gap_bits), 1.0);
+	solve.largest_b = uintBitsToFloat(found.largest_b_bits);
 	certify();
 	if (meets_tolerance())
 		stop(GI_SOLVE_CONVERGED);
@@ -539,29 +509,29 @@ void finish_sweep()
 	else
 		judge(in_double, last_residual, residual);
 	note_light();
-	if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && weighed)
+	if (solve.verdict == GI_SOLVE_GOES_ON && weighed)
 		begin_weighed(seen);
-	else if (words[GI_STATE_VERDICT] == GI_SOLVE_GOES_ON && spent() >= max_sweeps)
+	else if (solve.verdict == GI_SOLVE_GOES_ON && spent() >= max_sweeps)
 		end_frame();
 	clear_findings();
 }
 
 void finish_action()
 {
-	if (words[GI_STATE_ACTION] == GI_ACTION_SCALE)
-		words[GI_STATE_START] = GI_START_NONE;
-	words[GI_STATE_ACTION] = 0u;
+	if (solve.action == GI_ACTION_SCALE)
+		solve.start = GI_START_NONE;
+	solve.action = 0u;
 	queue_next();
 }
 
 void main()
 {
-	read_words();
+	read_state();
 	if (stage != STAGE_SWEPT)
 		begin();
-	else if (words[GI_STATE_ACTION] > GI_ACTION_KEEP)
+	else if (solve.action > GI_ACTION_KEEP)
 		finish_action();
 	else
 		finish_sweep();
-	write_words();
+	write_state();
 }

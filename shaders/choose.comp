@@ -41,11 +41,11 @@ uint threshold(uint first, uint budget)
 void count_groups()
 {
 	if (stage == ASSESS_GROUPS) {
-		state[GI_STATE_ASSESSED] = min(state[GI_STATE_ASSESSED], frame.budget.z);
-		set_groups(GI_STATE_ARGS_ASSESS, spread_groups(state[GI_STATE_ASSESSED]));
+		state.counts.assessed_rows = min(state.counts.assessed_rows, frame.budget.z);
+		state.assess = folded(spread_groups(state.counts.assessed_rows));
 	} else {
-		set_groups(GI_STATE_ARGS_CHOSEN, spread_groups(state[GI_STATE_CHOSEN]));
-		set_groups(GI_STATE_ARGS_PAIRS, groups_for(state[GI_STATE_CHOSEN] * source_count()));
+		state.chosen = folded(spread_groups(state.refresh.chosen_rows));
+		state.pairs = folded(groups_for(state.refresh.chosen_rows * source_count()));
 	}
 }
 
@@ -61,9 +61,9 @@ void main()
 	if (local > 0u)
 		return;
 	if (stage == ASSESS)
-		state[GI_STATE_ASSESS_THRESHOLD] = max(threshold(first, frame.budget.z), 1u);
+		state.budget.lowest_assessed = max(threshold(first, frame.budget.z), 1u);
 	else if (stage == REFRESH)
-		state[GI_STATE_THRESHOLD] = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
+		state.budget.lowest_chosen = max(threshold(first, uint(min(frame.limit.x, 4e9))), 1u);
 	else
 		count_groups();
 }

@@ -3,11 +3,11 @@
 // The leaf of the k-th of them; GI_NONE past the last.
 uint chosen_leaf(uint k)
 {
-	return k < state[GI_STATE_CHOSEN] ? load_choice(GI_CHOICE_CHOSEN + k) : GI_NONE;
+	return k < state.refresh.chosen_rows ? load_choice(GI_CHOICE_CHOSEN + k) : GI_NONE;
 }
 
 // The leaf of this thread, in passes of a thread a row; GI_NONE: none.
 uint chosen_row()
 {
-	return chosen_leaf(spread_number(state[GI_STATE_CHOSEN]));
+	return chosen_leaf(spread_number(state.refresh.chosen_rows));
 }

@@ -263,8 +263,8 @@ float write_links(uint leaf, uint at, uint paths, correction c, float scale)
 
 void main()
 {
-	uint k = spread_number(state[GI_STATE_CHANGED_ROWS]);
-	if (k >= state[GI_STATE_CHANGED_ROWS] || state[GI_STATE_OVERFLOW] != 0u)
+	uint k = spread_number(state.counts.changed_rows);
+	if (k >= state.counts.changed_rows || state.counts.overflow != 0u)
 		return;
 	uint leaf = load_listed(k);
 
@@ -303,5 +303,5 @@ void main()
 	rows[leaf] =
 	    uvec4(room ? block.x : 0u, count | (block.y & ~GI_BLOCK_COUNT_MASK), row.z, floatBitsToUint(row_sum));
 	if (count != old_count)
-		atomicAdd(state[GI_STATE_LINKS], count - old_count);
+		atomicAdd(state.rows.links, count - old_count);
 }

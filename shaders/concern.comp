@@ -41,7 +41,7 @@ void main()
 		note_changed(leaf);
 	}
 	if (is_concerned(leaf, row.z))
-		list_row(leaf, GI_STATE_CONCERNED_ROWS);
+		list_row(leaf, atomicAdd(state.counts.concerned_rows, 1u));
 	else
 		rows[leaf].z = frame.update.x;
 }

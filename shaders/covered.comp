@@ -48,7 +48,7 @@ receiver load_receiver(uint leaf, uint mine, uint since)
 	r.since = since;
 	for (uint k = 0u; k < 4u; k++)
 		r.corners[k] = world_from_rest(mine, load_leaf_corner(leaf, k).xyz);
-	r.middle = load_sphere(load_leaf(leaf).x).xyz;
+	r.middle = world_sphere(load_leaf(leaf).x).xyz;
 	return r;
 }
 

@@ -132,7 +132,7 @@ struct old_part {
 bool is_fresh(uvec4 range, uint node, uint since)
 {
 	if ((range.w & GI_NODE_TOP) != 0u)
-		return load_corners(node).y > since;
+		return topology_corners(node).y > since;
 	uvec4 changed = object_changed(load_leaf(range.y).y);
 	return max(changed.x, changed.y) > since;
 }
@@ -157,7 +157,7 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 	cut_size size = cut_size(0u, 0u);
 	bool keeps = KEEPS == 1 && old.end > old.next;
 	for (uint n = nodes.x; n < nodes.y;) {
-		uvec4 range = load_range(n);
+		uvec4 range = topology_range(n);
 #if KEEPS
 		pass_over(old, n);
 #endif
@@ -208,7 +208,7 @@ void shift(inout old_part old, uint count)
 uvec2 pair_of(uint t)
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
-		uint count = state[GI_STATE_CHOSEN];
+		uint count = state.refresh.chosen_rows;
 		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count)
 						  : uvec2(GI_NONE);
 	}
@@ -247,7 +247,7 @@ cut begin_cut(uint leaf, uint source, uvec4 receiver, uint since)
 	c.source = source;
 	c.same = receiver.y == source;
 	c.unseen = ((object_bvh(receiver.y).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
-	c.receiver = shape_of(geometry_of(receiver.x, c.same), load_range(receiver.x).w);
+	c.receiver = shape_of(geometry_of(receiver.x, c.same), topology_range(receiver.x).w);
 	c.segment = segment_of(leaf, source);
 	c.block = load_segment(c.segment).xy;
 	c.old_count = c.block.y & GI_BLOCK_COUNT_MASK;
@@ -268,7 +268,7 @@ bool fit_cut(uint room, bool counted, inout cut c)
 	if (c.keeps && again) {
 		if (fitting == c.block)
 			shift(c.old, c.size.fresh);
-		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.fresh);
+		c.queued = atomicAdd(state.counts.new_entries, c.size.fresh);
 	}
 	c.size.nodes = full ? min(c.size.nodes, room) : c.size.nodes;
 	c.block = full ? c.block : fitting;
@@ -301,11 +301,11 @@ void note_cut(cut c)
 {
 	segments[c.segment].xy = uvec2(c.block.x, (c.block.y & ~GI_BLOCK_COUNT_MASK) | c.size.nodes);
 	if (c.size.nodes != c.old_count)
-		atomicAdd(state[GI_STATE_ENTRIES], c.size.nodes - c.old_count);
+		atomicAdd(state.rows.entries, c.size.nodes - c.old_count);
 	if (c.size.nodes + c.old_count > 0u)
 		note_dirty(c.leaf, max(c.size.fresh, 1u));
 	bool was_seen = c.old_count > 0u && uintBitsToFloat(load_segment(c.segment).z) > 0.0;
-	if (was_seen || (c.size.nodes > 0u && (load_range(object_nodes(c.source).x).w & GI_NODE_EMITTER) != 0u))
+	if (was_seen || (c.size.nodes > 0u && (topology_range(object_nodes(c.source).x).w & GI_NODE_EMITTER) != 0u))
 		note_changed(c.leaf);
 }
 
@@ -313,9 +313,9 @@ void note_cut(cut c)
 void queue_cut(inout cut c)
 {
 	if (!c.keeps)
-		c.queued = atomicAdd(state[GI_STATE_NEW], c.size.nodes);
+		c.queued = atomicAdd(state.counts.new_entries, c.size.nodes);
 	if (c.queued + c.size.fresh > frame.limits.y) {
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);
+		atomicOr(state.counts.overflow, 1u);
 		return;
 	}
 	for (uint k = 0u; k < c.size.nodes && !c.keeps; k++)

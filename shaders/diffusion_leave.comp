@@ -58,7 +58,7 @@ void leave(uvec4 row, uint action)
 	vec4 before = load_leaf_part(GI_LEAF_R, leaf);
 	if ((action & GI_ACTION_KEEP) != 0u)
 		leaf_radiosity[GI_LEAF_KEPT * frame.counts.x + leaf] = before;
-	vec3 ceiling = load_three(GI_STATE_CEILING_BITS);
+	vec3 ceiling = uintBitsToFloat(state_before.emitted.ceiling_bits.xyz);
 	dvec4 source = dvec4(dvec3(m.rho.xyz) * dvec3(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz), 1.0lf);
 	swept s = work_out(diffuse(row), source, before, ceiling);
 	// Drawn is rho times that, and no lamp besides.
@@ -70,10 +70,13 @@ void leave(uvec4 row, uint action)
 void main()
 {
 	report_nothing();
-	uint k = thread_number(), action = load_state(GI_STATE_ACTION);
+	uint k = thread_number(), action = state_before.solve.action;
 	if (k < leaves && action <= GI_ACTION_KEEP)
 		leave(load_diffusion_row(k), action);
 	barrier();
-	if (gl_LocalInvocationID.x < FOUND)
-		report_group(gl_LocalInvocationID.x);
+	if (gl_LocalInvocationID.x < FOUND_COUNT)
+		join(gl_LocalInvocationID.x);
+	barrier();
+	if (gl_LocalInvocationID.x == 0u)
+		report_group();
 }

@@ -3,7 +3,7 @@
 #include "shade_shared.h"
 
 // One lamp at a time, at an address that the compiler knows: software renderers then read it once for all pixels.
-layout(std140, binding = GI_BIND_LAMP) uniform lamp_block { gi_lamp lamp; };
+layout(std140, binding = GI_UNIFORM_LAMP) uniform lamp_block { gi_lamp lamp; };
 layout(binding = GI_UNIT_MAPS) uniform sampler2DArrayShadow depth_maps; // compared
 layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values;     // as they are
 layout(binding = GI_UNIT_MASKS) uniform usamplerBuffer masks;

@@ -46,17 +46,8 @@ uint spread_number(uint threads)
 }
 
 // Folded into y as thread_number expects.
-uvec3 folded(uint groups)
+gi_groups folded(uint groups)
 {
-	return uvec3(min(groups, 32768u), (groups + 32767u) / 32768u, 1u);
+	return gi_groups(min(groups, 32768u), (groups + 32767u) / 32768u, 1u, 0u);
 }
 
-#ifdef WRITE_STATE
-void set_groups(uint at, uint groups)
-{
-	uvec3 g = folded(groups);
-	state[at] = g.x;
-	state[at + 1u] = g.y;
-	state[at + 2u] = g.z;
-}
-#endif

@@ -35,7 +35,7 @@ layout(location = 2) uniform uint caustics;         // 1: there are some
 #endif
 
 const uint FOUND = 6u;
-shared uint found[FOUND]; // from GI_STATE_DIRECT_BITS on
+shared uint found[FOUND]; // rgb of gi_state_emitted: direct_bits, ceiling_bits
 
 // More than a double's sum of ten thousand weights is off by, and than a float's rounding.
 const double SUMMED = 1e-12lf, ROUNDED_DOWN = 1.0lf - 1.0lf / 4194304.0lf;
@@ -47,7 +47,7 @@ void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 		return;
 	dvec3 light = double(uintBitsToFloat(weight)) * dvec3(exitance);
 	sum += light;
-	if ((load_range(node).w & GI_NODE_LAMP) == 0u)
+	if ((topology_range(node).w & GI_NODE_LAMP) == 0u)
 		undrawn += light;
 }
 
@@ -102,6 +102,16 @@ void report(uint leaf, vec3 emitted)
 	}
 }
 
+void report_group()
+{
+	atomicMax(state.emitted.direct_bits.x, found[0]);
+	atomicMax(state.emitted.direct_bits.y, found[1]);
+	atomicMax(state.emitted.direct_bits.z, found[2]);
+	atomicMax(state.emitted.ceiling_bits.x, found[3]);
+	atomicMax(state.emitted.ceiling_bits.y, found[4]);
+	atomicMax(state.emitted.ceiling_bits.z, found[5]);
+}
+
 void main()
 {
 	uint local = gl_LocalInvocationID.x, leaf = thread_number();
@@ -114,6 +124,6 @@ void main()
 		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
 	}
 	barrier();
-	if (local < FOUND)
-		atomicMax(state[GI_STATE_DIRECT_BITS + local], found[local]);
+	if (local == 0u)
+		report_group();
 }

@@ -17,7 +17,7 @@ bool fits(uint rays)
 {
 	if ((frame.update.w & GI_UPDATE_TIMED) == 0u)
 		return true;
-	uint before = atomicAdd(state[GI_STATE_CHOSEN_RAYS], rays);
+	uint before = atomicAdd(state.refresh.chosen_rays, rays);
 	return before == 0u || float(before) + float(rays) <= frame.limit.x;
 }
 
@@ -29,19 +29,19 @@ void main()
 	uvec4 key = load_pending(leaf).key;
 	if (stage == 0u) {
 		uint k = frame.budget.z;
-		if (key.w == 0u && key.x >= state[GI_STATE_ASSESS_THRESHOLD])
-			k = atomicAdd(state[GI_STATE_ASSESSED], 1u);
+		if (key.w == 0u && key.x >= state.budget.lowest_assessed)
+			k = atomicAdd(state.counts.assessed_rows, 1u);
 		if (k < frame.budget.z)
 			choices[GI_CHOICE_CHOSEN + frame.counts.x + k] = leaf;
 		return;
 	}
-	if (key.w > 0u && key.x >= state[GI_STATE_THRESHOLD] && fits(key.y)) {
-		choices[GI_CHOICE_CHOSEN + atomicAdd(state[GI_STATE_CHOSEN], 1u)] = leaf;
+	if (key.w > 0u && key.x >= state.budget.lowest_chosen && fits(key.y)) {
+		choices[GI_CHOICE_CHOSEN + atomicAdd(state.refresh.chosen_rows, 1u)] = leaf;
 		pending[leaf].key = uvec4(0u);
 	} else if (key.z > 0u) {
-		atomicAdd(state[GI_STATE_WAITING_ROWS], 1u);
-		atomicAdd(state[GI_STATE_WAITING_ENTRIES], key.z);
+		atomicAdd(state.refresh.waiting_rows, 1u);
+		atomicAdd(state.refresh.waiting_entries, key.z);
 		if (key.x > 0u)
-			atomicAdd(state[GI_STATE_LATE_ROWS], 1u);
+			atomicAdd(state.refresh.late_rows, 1u);
 	}
 }

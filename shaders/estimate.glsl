@@ -104,13 +104,13 @@ void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	uint node = entry.x;
 	float share = per_entry;
-	for (uint depth = 0u; (load_range(node).w & (GI_NODE_LEAF | GI_NODE_SKY)) == 0u; depth++) {
-		uint end = load_range(node).x, child = node + 1u;
+	for (uint depth = 0u; (topology_range(node).w & (GI_NODE_LEAF | GI_NODE_SKY)) == 0u; depth++) {
+		uint end = topology_range(node).x, child = node + 1u;
 		float sum = 0.0;
-		for (uint next = child; next < end; next = load_range(next).x)
+		for (uint next = child; next < end; next = topology_range(next).x)
 			sum += part_of(p, next);
 		float left = random(at + 0x51ed270bu, depth) * sum, part = 0.0;
-		for (uint next = child; next < end && left >= 0.0; next = load_range(next).x) {
+		for (uint next = child; next < end && left >= 0.0; next = topology_range(next).x) {
 			child = next;
 			part = part_of(p, next);
 			left -= part;
@@ -118,8 +118,8 @@ void write_item(uint at, uint leaf, uvec4 entry, float per_entry)
 		share *= sum / part;
 		node = child;
 	}
-	items[at] = uvec4(node, 0u, 0u, leaf);
-	shares[at] = share;
+	estimate_items[at] = uvec4(node, 0u, 0u, leaf);
+	estimate_shares[at] = share;
 }
 
 struct row_totals {
@@ -156,8 +156,8 @@ void draw_items(uint leaf, uint at, float mean_light, float total)
 	}
 	// Rounding may lose the last sample; a row that sees nothing has no samples.
 	for (; drawn < GI_ESTIMATE_GROUP_ITEMS; drawn++) {
-		items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
-		shares[at + drawn] = 0.0;
+		estimate_items[at + drawn] = uvec4(0u, 0u, 0u, leaf);
+		estimate_shares[at + drawn] = 0.0;
 	}
 }
 
@@ -173,6 +173,6 @@ void main()
 	row_totals totals = total_row(leaf, mean_light);
 	draw_items(leaf, t * GI_ESTIMATE_GROUP_ITEMS, mean_light, totals.importance);
 	if (t % GI_ESTIMATE_GROUPS == 0u)
-		results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0),
+		estimate_results[chosen] = gi_estimate_leaf(vec4(h, totals.seen > CLOSED ? 1.0 : 0.0),
 						   vec4(0.0, 0.0, 0.0, uintBitsToFloat(leaf)), vec4(0.0));
 }

@@ -28,7 +28,7 @@ struct totals {
 };
 
 shared totals sums[GI_GROUP_SIZE];
-shared float shares[GI_GROUP_SIZE];
+shared float estimate_shares[GI_GROUP_SIZE];
 
 totals add(totals a, totals b)
 {
@@ -52,9 +52,9 @@ void report(totals t)
 	float pairs = w * w - t.pairs.y;
 	float bias = pairs > 0.0 ? max(0.0, (dot(t.bias.xyz, t.bias.xyz) - t.pairs.x) / pairs) : 0.0;
 	float gain = 1.0 / (1.0 - returned);
-	state[GI_STATE_ESTIMATE_SQUARED] = floatBitsToUint(t.mean.x / w + bias * (gain * gain - 1.0));
-	state[GI_STATE_ESTIMATE_POWER] = floatBitsToUint(t.mean.y / w);
-	state[GI_STATE_ESTIMATE_RAYS] = t.rays;
+	state.estimate.squared = t.mean.x / w + bias * (gain * gain - 1.0);
+	state.estimate.power = t.mean.y / w;
+	state.estimate.rays = t.rays;
 }
 
 float local_error(gi_estimate_leaf r, float power)
@@ -76,12 +76,12 @@ void main()
 	float power = own.mean.y / own.bias.w, share = 0.0;
 	for (uint k = t; k < all && power > 0.0; k += GI_GROUP_SIZE)
 		share += local_error(load_result(k), power);
-	shares[t] = share;
+	estimate_shares[t] = share;
 	barrier();
 	if (t > 0u)
 		return;
 	for (uint k = 1u; k < GI_GROUP_SIZE; k++)
-		share += shares[k];
-	state[GI_STATE_ESTIMATE_LOCAL] = floatBitsToUint(share / own.bias.w);
+		share += estimate_shares[k];
+	state.estimate.local = share / own.bias.w;
 	report(own);
 }

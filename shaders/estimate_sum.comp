@@ -61,5 +61,5 @@ void main()
 	r.error.z = uintBitsToFloat(rays);
 	vec3 returned = load_material(load_leaf(leaf).z).rho.xyz * abs(uintBitsToFloat(load_row(leaf).w)) * r.light.xyz;
 	r.bias = vec4(sum / float(GI_ESTIMATE_GROUPS), returned.x + returned.y + returned.z);
-	results[first + t] = r;
+	estimate_results[first + t] = r;
 }

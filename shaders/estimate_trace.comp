@@ -86,6 +86,6 @@ void main()
 	p.back = f < 0.0 && (p.t.range.w & GI_NODE_BACK) != 0u;
 	f = p.back ? -f : max(f, 0.0);
 	bool visible = f > 0.0 && sees(p, a, u, t);
-	items[t] = uvec4(item.x, floatBitsToUint(share * f), visible ? 1u : 0u,
+	estimate_items[t] = uvec4(item.x, floatBitsToUint(share * f), visible ? 1u : 0u,
 			 p.leaf | ((f > 0.0 ? 1u : 0u) << GI_ENTRY_SAMPLE_SHIFT) | (p.back ? GI_ENTRY_BACK : 0u));
 }

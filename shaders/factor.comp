@@ -37,8 +37,8 @@ const float RECEIVER_4 = 0.35;
 vec3 corner_of(uint vertex, bool same)
 {
 	if (same)
-		return rest_vertex(vertex);
-	return world_vertex(vertex);
+		return load_rest_vertex(vertex).xyz;
+	return load_world_vertex(vertex).xyz;
 }
 
 // 1 / 2^e for x in [2^e, 2^(e+1)): scaling by it rounds nothing.
@@ -102,7 +102,7 @@ float unit_of(gi_node_geometry p, source s)
 receiver load_receiver(uint node, gi_node_geometry g, source s, float unit)
 {
 	receiver r;
-	uvec4 corners = load_corners(node);
+	uvec4 corners = topology_corners(node);
 	r.g = g;
 	r.g.sphere *= unit;
 	r.a = unit * corner_of(corners.x, s.same);
@@ -205,7 +205,7 @@ factor_sums sum_factors(receiver r, source s, int side)
 void main()
 {
 	uint t = thread_number();
-	if (t >= min(state[GI_STATE_NEW], frame.limits.y))
+	if (t >= min(state.counts.new_entries, frame.limits.y))
 		return;
 	uint slot = load_queued(t);
 	uvec4 entry = load_entry(slot);

@@ -33,8 +33,8 @@ uint row_to_look_at()
 {
 	if ((frame.update.w & GI_UPDATE_PART) != 0u)
 		return chosen_row();
-	uint k = spread_number(state[GI_STATE_CONCERNED_ROWS]);
-	return k < state[GI_STATE_CONCERNED_ROWS] ? load_listed(k) : GI_NONE;
+	uint k = spread_number(state.counts.concerned_rows);
+	return k < state.counts.concerned_rows ? load_listed(k) : GI_NONE;
 }
 
 // What may have changed entries of a row: a mover, or of a leaf that moved one of its neighbours.
@@ -75,7 +75,7 @@ candidate load_candidate(watch w, gi_node_geometry p, uint k, bool covered)
 // the box around both.
 bool crosses(candidate s, gi_node_geometry p, uint node, bool seen, bool mixed, bool sky)
 {
-	vec4 ball = load_sphere(node);
+	vec4 ball = world_sphere(node);
 	bool is = seen && s.box.counts, was = mixed && s.was;
 	vec3 way = ball.xyz - p.sphere.xyz, turned = turned_into(s.box, way);
 	place o = s.in_box;
@@ -125,11 +125,11 @@ void main()
 				continue;
 			if (frame.inner.w != 0u)
 				entries[at - 1u].y = entry.y | GI_ENTRY_FLAGGED;
-			uint q = atomicAdd(state[GI_STATE_QUEUED], 1u);
+			uint q = atomicAdd(state.counts.queued, 1u);
 			if (q < frame.limits.y)
 				queue[q] = at - 1u;
 			else
-				atomicOr(state[GI_STATE_OVERFLOW], 1u);
+				atomicOr(state.counts.overflow, 1u);
 			flagged++;
 		}
 	}

@@ -101,8 +101,8 @@ bool crosses(obstacle by, gi_node_geometry p, vec4 ball, bool sky)
 
 bool may_cross(watch w, gi_node_geometry p, uint node)
 {
-	vec4 ball = load_sphere(node);
-	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u;
+	vec4 ball = world_sphere(node);
+	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u;
 	bool found = crosses(w.first, p, ball, sky);
 	for (uint k = w.candidates.x + 1u; k < w.candidates.y && !found; k++)
 		found = crosses(
@@ -114,8 +114,8 @@ bool may_cross(watch w, gi_node_geometry p, uint node)
 // Can something have hidden samples of the entry that was there when its row was refreshed, and is not there now?
 bool was_crossed(watch w, gi_node_geometry p, uint node)
 {
-	vec4 ball = load_sphere(node);
-	bool sky = (load_range(node).w & GI_NODE_SKY) != 0u, found = false;
+	vec4 ball = world_sphere(node);
+	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u, found = false;
 	for (uint k = 0u; k < frame.swept.y && !found; k++) {
 		uvec4 change = load_swept_change(k);
 		vec4 lower = load_swept_corner(k, 0u), upper = load_swept_corner(k, 1u);

@@ -91,7 +91,7 @@ void sweep(uint leaf, uint action)
 	if ((action & GI_ACTION_KEEP) != 0u)
 		leaf_radiosity[GI_LEAF_KEPT * frame.counts.x + leaf] = before;
 	leaf_indirect[leaf] = vec4(vec3(g.sum.xyz) + load_leaf_part(GI_LEAF_UNDRAWN, leaf).xyz, 0.0);
-	vec3 ceiling = load_three(GI_STATE_CEILING_BITS);
+	vec3 ceiling = uintBitsToFloat(state_before.emitted.ceiling_bits.xyz);
 	REAL4 rho = REAL4(vec4(m.rho.xyz, max(m.rho.x, max(m.rho.y, m.rho.z))));
 	REAL4 source = REAL4(vec4(m.rho.xyz, 1.0)) * REAL4(vec4(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 1.0));
 	float lacks = load_leaf_part(GI_LEAF_B, leaf).w;
@@ -107,12 +107,12 @@ vec4 scaled(vec4 before, vec4 swept, vec3 rho, vec3 source, float row_sum)
 {
 	vec3 by_v = rho * ((swept.w - 1.0) / max(max(rho.x, max(rho.y, rho.z)), 1e-20));
 	vec3 r =
-	    source + load_three(GI_STATE_FACTOR_BITS) * (swept.xyz - source) + load_three(GI_STATE_LIFT_BITS) * by_v;
-	r += load_three(GI_STATE_BASE_BITS) * rho * row_sum;
-	if (load_state(GI_STATE_START) == GI_START_WARM)
+	    source + state_before.start.factor.xyz * (swept.xyz - source) + state_before.start.lift.xyz * by_v;
+	r += state_before.start.base.xyz * rho * row_sum;
+	if (state_before.solve.start == GI_START_WARM)
 		r = mix(min(r, max(before.xyz, swept.xyz)), r, greaterThan(source, vec3(0.0)));
 	r = mix(vec3(0.0), r, greaterThan(swept.xyz, vec3(0.0)));
-	float v = load_state(GI_STATE_FACTOR_BITS + 3u) != 0u ? swept.w : 1.0 + max(rho.x, max(rho.y, rho.z)) * row_sum;
+	float v = state_before.solve.keeps_v != 0u ? swept.w : 1.0 + max(rho.x, max(rho.y, rho.z)) * row_sum;
 	return vec4(r, v);
 }
 
@@ -127,8 +127,8 @@ void go_back(uint leaf, uint action)
 		r = source;
 	else if ((action & GI_ACTION_SCALE) != 0u)
 		r = scaled(load_leaf_part(GI_LEAF_BEFORE, leaf), r, m.rho.xyz, source.xyz, 1.0 - lacks);
-	vec4 next =
-	    to_single(vec4(confined(REAL4(r), REAL4(source), load_three(GI_STATE_CEILING_BITS), m.exitance.xyz)));
+	vec4 next = to_single(vec4(
+	    confined(REAL4(r), REAL4(source), uintBitsToFloat(state_before.emitted.ceiling_bits.xyz), m.exitance.xyz)));
 	store(leaf, next, next, m.exitance.xyz + next.xyz, lacks);
 }
 
@@ -148,12 +148,15 @@ bool is_left_out(uint leaf)
 void main()
 {
 	report_nothing();
-	uint leaf = thread_number(), action = load_state(GI_STATE_ACTION);
+	uint leaf = thread_number(), action = state_before.solve.action;
 	if (leaf < frame.counts.x && action > GI_ACTION_KEEP)
 		go_back(leaf, action);
 	else if (leaf < frame.counts.x && !is_left_out(leaf))
 		sweep(leaf, action);
 	barrier();
-	if (gl_LocalInvocationID.x < FOUND)
-		report_group(gl_LocalInvocationID.x);
+	if (gl_LocalInvocationID.x < FOUND_COUNT)
+		join(gl_LocalInvocationID.x);
+	barrier();
+	if (gl_LocalInvocationID.x == 0u)
+		report_group();
 }

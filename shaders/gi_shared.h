@@ -1,14 +1,17 @@
 /* Structures and constants shared by the C side and the shaders; read by both compilers.
  *
- * Only vec4 and uvec4 members: their layout is the C layout, in storage blocks, in uniform blocks and as texels of
- * buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there are.
+ * Only vec4 and uvec4 members, and in gi_state parts of whole vec4: their layout is the C layout, in storage blocks, in
+ * uniform blocks and as texels of buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there are.
  */
 #ifndef GI_SHARED_H
 #define GI_SHARED_H
 
 #ifdef GL_core_profile
+#include "buffer_numbers.glsl"
 #define GI_VEC4 vec4
 #define GI_UVEC4 uvec4
+#define GI_UINT uint
+#define GI_FLOAT float
 #define GI_STRUCT(name) struct name
 #define GI_END(name) ;
 #else
@@ -21,6 +24,8 @@ typedef struct gi_uvec4 {
 } gi_uvec4;
 #define GI_VEC4 gi_vec4
 #define GI_UVEC4 gi_uvec4
+#define GI_UINT uint32_t
+#define GI_FLOAT float
 #define GI_STRUCT(name) typedef struct name
 #define GI_END(name) name;
 #endif
@@ -330,120 +335,175 @@ GI_STRUCT(gi_move) {
 	GI_UVEC4 now;
 } GI_END(gi_move)
 
-/* What the GPU counts and decides; the head of the state buffer, copied out as the frame's report. Unsigned words;
- * *_BITS are floats >= 0, whose bits order as the floats do, so that atomicMax works on them. */
-#define GI_STATE_NEW 0u            /* queue entries cut anew */
-#define GI_STATE_QUEUED 1u         /* the same plus flagged ones */
-#define GI_STATE_RAYS 2u
-#define GI_STATE_DIRTY_ROWS 3u
-#define GI_STATE_OVERFLOW 4u       /* a pool or the queue was full */
-#define GI_STATE_ENTRIES 5u        /* in all rows; kept over frames */
-#define GI_STATE_LINKS 6u          /* likewise */
-#define GI_STATE_NOT_FINITE 7u
-#define GI_STATE_SWEEPS 8u
-#define GI_STATE_VERDICT 9u        /* GI_SOLVE_ */
-/* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves (check.comp). */
-#define GI_STATE_OMEGA_BITS 10u    /* of the next sweep (gather.glsl); 1 is Jacobi */
-#define GI_STATE_REACH_BITS 11u    /* amplification Chebyshev is set up for; 0 before it is */
-#define GI_STATE_ELLIPSE 12u       /* how often its ellipse was widened; kept over frames */
-#define GI_STATE_WINDOW 13u        /* sweeps since the progress was last judged */
-#define GI_STATE_WINDOW_BITS 14u   /* the residual then */
-#define GI_STATE_SEEN_BITS 15u     /* amplification as of the sweep before, over whatever rows */
-#define GI_STATE_AMPLIFICATION_BITS 16u /* least that any sweep over these rows saw */
-#define GI_STATE_JACOBI_SWEEPS 17u /* those Jacobi would take for this frame, as last foretold */
-#define GI_STATE_ROUNDING_BITS 18u
-#define GI_STATE_BOUND_BITS 19u    /* largest of rgb */
-#define GI_STATE_BOUND_RELATIVE_BITS 20u
-#define GI_STATE_DONE_RESIDUAL_BITS 21u /* largest of rgb, of the last sweep */
-#define GI_STATE_DONE_Q_BITS 22u
-#define GI_STATE_DONE_B_MAX_BITS 23u
-/* Group counts for indirect dispatches, 3 words each. */
-#define GI_STATE_ARGS_FACTOR 24u
-#define GI_STATE_ARGS_TRACE 27u
-#define GI_STATE_ARGS_GATHER 30u
-#define GI_STATE_ARGS_HAND_OVER 33u
-#define GI_STATE_ARGS_CHECK 39u
-#define GI_STATE_ARGS_RECYCLE 42u
-#define GI_STATE_ARGS_DOUBLE 45u
-/* What the sweep now running found: largest values, then least ones (gather.glsl). */
-#define GI_STATE_RESIDUAL_BITS 48u
-#define GI_STATE_R_MAX_BITS 49u    /* 3: rgb, largest reflected light */
-#define GI_STATE_B_MAX_BITS 52u
-#define GI_STATE_V_MAX_BITS 53u
-#define GI_STATE_WRITE_BITS 54u    /* how far R as stored is from T R, and B from E + R */
-#define GI_STATE_STRAY_BITS 55u    /* the same, of the light that the leaf reflects */
-#define GI_STATE_KAPPA_BITS 56u    /* residual over M u */
-#define GI_STATE_SPREAD_BITS 57u   /* (I - M) u, of the light that the leaf reflects */
-#define GI_STATE_NOISE_BITS 58u    /* what rounding alone can leave of the residual, over M u */
-#define GI_STATE_GAP_BITS 59u      /* 1 - rho * row sum */
-#define GI_STATE_DESCENT_BITS 60u  /* (M v)_i */
-#define GI_STATE_LARGEST 11u       /* words of largest values, from GI_STATE_RESIDUAL_BITS on */
-#define GI_STATE_LEAST 2u          /* words of least values, from GI_STATE_GAP_BITS on */
-/* How the next one goes. */
-#define GI_STATE_MANNER 61u        /* GI_MANNER_ */
-#define GI_STATE_ACTION 62u        /* GI_ACTION_ bits: what the next gather does besides, or instead */
-#define GI_STATE_KEPT_BITS 63u     /* residual of the R that was kept, by the sweep that kept it */
-#define GI_STATE_FAILINGS 64u      /* how often Chebyshev failed in this solve */
-#define GI_STATE_THETA_BITS 65u    /* u = R + sqrt(scale R) + theta * scale * v */
-#define GI_STATE_SCALE_BITS 66u    /* 3: largest reflected light before it; kept over frames */
-#define GI_STATE_DIRECT_BITS 69u   /* 3: largest light first reflected (emitted.comp) */
-#define GI_STATE_CEILING_BITS 72u  /* 3: no reflected light is more */
-#define GI_STATE_START 75u         /* GI_START_ */
-/* How the start that weigh.comp found compares with the best multiple of 1. */
-#define GI_STATE_WARM_MEAN_BITS 76u /* 3: mean flux of its residual, W/m2 */
-#define GI_STATE_WARM_MOST_BITS 79u /* 3: largest residual */
-#define GI_STATE_COLD_MEAN_BITS 82u /* 3: the same of the multiple of 1 */
-#define GI_STATE_FACTOR_BITS 85u   /* 4: what becomes of R and v of before */
-#define GI_STATE_RECALLS 89u       /* how often in this frame a kept R came back, each in the place of a sweep */
-#define GI_STATE_LIFT_BITS 90u     /* 3: how much of v is added to R */
-#define GI_STATE_BASE_BITS 93u     /* 3: and of 1 */
-#define GI_STATE_COLD_MOST_BITS 96u /* 3: largest residual of the multiple of 1 */
-/* Rows under a budget. */
-#define GI_STATE_WAITING_ROWS 111u    /* not refreshed although something of them may have changed */
-#define GI_STATE_WAITING_ENTRIES 112u /* their dirty entries */
-#define GI_STATE_LATE_ROWS 113u       /* those of them that wait for lack of budget alone */
-#define GI_STATE_STALE_BITS 114u      /* largest bound on what a waiting row is off by */
-#define GI_STATE_STEP_BITS 115u       /* largest |B - B before the solve| */
-#define GI_STATE_CHOSEN 116u          /* rows to refresh */
-#define GI_STATE_THRESHOLD 117u       /* lowest bucket that is refreshed */
-#define GI_STATE_ARGS_CHOSEN 118u     /* group counts, 3 words: a thread a chosen row */
-#define GI_STATE_ARGS_PAIRS 121u      /* 3 words: a thread a chosen row and object */
-#define GI_STATE_ASSESSED 106u        /* rows to assess */
-#define GI_STATE_ASSESS_THRESHOLD 107u /* lowest bucket that is assessed */
-#define GI_STATE_ARGS_ASSESS 108u     /* 3 words: some threads a row to assess */
-#define GI_STATE_CHOSEN_RAYS 124u     /* those that chosen rows are thought to take */
-#define GI_STATE_CHANGED_ROWS 128u    /* rows to close */
-#define GI_STATE_ARGS_CLOSE 129u      /* 3 words: a thread each */
-#define GI_STATE_CONCERNED_ROWS 101u  /* rows to look at for entries to flag */
-#define GI_STATE_ARGS_FLAG 125u       /* 3 words: a thread each */
-/* What the estimate's leaves say (estimate_mean.comp); as float bits but for the last. */
-#define GI_STATE_ESTIMATE_SQUARED 103u /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
-#define GI_STATE_ESTIMATE_POWER 104u   /* area mean of |H|^2 */
-#define GI_STATE_ESTIMATE_RAYS 105u
-#define GI_STATE_ESTIMATE_LOCAL 102u   /* area mean of |H error|^2 over each leaf's own |H|^2, as float bits too */
-#define GI_STATE_SPECULAR_PATHS 100u   /* entries that see a mirror or glass, to be followed */
-#define GI_STATE_ARGS_SPECULAR 36u     /* group counts, 3 words: a thread each */
-#define GI_STATE_WANTED 99u            /* how many smallest blocks a pool that was full lacked */
-#define GI_STATE_WORDS 132u
+/* ---- what the GPU counts and decides ----
+ *
+ * One structure, gi_state, lies in a buffer that passes write and read (buffers.glsl) and that is copied out as the
+ * frame's report. *_bits are floats >= 0 that atomicMax and atomicMin work on: their bits order as the floats do. Every
+ * part is whole in vec4, so that uniform blocks, storage blocks and C lay it out alike (gi/src/layout.c).
+ */
 
-/* GI_STATE_VERDICT. */
+/* Group counts of an indirect dispatch. */
+GI_STRUCT(gi_groups) {
+	GI_UINT x, y, z, unused;
+} GI_END(gi_groups)
+
+/* What an update does to rows; all 0 when it begins. */
+GI_STRUCT(gi_state_counts) {
+	GI_UINT new_entries;    /* cut anew, queued first */
+	GI_UINT queued;         /* the same plus flagged ones */
+	GI_UINT rays;
+	GI_UINT dirty_rows;
+	GI_UINT concerned_rows; /* to look at for entries to flag */
+	GI_UINT changed_rows;   /* to close */
+	GI_UINT assessed_rows;  /* under a budget: to assess */
+	GI_UINT stale_bits;     /* largest bound on what a waiting row is off by */
+	GI_UINT overflow;       /* 1: a pool or the queue was full */
+	GI_UINT not_finite;     /* 1: a NaN or infinity appeared */
+	GI_UINT specular_paths; /* entries that see a mirror or glass, to be followed */
+	GI_UINT unused;
+} GI_END(gi_state_counts)
+
+/* The same, of updates that refresh rows; others, of new light alone, leave them. */
+GI_STRUCT(gi_state_refresh) {
+	GI_UINT wanted;          /* how many smallest blocks a pool that was full lacked */
+	GI_UINT chosen_rows;     /* under a budget: to refresh */
+	GI_UINT chosen_rays;     /* that they are thought to take */
+	GI_UINT waiting_rows;    /* not refreshed although something of them may have changed */
+	GI_UINT waiting_entries; /* their dirty entries */
+	GI_UINT late_rows;       /* those of them that wait for lack of budget alone */
+	GI_UINT unused0, unused1;
+} GI_END(gi_state_refresh)
+
+/* Kept from update to update, until all rows are built anew. */
+GI_STRUCT(gi_state_rows) {
+	GI_UINT entries, links; /* in all rows */
+	GI_UINT unused0, unused1;
+} GI_END(gi_state_rows)
+
+/* Under a budget. */
+GI_STRUCT(gi_state_budget) {
+	GI_UINT lowest_assessed; /* bucket that is assessed */
+	GI_UINT lowest_chosen;   /* bucket that is refreshed */
+	GI_UINT step_bits;       /* largest |B - B before the solve| */
+	GI_UINT unused;
+} GI_END(gi_state_budget)
+
+/* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves; check.comp alone writes it,
+ * and weigh.comp what begins a solve. */
+GI_STRUCT(gi_state_solve) {
+	GI_UINT sweeps;
+	GI_UINT verdict;        /* GI_SOLVE_ */
+	GI_UINT manner;         /* GI_MANNER_ */
+	GI_UINT action;         /* GI_ACTION_ bits: what the next gather does besides, or instead */
+	GI_UINT start;          /* GI_START_ */
+	GI_UINT in_double;      /* 1: the next gather sums in double precision */
+	GI_UINT window;         /* sweeps since the progress was last judged */
+	GI_UINT failings;       /* how often Chebyshev failed in this solve */
+	GI_UINT recalls;        /* how often in this frame a kept R came back, each in the place of a sweep */
+	GI_UINT ellipse;        /* how often Chebyshev's ellipse was widened; kept over frames */
+	GI_UINT jacobi_sweeps;  /* those Jacobi would take for this frame, as last foretold */
+	GI_UINT keeps_v;        /* 0: where a start is scaled, v begins anew from 1 */
+	GI_FLOAT omega;         /* of the next sweep (gather.glsl); 1 is Jacobi */
+	GI_FLOAT reach;         /* amplification Chebyshev is set up for; 0 before it is */
+	GI_FLOAT window_residual; /* when the progress was last judged */
+	GI_FLOAT kept_residual; /* of the R that was kept, by the sweep that kept it */
+	GI_FLOAT seen;          /* amplification as of the sweep before, over whatever rows */
+	GI_FLOAT amplification; /* least that any sweep over these rows saw */
+	GI_FLOAT theta;         /* u = R + sqrt(scale R) + theta * scale * v */
+	GI_FLOAT rounding;      /* what more sweeps cannot take from the bound */
+	GI_FLOAT bound;         /* largest of rgb */
+	GI_FLOAT bound_relative;
+	GI_FLOAT residual;      /* largest of rgb, of the last sweep */
+	GI_FLOAT contraction;   /* q of the last sweep */
+	GI_FLOAT largest_b;     /* of the last sweep */
+	GI_FLOAT unused0, unused1, unused2;
+	GI_VEC4 scale;          /* rgb: largest reflected light before the sweep; kept over frames */
+} GI_END(gi_state_solve)
+
+/* What the sweep now running found, by gather.glsl: largest values, and the least ones of the last two. */
+GI_STRUCT(gi_state_found) {
+	GI_UVEC4 largest_r_bits; /* rgb: largest reflected light */
+	GI_UINT largest_b_bits;
+	GI_UINT largest_v_bits;
+	GI_UINT residual_bits;
+	GI_UINT kappa_bits;      /* residual over M u */
+	GI_UINT noise_bits;      /* what rounding alone can leave of the residual, over M u */
+	GI_UINT spread_bits;     /* (I - M) u, of the light that the leaf reflects */
+	GI_UINT write_bits;      /* how far R as stored is from T R, and B from E + R */
+	GI_UINT stray_bits;      /* the same, of the light that the leaf reflects */
+	GI_UINT gap_bits;        /* least 1 - rho * row sum */
+	GI_UINT descent_bits;    /* least (M v)_i */
+	GI_UINT unused0, unused1;
+} GI_END(gi_state_found)
+
+/* What bounds reflected light, rgb (emitted.comp). */
+GI_STRUCT(gi_state_emitted) {
+	GI_UVEC4 direct_bits;  /* largest light first reflected */
+	GI_UVEC4 ceiling_bits; /* no reflected light is more */
+} GI_END(gi_state_emitted)
+
+/* The start that weigh.comp found, and how it compares with the best multiple of 1; rgb. */
+GI_STRUCT(gi_state_start) {
+	GI_VEC4 warm_mean; /* mean flux of its residual, W/m2 */
+	GI_VEC4 warm_most; /* largest residual */
+	GI_VEC4 cold_mean; /* the same of the multiple of 1 */
+	GI_VEC4 cold_most;
+	GI_VEC4 factor;    /* what becomes of R of before */
+	GI_VEC4 lift;      /* how much of v is added to R */
+	GI_VEC4 base;      /* and of 1 */
+} GI_END(gi_state_start)
+
+/* What the estimate's leaves say (estimate_mean.comp). */
+GI_STRUCT(gi_state_estimate) {
+	GI_FLOAT squared; /* area mean of |H error|^2, (W/m2)^2; below 0 where noise hides it */
+	GI_FLOAT power;   /* area mean of |H|^2 */
+	GI_FLOAT local;   /* area mean of |H error|^2 over each leaf's own |H|^2 */
+	GI_UINT rays;
+} GI_END(gi_state_estimate)
+
+GI_STRUCT(gi_state) {
+	gi_state_counts counts;
+	gi_state_refresh refresh;
+	gi_state_rows rows;
+	gi_state_budget budget;
+	gi_state_solve solve;
+	gi_state_found found;
+	gi_state_emitted emitted;
+	gi_state_start start;
+	gi_state_estimate estimate;
+	gi_groups factor;
+	gi_groups flag;       /* a thread a row that something may concern */
+	gi_groups trace;
+	gi_groups close;      /* a thread a changed row */
+	gi_groups recycle;
+	gi_groups assess;     /* some threads a row to assess */
+	gi_groups chosen;     /* a thread a chosen row */
+	gi_groups pairs;      /* a thread a chosen row and object */
+	gi_groups gather;
+	gi_groups gather_double;
+	gi_groups hand_over;
+	gi_groups check;
+	gi_groups specular;   /* a thread an entry that sees a mirror or glass */
+} GI_END(gi_state)
+
+/* gi_state_solve.verdict. */
 #define GI_SOLVE_CONVERGED 0u
 #define GI_SOLVE_GOES_ON 1u
 #define GI_SOLVE_ROUNDING 2u       /* more sweeps in single precision bring nothing */
 
-/* GI_STATE_MANNER. */
+/* gi_state_solve.manner. */
 #define GI_MANNER_JACOBI 0u
 #define GI_MANNER_CHEBYSHEV 1u
 #define GI_MANNER_POLISH 2u        /* near to what rounding leaves: damped sweeps take its noise away */
 #define GI_MANNER_GIVEN_UP 3u      /* no ellipse did for these rows: Jacobi to the end */
 
-/* GI_STATE_ACTION. */
+/* gi_state_solve.action. */
 #define GI_ACTION_KEEP 1u          /* a sweep, which keeps the R it begins with */
 #define GI_ACTION_RECALL 2u        /* no sweep: the R that was kept comes back */
 #define GI_ACTION_SCALE 4u         /* no sweep: what the last sweep makes of the start that weigh.comp found */
 #define GI_ACTION_COLD 8u          /* no sweep: R is the light first reflected, v is 1 */
 
-/* GI_STATE_START: what the sweep to come, or just done, begins the solve with; weigh.comp looks at it. */
+/* gi_state_solve.start: what the sweep to come, or just done, begins the solve with; weigh.comp looks at it. */
 #define GI_START_NONE 0u           /* it begins none */
 #define GI_START_WARM 1u           /* R of before */
 #define GI_START_COLD 2u           /* the light first reflected */
@@ -464,7 +524,7 @@ GI_STRUCT(gi_move) {
  * less, to this. */
 #define GI_DARK_SHARE 1e-5f
 
-/* Words a leaf of GI_BIND_TOUCHED (touched.glsl). */
+/* Words a leaf of the buffer TOUCHED (touched.glsl). */
 #define GI_TOUCHED_PARTS 4u
 
 /* An allocator: bump pointer, pending count, then free counts per class; its lists are in the buffer behind it. */
@@ -476,62 +536,13 @@ GI_STRUCT(gi_move) {
 #define GI_POOL_PENDING_LIST 32u   /* GI_POOL_PENDING_MAX pairs: offset, class */
 #define GI_POOL_PENDING_MAX 131072u
 
-/* A buffer is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number; the frame as a uniform block. */
+/* A buffer (buffer_list.h) is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number. */
 #define GI_TEXEL_UNIT 4
-#define GI_BIND_COUNT 37
 
-#define GI_BIND_FRAME 0
-#define GI_BIND_OBJECTS 1
-#define GI_BIND_TOPOLOGY 2
-#define GI_BIND_REST 3
-#define GI_BIND_WORLD 4
-#define GI_BIND_VERTICES_REST 5
-#define GI_BIND_VERTICES_WORLD 6
-#define GI_BIND_LEAVES 7
-#define GI_BIND_MATERIALS 8
-#define GI_BIND_BVH 9
-#define GI_BIND_PRIMITIVES 10
-#define GI_BIND_TLAS 11
-#define GI_BIND_SEGMENTS 12
-#define GI_BIND_ENTRIES 13
-#define GI_BIND_ENTRY_POOL 14
-#define GI_BIND_QUEUE 15
-#define GI_BIND_ROWS 16
-#define GI_BIND_LINKS 17
-#define GI_BIND_LINK_POOL 18
-#define GI_BIND_RADIOSITY 19       /* GI_NODE_PARTS: area means of leaves */
-#define GI_BIND_LEAF_RADIOSITY 20  /* GI_LEAF_PARTS */
-#define GI_BIND_NODE_EXITANCE 21   /* vec4 per node: area mean of E */
-#define GI_BIND_STATE 22
-#define GI_BIND_RUNS 23            /* uvec4: pose runs, then cut runs */
-#define GI_BIND_OBJECT_LISTS 24        /* uint: the movers, each mover's neighbours, the emitting objects; what was swept */
-#define GI_BIND_LARGE_NODES 25      /* nodes of more than GI_LARGE_NODE_LEAVES leaves */
-#define GI_BIND_LEAF_INDIRECT 26   /* vec4 per leaf */
-#define GI_BIND_LIGHT_LINKS 27     /* uvec2 per (light vertex, leaf): leaf, weight bits */
-#define GI_BIND_LIGHT_FIRST 28     /* uint per light vertex, plus one */
-#define GI_BIND_LIGHT 29           /* vec4 per light vertex */
-#define GI_BIND_TOUCHED 30         /* GI_TOUCHED_PARTS uint per leaf (touched.glsl) */
-#define GI_BIND_SPREAD 31
-#define GI_BIND_CHOICES 32         /* uint: GI_CHOICE_ */
-#define GI_BIND_PENDING 33         /* gi_pending per leaf */
-#define GI_BIND_LIGHT_BOUNDS 34           /* GI_LIGHT_BOUND_WORDS uint per object slot, and for all */
-#define GI_BIND_TARGETS 35         /* uint per entry: the node whose B it takes (trace.glsl), GI_TARGET_BLACK */
-#define GI_BIND_LEAF_QUADS 36      /* four vec4 per leaf: its corners at rest; in the first one's w the area of its object up to and with it */
-
-/* A commit's own (renumber.comp): the rows of before, and what became of objects. */
-#define GI_BIND_OLD_SEGMENTS GI_BIND_LARGE_NODES
-#define GI_BIND_OLD_ROWS GI_BIND_LIGHT_LINKS
-#define GI_BIND_MOVES GI_BIND_RUNS             /* gi_move per object slot before */
-#define GI_BIND_NODE_MOVES GI_BIND_OBJECT_LISTS    /* uint per node before */
-
-/* Rows that are lent (lend.comp): uvec2, the leaf and the one that lends. */
-#define GI_BIND_LOANS GI_BIND_LARGE_NODES
-
-/* Path tracing (paths.comp) reads no rows: it takes numbers of theirs, which every update binds again. */
-#define GI_BIND_PATH_SLOTS GI_BIND_SEGMENTS    /* gi_path_slot per thread */
-#define GI_BIND_PATH_GOING GI_BIND_QUEUE       /* uint: 1 while a slot has a vertex to go */
-#define GI_BIND_PATH_LIGHTS GI_BIND_ENTRIES    /* 3 uvec4 per emitting triangle, in the world */
-#define GI_BIND_PATH_SOBOL GI_BIND_ENTRY_POOL  /* GI_SOBOL_DIMENSIONS * 32 direction numbers, bits reversed */
+/* Uniform blocks: the frame; the state as it was before a dispatch, or one lamp (shade_shared.h). */
+#define GI_UNIFORM_FRAME 0
+#define GI_UNIFORM_STATE 1
+#define GI_UNIFORM_LAMP 1
 
 /* An emitting triangle: its corners as float bits, and in the fourth words
  *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 a leaf of its primitive */
@@ -553,25 +564,6 @@ GI_STRUCT(gi_path_slot) {
 	GI_VEC4 found;
 	GI_VEC4 sum;
 } GI_END(gi_path_slot)
-
-/* Mirrors and glass, of scenes that have any (specular.c, caustics.c): in places of what their dispatches do not read. */
-#define GI_BIND_SMOOTH GI_BIND_SPREAD            /* uvec4 per primitive: normals at its corners (smooth.h) */
-#define GI_BIND_SMOOTH_MATERIALS GI_BIND_CHOICES /* gi_smooth_material per material */
-#define GI_BIND_CORNER_LIGHTS GI_BIND_ROWS       /* uvec4 per leaf: the light vertices at its corners */
-#define GI_BIND_PHOTONS GI_BIND_PENDING          /* gi_photon, those of a pair one after the other */
-#define GI_BIND_CAUSTIC_PAIRS GI_BIND_LIGHT_BOUNDS      /* gi_caustic_pair */
-#define GI_BIND_CAUSTIC_PATHS GI_BIND_ENTRY_POOL /* GI_CAUSTIC_PATH_WORDS uint per pair */
-#define GI_BIND_CAUSTIC_SUMS GI_BIND_LINK_POOL   /* 3 uint per leaf: flux in steps of gi_caustic_pair.power.w */
-#define GI_BIND_CAUSTIC_LIGHT GI_BIND_QUEUE      /* vec4 per leaf: irradiance through mirrors and glass, W/m2 */
-#define GI_BIND_SPECULAR_ENDS GI_BIND_PENDING    /* uvec2 per entry that sees a mirror or glass: as x of a link through it, and what of the
-						  * light arrives, ten bits a channel; of this update alone */
-#define GI_BIND_CAUSTIC_CELLS GI_BIND_TARGETS    /* uint: photons per cell of a hashed grid, level by level */
-
-/* Translucent objects, of scenes that have any (diffusion.c): in places of what a solve does not read. Rows: those of leaves, of
- * small clusters, of large ones; x first link, y links, of a leaf z its number. */
-#define GI_BIND_DIFFUSION_ROWS GI_BIND_SPREAD    /* uvec4 per value */
-#define GI_BIND_DIFFUSION_LINKS GI_BIND_CHOICES  /* uvec4: value, bits of three weights (subsurface.h) */
-#define GI_BIND_DIFFUSION_VALUES GI_BIND_PENDING /* vec4 per value: what enters there, W/m2; the same of v */
 
 /* The smooth part of a material: specular, and in w the index of refraction; transmittance. */
 GI_STRUCT(gi_smooth_material) {
@@ -613,12 +605,6 @@ GI_STRUCT(gi_photon) {
 
 #define GI_CAUSTIC_LEVELS 8u      /* of the grid, each twice as coarse as the one before */
 #define GI_CAUSTIC_CELLS 65536u   /* of a level */
-
-/* The estimate's own, in places whose owners its dispatches do not read; rows_bind and scene_bind bring those back. */
-#define GI_BIND_ESTIMATE_ITEMS GI_BIND_RUNS          /* uvec4 per item: an entry between a point of a leaf and a leaf */
-#define GI_BIND_ESTIMATE_SHARES GI_BIND_OBJECT_LISTS     /* float per item: what its F V counts */
-#define GI_BIND_ESTIMATE_CHANCES GI_BIND_LARGE_NODES  /* vec2 per leaf: end of its part of [0,1], the part */
-#define GI_BIND_ESTIMATE_RESULTS GI_BIND_LIGHT_LINKS /* gi_estimate_leaf per chosen leaf */
 
 /* A chosen leaf has this many items in all, in independent groups. */
 #define GI_ESTIMATE_ITEMS 512u

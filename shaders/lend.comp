@@ -44,5 +44,5 @@ void main()
 	for (uint l = 0u; l < (needed + 1u & ~1u); l++)
 		links[block.x + l] = links[row.x + l];
 	rows[pair.x] = uvec4(block.x, needed | (block.y & ~GI_BLOCK_COUNT_MASK), mine.z, row.w | GI_ROW_OPEN);
-	atomicAdd(state[GI_STATE_LINKS], needed);
+	atomicAdd(state.rows.links, needed);
 }

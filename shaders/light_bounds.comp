@@ -43,9 +43,10 @@ void main()
 	barrier();
 	extremes e = extremes(vec3(0.0), vec3(0.0), vec3(3e38));
 	for (uint leaf = nodes.z + local; leaf < nodes.w; leaf += GI_GROUP_SIZE)
-		include(e, load_leaf_radiosity(leaf).xyz, (load_range(load_leaf(leaf).x).w & GI_NODE_EMITTER) != 0u);
+		include(e, load_leaf_radiosity(leaf).xyz,
+			(topology_range(load_leaf(leaf).x).w & GI_NODE_EMITTER) != 0u);
 	if (there && local == 0u && (object_bvh(object).z & GI_OBJECT_SKY) != 0u)
-		include(e, load_radiosity(nodes.x).xyz, (load_range(nodes.x).w & GI_NODE_EMITTER) != 0u);
+		include(e, load_radiosity(nodes.x).xyz, (topology_range(nodes.x).w & GI_NODE_EMITTER) != 0u);
 	if (there)
 		share(e);
 	barrier();

@@ -4,8 +4,9 @@
 // outside.
 float inside_of(uint node, vec3 p)
 {
-	uvec4 v = load_corners(node);
-	vec3 q[4] = vec3[4](rest_vertex(v.x), rest_vertex(v.y), rest_vertex(v.z), rest_vertex(v.w));
+	uvec4 v = topology_corners(node);
+	vec3 q[4] = vec3[4](load_rest_vertex(v.x).xyz, load_rest_vertex(v.y).xyz, load_rest_vertex(v.z).xyz,
+			    load_rest_vertex(v.w).xyz);
 	vec3 n = cross(q[2] - q[0], q[3] - q[1]);
 	float least = 3e38;
 	for (uint k = 0u; k < 4u; k++) {
@@ -21,25 +22,25 @@ float inside_of(uint node, vec3 p)
 uint leaf_at(uint object, uint first, vec3 p)
 {
 	uint n = object_nodes(object).x;
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	while ((range.w & (GI_NODE_FLAT | GI_NODE_LEAF)) == 0u) {
 		n++;
-		range = load_range(n);
+		range = topology_range(n);
 		while (range.y + range.z <= first) {
 			n = range.x;
-			range = load_range(n);
+			range = topology_range(n);
 		}
 	}
 	while ((range.w & GI_NODE_LEAF) == 0u) {
 		uint best = n + 1u;
 		float most = -3e38;
-		for (uint child = n + 1u; child < range.x; child = load_range(child).x) {
+		for (uint child = n + 1u; child < range.x; child = topology_range(child).x) {
 			float inside = inside_of(child, p);
 			best = inside > most ? child : best;
 			most = max(most, inside);
 		}
 		n = best;
-		range = load_range(n);
+		range = topology_range(n);
 	}
 	return range.y;
 }

@@ -12,6 +12,7 @@
 #define READ_TLAS
 #define READ_LIGHT
 #define READ_SMOOTH
+#define READ_SMOOTH_MATERIALS
 #define READ_CORNER_LIGHTS
 #include "buffers.glsl"
 #include "shade_shared.h"

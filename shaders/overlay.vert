@@ -38,9 +38,8 @@ float dirty_share()
 
 float residual_decade()
 {
-	float largest =
-	    uintBitsToFloat(max(load_state(GI_STATE_SCALE_BITS),
-				max(load_state(GI_STATE_SCALE_BITS + 1u), load_state(GI_STATE_SCALE_BITS + 2u))));
+	vec3 scale = state_before.solve.scale.xyz;
+	float largest = max(scale.x, max(scale.y, scale.z));
 	vec3 change = abs(load_leaf_part(GI_LEAF_R, leaf).xyz - load_leaf_part(GI_LEAF_BEFORE, leaf).xyz);
 	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))

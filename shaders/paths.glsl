@@ -21,6 +21,7 @@
 #define READ_PATH_SOBOL
 #if SPECULAR
 #define READ_SMOOTH
+#define READ_SMOOTH_MATERIALS
 #endif
 #define WRITE_PATH_SLOTS
 #include "buffers.glsl"
@@ -146,13 +147,13 @@ vec3 triangle_point(vec3 a, vec3 b, vec3 c, vec2 u)
 
 vec3 corner_of(uint object, uint number)
 {
-	return world_from_rest(object, rest_vertex(number));
+	return world_from_rest(object, load_rest_vertex(number).xyz);
 }
 
 // A point of a leaf, even over its two triangles.
 vertex start_on(uint leaf, vec2 u)
 {
-	uvec4 l = load_leaf(leaf), corners = load_corners(l.x);
+	uvec4 l = load_leaf(leaf), corners = topology_corners(l.x);
 	vec3 a = corner_of(l.y, corners.x), b = corner_of(l.y, corners.y), c = corner_of(l.y, corners.z),
 	     d = corner_of(l.y, corners.w);
 	vec3 first = cross(b - a, c - a), second = cross(c - a, d - a);
@@ -326,14 +327,14 @@ void main()
 	// Slots side by side work on leaves side by side, whose rays go the same ways.
 	uint leaf = first_leaf + t % leaf_count, part = t / leaf_count;
 	float begin = float(first_path + part * run), end = float(first_path + min(path_count, (part + 1u) * run));
-	gi_path_slot slot = slots[t];
+	gi_path_slot slot = path_slots[t];
 	if (slot.origin.w < begin) // cleared to -1: a new run
 		slot = gi_path_slot(vec4(0.0, 0.0, 0.0, begin), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
 	if (slot.origin.w >= end)
 		return;
 	for (uint k = 0u; k < STEPS && slot.origin.w < end; k++)
 		step_on(leaf, slot);
-	slots[t] = slot;
+	path_slots[t] = slot;
 	if (slot.origin.w < end)
 		going = 1u;
 }

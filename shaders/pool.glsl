@@ -67,8 +67,8 @@ uvec2 fit_block(uvec2 block, uint needed)
 	if (next.x == GI_NONE && fits)
 		return block;
 	if (next.x == GI_NONE) {
-		atomicOr(state[GI_STATE_OVERFLOW], 1u);
-		atomicAdd(state[GI_STATE_WANTED], 1u << class_of(needed));
+		atomicOr(state.counts.overflow, 1u);
+		atomicAdd(state.refresh.wanted, 1u << class_of(needed));
 		return uvec2(GI_NONE, GI_BLOCK_NO_CLASS << 24u);
 	}
 	if (has)

@@ -23,11 +23,11 @@ void main()
 	uint object = run.y;
 	uint index = run.w + (t - run.x);
 	if (run.z == 1u) {
-		vertices_world[index] = vec4(world_from_rest(object, rest_vertex(index)), 0.0);
+		vertices_world[index] = vec4(world_from_rest(object, load_rest_vertex(index).xyz), 0.0);
 		return;
 	}
 	// Between tops lie the nodes of objects, which have poses of their own.
-	if (object == frame.swept.w && (load_range(index).w & GI_NODE_TOP) == 0u)
+	if (object == frame.swept.w && (topology_range(index).w & GI_NODE_TOP) == 0u)
 		return;
 	gi_node_geometry g = load_rest(index);
 	world[index].sphere = vec4(world_from_rest(object, g.sphere.xyz), g.sphere.w);

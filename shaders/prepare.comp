@@ -13,28 +13,33 @@
 layout(local_size_x = 1) in;
 layout(location = 0) uniform uint stage;
 
+gi_groups groups_of(uint threads)
+{
+	return folded(groups_for(state.counts.overflow != 0u ? 0u : threads));
+}
+
 void main()
 {
-	uint threads, arguments;
-	if (stage == 0u) {
-		threads = min(state[GI_STATE_NEW], frame.limits.y);
-		state[GI_STATE_QUEUED] = threads;
-		arguments = GI_STATE_ARGS_FACTOR;
-	} else if (stage == 1u) {
-		threads = min(state[GI_STATE_QUEUED], frame.limits.y);
-		arguments = GI_STATE_ARGS_TRACE;
-	} else if (stage == 5u) {
-		threads = state[GI_STATE_SPECULAR_PATHS];
-		arguments = GI_STATE_ARGS_SPECULAR;
-	} else if (stage >= 3u) {
-		uint rows = state[stage == 3u ? GI_STATE_CONCERNED_ROWS : GI_STATE_CHANGED_ROWS];
-		set_groups(stage == 3u ? GI_STATE_ARGS_FLAG : GI_STATE_ARGS_CLOSE, spread_groups(rows));
-		return;
-	} else {
-		threads = min(max(entry_pool[GI_POOL_PENDING], link_pool[GI_POOL_PENDING]), GI_POOL_PENDING_MAX);
-		arguments = GI_STATE_ARGS_RECYCLE;
+	switch (stage) {
+	case 0u:
+		state.counts.queued = min(state.counts.new_entries, frame.limits.y);
+		state.factor = groups_of(state.counts.queued);
+		break;
+	case 1u:
+		state.trace = groups_of(min(state.counts.queued, frame.limits.y));
+		break;
+	case 2u:
+		uint pending = max(entry_pool[GI_POOL_PENDING], link_pool[GI_POOL_PENDING]);
+		state.recycle = folded(groups_for(min(pending, GI_POOL_PENDING_MAX)));
+		break;
+	case 3u:
+		state.flag = folded(spread_groups(state.counts.concerned_rows));
+		break;
+	case 4u:
+		state.close = folded(spread_groups(state.counts.changed_rows));
+		break;
+	case 5u:
+		state.specular = folded(groups_for(state.counts.specular_paths));
+		break;
 	}
-	if (stage < 2u && state[GI_STATE_OVERFLOW] != 0u)
-		threads = 0u;
-	set_groups(arguments, groups_for(threads));
 }

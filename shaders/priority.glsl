@@ -12,16 +12,14 @@ bool is_timed()
 // The largest light reflected, as of the solve before, of the three channels.
 float largest_reflected()
 {
-	return uintBitsToFloat(
-	    max(state[GI_STATE_SCALE_BITS], max(state[GI_STATE_SCALE_BITS + 1u], state[GI_STATE_SCALE_BITS + 2u])));
+	return max(state.solve.scale.x, max(state.solve.scale.y, state.solve.scale.z));
 }
 
 #ifdef SPECULAR
 // The same, channel by channel: of emitters too.
 vec3 reflected_most()
 {
-	uint at = GI_STATE_SCALE_BITS;
-	return uintBitsToFloat(uvec3(state[at], state[at + 1u], state[at + 2u]));
+	return state.solve.scale.xyz;
 }
 #endif
 
@@ -70,6 +68,6 @@ bool is_wanted(float off)
 // What the leaf will count with in the end (stale.comp), if B goes about as far as it went in the update before.
 float expected_off(vec4 bound, float rho)
 {
-	float more = 2.0 * bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]) * rho;
+	float more = 2.0 * bound.w * uintBitsToFloat(state.budget.step_bits) * rho;
 	return (max(bound.x, max(bound.y, bound.z)) + more) / (1.0 - rho);
 }

@@ -18,7 +18,7 @@ void main()
 	uint n = thread_number();
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	// No link leads to a top: rays to one end on leaves.
 	if (range.z > GI_LARGE_NODE_LEAVES || (range.w & (GI_NODE_SKY | GI_NODE_TOP)) != 0u)
 		return;

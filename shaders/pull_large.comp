@@ -19,7 +19,7 @@ void main()
 {
 	uint local = gl_LocalInvocationID.x;
 	uint n = load_large_node(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	dvec4 sum = dvec4(0.0lf);
 	double area = 0.0lf;
 	for (uint k = local; k < range.z; k += GI_GROUP_SIZE) {

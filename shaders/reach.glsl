@@ -21,7 +21,7 @@ float reach(shape p, uint object)
 	float sum = 0.0;
 	uint visits = 0u;
 	for (uint n = nodes.x; n < nodes.y; visits++) {
-		uvec4 range = load_range(n);
+		uvec4 range = topology_range(n);
 		gi_node_geometry g = load_world(n);
 		facing f = facing_of(p, g, range.w);
 		float near = f.d - g.sphere.w - p.radius;

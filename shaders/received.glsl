@@ -12,6 +12,5 @@ received received_by(uint leaf, gi_material_data m)
 	if ((frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_BY_ROWS)) != 0u)
 		return received(light_of_row(leaf), vec3(0.0));
 	vec3 rho = max(m.rho.xyz, vec3(1e-20));
-	return received(load_leaf_part(GI_LEAF_R, leaf).xyz / rho,
-			2.0 * uintBitsToFloat(state[GI_STATE_BOUND_BITS]) / rho);
+	return received(load_leaf_part(GI_LEAF_R, leaf).xyz / rho, 2.0 * state.solve.bound / rho);
 }

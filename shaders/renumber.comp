@@ -169,7 +169,7 @@ void main()
 		give_links(row.xy);
 	}
 	if (went.entries > 0u)
-		atomicAdd(state[GI_STATE_ENTRIES], 0u - went.entries);
+		atomicAdd(state.rows.entries, 0u - went.entries);
 	if (stay < links_before)
-		atomicAdd(state[GI_STATE_LINKS], 0u - (links_before - stay));
+		atomicAdd(state.rows.links, 0u - (links_before - stay));
 }

@@ -34,8 +34,8 @@ const float FAR = 0.2;
 vec4 sphere_of(pair p, uint node)
 {
 	if (p.same)
-		return load_rest_sphere(node);
-	return load_sphere(node);
+		return rest_sphere(node);
+	return world_sphere(node);
 }
 
 // Emitters are cut fine as it is.
@@ -53,9 +53,9 @@ uint candidates_of(pair p, bool emitter)
 void choose_object(inout pair p, inout float u)
 {
 	uint n = p.node;
-	while ((load_range(n).w & GI_NODE_TOP) != 0u) {
-		uint first = n + 1u, second = load_range(first).x;
-		float share = load_area(first) / (load_area(first) + load_area(second));
+	while ((topology_range(n).w & GI_NODE_TOP) != 0u) {
+		uint first = n + 1u, second = topology_range(first).x;
+		float share = rest_moment(first).w / (rest_moment(first).w + rest_moment(second).w);
 		bool one = u < share;
 		u = clamp(one ? u / share : (u - share) / (1.0 - share), 0.0, 0.99999994);
 		n = one ? first : second;

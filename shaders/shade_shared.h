@@ -22,7 +22,6 @@
 #define GI_LAMP_PROBES 8u      /* samples that have to disagree before the others are asked */
 #define GI_LAMP_WIDE_PROBES 4u /* of GI_LAMP_FEW_SAMPLES, near the lamp's corners: they decide where a penumbra ends */
 
-#define GI_BIND_LAMP 1 /* uniform block */
 
 /* Where a lamp may be hidden is known by a grid of 64 x 64 x 32 cells (gi/src/occluder_mask.h). */
 #define GI_MASK_SIDE 64u

@@ -2,10 +2,10 @@
 
 bool has_smooth(uint source)
 {
-	return (load_range(object_nodes(source).x).w & GI_NODE_SMOOTH) != 0u;
+	return (topology_range(object_nodes(source).x).w & GI_NODE_SMOOTH) != 0u;
 }
 
 bool sees_smooth(uvec4 entry, uint target)
 {
-	return seen_of(entry) > 0u && (load_range(target & ~GI_TARGET_BLACK).w & GI_NODE_SMOOTH) != 0u;
+	return seen_of(entry) > 0u && (topology_range(target & ~GI_TARGET_BLACK).w & GI_NODE_SMOOTH) != 0u;
 }

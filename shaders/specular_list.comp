@@ -24,7 +24,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint leaf = (frame.update.w & GI_UPDATE_PART) != 0u ? chosen_row() : thread_number();
-	if (leaf >= frame.counts.x || state[GI_STATE_OVERFLOW] != 0u)
+	if (leaf >= frame.counts.x || state.counts.overflow != 0u)
 		return;
 	bool any = false;
 	for (uint source = frame.swept.z; source < frame.counts.z; source++) {
@@ -34,7 +34,7 @@ void main()
 		for (uint k = block.x; k < block.x + (block.y & GI_BLOCK_COUNT_MASK); k++) {
 			if (!sees_smooth(load_entry(k), load_target(k)))
 				continue;
-			queue[atomicAdd(state[GI_STATE_SPECULAR_PATHS], 1u)] = k;
+			queue[atomicAdd(state.counts.specular_paths, 1u)] = k;
 			any = true;
 		}
 	}

@@ -20,6 +20,7 @@
 #define READ_ENTRIES
 #define READ_QUEUE
 #define READ_SMOOTH
+#define READ_SMOOTH_MATERIALS
 #define WRITE_SPECULAR_ENDS
 #define WRITE_STATE
 #include "buffers.glsl"
@@ -125,10 +126,10 @@ path_end follow(light_ray r, uvec2 ids, uint k, out uint rays)
 void main()
 {
 	uint t = thread_number();
-	if (t >= state[GI_STATE_SPECULAR_PATHS])
+	if (t >= state.counts.specular_paths)
 		return;
 	uint slot = load_queued(t);
-	uvec4 entry = load_entry(slot), source = load_range(entry.x);
+	uvec4 entry = load_entry(slot), source = topology_range(entry.x);
 	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	pair p = load_pair(entry);
@@ -138,5 +139,5 @@ void main()
 	path_end end = follow(ray_of(p, entry, k, emitter), p.ids, k, count);
 	uvec3 bits = uvec3(clamp(end.throughput, 0.0, 1.0) * 1023.0 + 0.5);
 	specular_ends[slot] = uvec2(end.node | GI_LINK_SPECULAR, bits.x | bits.y << 10u | bits.z << 20u);
-	atomicAdd(state[GI_STATE_RAYS], count);
+	atomicAdd(state.counts.rays, count);
 }

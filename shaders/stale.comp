@@ -32,13 +32,13 @@ void main()
 	gi_pending row = load_pending(leaf);
 	if (stage == 0u) {
 		float went = largest(abs(load_leaf_radiosity(leaf).xyz - row.before.xyz));
-		atomicMax(state[GI_STATE_STEP_BITS], floatBitsToUint(OUTWARD * went));
+		atomicMax(state.budget.step_bits, floatBitsToUint(OUTWARD * went));
 	} else if (row.key.z > 0u) {
 		// A share of weight leaves one place and comes to another.
 		float rho = largest(load_material(load_leaf(leaf).z).rho.xyz);
-		float went = uintBitsToFloat(state[GI_STATE_STEP_BITS]) + uintBitsToFloat(state[GI_STATE_BOUND_BITS]);
+		float went = uintBitsToFloat(state.budget.step_bits) + state.solve.bound;
 		float more = 2.0 * row.bound.w * went * rho;
 		float off = OUTWARD * (largest(row.bound.xyz) + more);
-		atomicMax(state[GI_STATE_STALE_BITS], floatBitsToUint(off / (1.0 - rho)));
+		atomicMax(state.counts.stale_bits, floatBitsToUint(off / (1.0 - rho)));
 	}
 }

@@ -15,13 +15,14 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint n = thread_number();
-	if (n < GI_STATE_DIRECT_BITS - GI_STATE_SCALE_BITS)
-		state[GI_STATE_SCALE_BITS + n] = 0u;
-	if (n == 0u)
-		state[GI_STATE_SEEN_BITS] = state[GI_STATE_ELLIPSE] = 0u;
+	if (n == 0u) {
+		state.solve.scale = vec4(0.0);
+		state.solve.seen = 0.0;
+		state.solve.ellipse = 0u;
+	}
 	if (n >= frame.counts.y)
 		return;
-	uvec4 range = load_range(n);
+	uvec4 range = topology_range(n);
 	bool sky = (range.w & GI_NODE_SKY) != 0u;
 	vec4 b = vec4(load_exitance(n).xyz, 0.0), r = vec4(0.0, 0.0, 0.0, sky ? 0.0 : 1.0);
 	radiosity[GI_NODE_B * frame.counts.y + n] = b;

@@ -80,7 +80,7 @@ float share_of_movers(gi_node_geometry p, uint mine, uint since)
 void go_on(uint leaf, inout gi_pending row, gi_material_data m, uint since)
 {
 	float rho = max(m.rho.x, max(m.rho.y, m.rho.z));
-	row.bound.xyz += m.rho.xyz * 2.0 * row.bound.w * uintBitsToFloat(state[GI_STATE_STEP_BITS]);
+	row.bound.xyz += m.rho.xyz * 2.0 * row.bound.w * uintBitsToFloat(state.budget.step_bits);
 	float off = expected_off(row.bound, rho);
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	row.key.x = is_wanted(off) ? bucket_of(leaf, worth_of(off, p, row.key.y), since) : 0u;
@@ -103,7 +103,7 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 	uint mine = load_leaf(leaf).y, since = header.z;
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
 	vec3 dim = dim_bound(), all = light_bound_of_all(GI_LIGHT_BOUND_ALL);
-	shape receiver = shape_of(p, load_range(load_leaf(leaf).x).w);
+	shape receiver = shape_of(p, topology_range(load_leaf(leaf).x).w);
 	limits l = whole_row(received_by(leaf, m), dim, all, emitter_weight(leaf, receiver, mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);
 	float off = expected_off(row.bound, max(m.rho.x, max(m.rho.y, m.rho.z)));

@@ -9,7 +9,7 @@ const uint MOST_COVERED = 32u;
 void note_dirty(uint leaf, uint entries)
 {
 	if (atomicAdd(touched[leaf], entries) == 0u)
-		atomicAdd(state[GI_STATE_DIRTY_ROWS], 1u);
+		atomicAdd(state.counts.dirty_rows, 1u);
 }
 
 void note_changed(uint leaf)
@@ -35,7 +35,7 @@ uint load_listed(uint k)
 }
 #endif
 
-void list_row(uint leaf, uint counter)
+void list_row(uint leaf, uint k)
 {
-	touched[3u * frame.counts.x + atomicAdd(state[counter], 1u)] = leaf;
+	touched[3u * frame.counts.x + k] = leaf;
 }

@@ -137,15 +137,15 @@ bool changes_row(pair p, uvec4 entry, findings f, bool is_new)
 void main()
 {
 	uint t = thread_number();
-	if (t >= min(state[GI_STATE_QUEUED], frame.limits.y))
+	if (t >= min(state.counts.queued, frame.limits.y))
 		return;
 	uint slot = load_queued(t);
-	uvec4 entry = load_entry(slot), source = load_range(entry.x);
+	uvec4 entry = load_entry(slot), source = topology_range(entry.x);
 	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	float factor = uintBitsToFloat(entry.y);
 	sampling rays = sampling_of(factor, source.w);
-	bool is_new = t < state[GI_STATE_NEW], none = factor <= 0.0;
+	bool is_new = t < state.counts.new_entries, none = factor <= 0.0;
 	if (none || (is_new && is_behind_face(entry.w & GI_ENTRY_LEAF_MASK, source))) {
 		// However small, a bright lamp may be behind it.
 		keep(slot, entry, 0u, none ? GI_BLOCKER_NONE : GI_BLOCKER_STATICS, none ? 0u : rays.hidden_probes);
@@ -159,5 +159,5 @@ void main()
 	if (changes_row(p, entry, f, is_new))
 		note_changed(p.leaf);
 	targets[slot] = target_of(p, f.leaf);
-	atomicAdd(state[GI_STATE_RAYS], f.taken);
+	atomicAdd(state.counts.rays, f.taken);
 }

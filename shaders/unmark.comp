@@ -13,6 +13,6 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint t = thread_number();
-	if (t >= state[GI_STATE_NEW] && t < min(state[GI_STATE_QUEUED], frame.limits.y))
+	if (t >= state.counts.new_entries && t < min(state.counts.queued, frame.limits.y))
 		entries[load_queued(t)].y &= ~GI_ENTRY_FLAGGED;
 }

@@ -16,8 +16,8 @@ quad load_leaf_quad(uint leaf)
 
 quad load_quad(uvec4 corners)
 {
-	return quad(rest_vertex(corners.x), rest_vertex(corners.y), rest_vertex(corners.z),
-		    rest_vertex(corners.w));
+	return quad(load_rest_vertex(corners.x).xyz, load_rest_vertex(corners.y).xyz, load_rest_vertex(corners.z).xyz,
+		    load_rest_vertex(corners.w).xyz);
 }
 
 struct pair {

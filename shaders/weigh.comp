@@ -90,9 +90,7 @@ void add_up(uint local, uint count)
 // and v lie beyond what a sweep keeps to.
 void find_like_v(uint local)
 {
-	vec3 r = vec3(0.0),
-	     ceiling = uintBitsToFloat(uvec3(state[GI_STATE_CEILING_BITS], state[GI_STATE_CEILING_BITS + 1u],
-					     state[GI_STATE_CEILING_BITS + 2u]));
+	vec3 r = vec3(0.0), ceiling = uintBitsToFloat(state.emitted.ceiling_bits.xyz);
 	vec4 beyond = vec4(0.0);
 	vec3 v = vec3(0.0);
 	float area = 0.0;
@@ -174,12 +172,6 @@ void choose_weights(vec4 beyond)
 	}
 }
 
-void put_in_state(uint word, vec3 value)
-{
-	for (uint c = 0u; c < 3u; c++)
-		state[word + c] = floatBitsToUint(value[c]);
-}
-
 // What a warm start may not be raised by where no light first arrives (scaled() in gather.glsl).
 vec3 cut_of(uint leaf, vec3 s, vec3 swept)
 {
@@ -187,9 +179,12 @@ vec3 cut_of(uint leaf, vec3 s, vec3 swept)
 	return mix(max(swept - most, vec3(0.0)), vec3(0.0), greaterThan(s, vec3(0.0)));
 }
 
-// Mean flux and largest of |s - M x|, x the sum of weights * x_j, and of what x is cut by.
-void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, bool is_cut, uint mean_word,
-		     uint most_word)
+// Mean flux and largest of |s - M x|, x the sum of weights * x_j, and of what x is cut by: known to the first thread.
+struct residual_of_start {
+	vec3 mean, most;
+};
+
+residual_of_start find_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, bool is_cut)
 {
 	vec3 flux = vec3(0.0), largest = vec3(0.0);
 	for (uint leaf = local; leaf < frame.counts.x; leaf += GI_GROUP_SIZE) {
@@ -203,17 +198,15 @@ void report_residual(uint local, float area, vec3 of_one, vec3 of_v, vec3 of_r, 
 	put(0u, flux);
 	most[local] = vec4(largest, 0.0);
 	add_up(local, 1u);
-	if (local == 0u) {
-		put_in_state(mean_word, sum_of(0u) / area);
-		put_in_state(most_word, most[0].xyz);
-	}
+	residual_of_start found = residual_of_start(sum_of(0u) / area, most[0].xyz);
 	barrier();
+	return found;
 }
 
 void main()
 {
 	uint local = gl_LocalInvocationID.x;
-	if (state[GI_STATE_START] == GI_START_NONE || state[GI_STATE_ACTION] > GI_ACTION_KEEP)
+	if (state.solve.start == GI_START_NONE || state.solve.action > GI_ACTION_KEEP)
 		return;
 	find_like_v(local);
 	vec4 beyond = most[0];
@@ -223,13 +216,16 @@ void main()
 	if (local == 0u)
 		choose_weights(beyond);
 	barrier();
-	report_residual(local, area, weights[0], weights[1], weights[2], state[GI_STATE_START] == GI_START_WARM,
-			GI_STATE_WARM_MEAN_BITS, GI_STATE_WARM_MOST_BITS);
-	report_residual(local, area, cold_weight, vec3(0.0), vec3(0.0), false, GI_STATE_COLD_MEAN_BITS,
-			GI_STATE_COLD_MOST_BITS);
+	bool is_warm = state.solve.start == GI_START_WARM;
+	residual_of_start warm = find_residual(local, area, weights[0], weights[1], weights[2], is_warm);
+	residual_of_start cold = find_residual(local, area, cold_weight, vec3(0.0), vec3(0.0), false);
 	if (local > 0u)
 		return;
-	put_in_state(GI_STATE_BASE_BITS, weights[0]);
-	put_in_state(GI_STATE_LIFT_BITS, weights[1] - like_v * weights[2]);
-	put_in_state(GI_STATE_FACTOR_BITS, weights[2]);
+	state.start.warm_mean.xyz = warm.mean;
+	state.start.warm_most.xyz = warm.most;
+	state.start.cold_mean.xyz = cold.mean;
+	state.start.cold_most.xyz = cold.most;
+	state.start.base.xyz = weights[0];
+	state.start.lift.xyz = weights[1] - like_v * weights[2];
+	state.start.factor.xyz = weights[2];
 }

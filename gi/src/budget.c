@@ -20,6 +20,7 @@
 
 #include "bits.h"
 #include "context.h"
+#include "state.h"
 #include "view.h"
 
 #include <math.h>
@@ -71,10 +72,9 @@ gi_result budget_allocate(gi_context *gi)
 		const char *label;
 		uint64_t bytes;
 	} sizes[] = {
-	    {&r->choices, gpu_bound_label(GI_BIND_CHOICES), sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
-	    {&r->pending, gpu_bound_label(GI_BIND_PENDING), sizeof(gi_pending) * leaves},
-	    {&r->light_bounds, gpu_bound_label(GI_BIND_LIGHT_BOUNDS),
-	     sizeof(uint32_t) * GI_LIGHT_BOUND_WORDS * (slots + 1)}};
+	    {&r->choices, buffer_labels.CHOICES, sizeof(uint32_t) * (GI_CHOICE_CHOSEN + 2 * leaves)},
+	    {&r->pending, buffer_labels.PENDING, sizeof(gi_pending) * leaves},
+	    {&r->light_bounds, buffer_labels.LIGHT_BOUNDS, sizeof(uint32_t) * GI_LIGHT_BOUND_WORDS * (slots + 1)}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof sizes / sizeof *sizes; k++) {
 		gpu_buffer *buffer = sizes[k].buffer;
@@ -202,15 +202,15 @@ static float share_of(float part, float whole)
 	return part / most < whole ? part / whole : most;
 }
 
-void budget_report(const uint32_t *state, gi_report *out)
+void budget_report(const gi_state *state, gi_report *out)
 {
-	out->waiting_rows = state[GI_STATE_WAITING_ROWS];
-	out->waiting_entries = state[GI_STATE_WAITING_ENTRIES];
-	out->assessed_rows = state[GI_STATE_ASSESSED];
+	out->waiting_rows = state->refresh.waiting_rows;
+	out->waiting_entries = state->refresh.waiting_entries;
+	out->assessed_rows = state->counts.assessed_rows;
 	out->stale_bound = out->stale_relative = 0;
 	if (!out->waiting_rows)
 		return;
-	out->stale_bound = gi_float_from_bits(state[GI_STATE_STALE_BITS]);
+	out->stale_bound = gi_float_from_bits(state->counts.stale_bits);
 	out->stale_relative = share_of(out->stale_bound, out->reflected_max);
 }
 
@@ -248,7 +248,7 @@ void budget_choose(gi_context *gi)
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_timer_begin(g, &r->assess_timer);
 	gpu_dispatch_indirect(g, gi->specular_rows ? gi->specular_rows->assess_program : r->assess_program, &gi->state,
-			      sizeof(uint32_t) * GI_STATE_ARGS_ASSESS);
+			      STATE_OFFSET(assess));
 	enlist(gi, REFRESH);
 	gpu_timer_end(g, &r->assess_timer);
 }
@@ -256,7 +256,7 @@ void budget_choose(gi_context *gi)
 void budget_bound(gi_context *gi)
 {
 	gi_budget_state *r = &gi->budget;
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STEP_BITS, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, budget.step_bits);
 	for (uint32_t stage = 0; stage < 2; stage++) {
 		gpu_set_uint(&gi->gpu, r->stale_program, 0, stage);
 		gpu_dispatch(&gi->gpu, r->stale_program, gi->scene.leaf_count);
@@ -266,9 +266,8 @@ void budget_bound(gi_context *gi)
 void budget_free(gi_context *gi)
 {
 	gi_budget_state *r = &gi->budget;
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
-	BUDGET_BUFFERS(FREE)
-#undef FREE
+	gi_budget_state *owner = r;
+	BUDGET_BUFFERS(BUFFER_FREE)
 	uint32_t *programs[] = {&r->light_bounds_program, &r->survey_program, &r->assess_program, &r->choose_program,
 				&r->enlist_program,       &r->stale_program,  &r->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)

@@ -4,6 +4,7 @@
 
 #include "buffers.h"
 #include "costs.h"
+#include "gi_shared.h"
 #include "gpu.h"
 
 /* Made by the first update that has a budget. */
@@ -34,7 +35,7 @@ bool budget_times_solve(const gi_context *gi, const gi_budget *budget);
 uint32_t budget_sweeps(const gi_context *gi, const gi_budget *budget);
 void budget_choose(gi_context *gi); /* the rows to refresh; the movers' poses must be in the world */
 void budget_bound(gi_context *gi);  /* after the solve: what waiting rows may be off by */
-void budget_report(const uint32_t *state, gi_report *out);
+void budget_report(const gi_state *state, gi_report *out);
 void budget_learn(gi_context *gi);            /* what updates cost, from the newest report */
 float budget_choose_ms(const gi_context *gi); /* of the choose pass, of the newest report */
 void budget_free(gi_context *gi);

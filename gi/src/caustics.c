@@ -45,7 +45,7 @@ struct gi_caustics {
 	uint64_t asked_frame;       /* an update in which so many were traced at least */
 	uint32_t asked_photons;
 	uint32_t begin_program, trace_program, deposit_program, light_program, count_program, radius_program;
-	gpu_buffer lights, pairs, paths, photons, sums, light, cells;
+	CAUSTIC_BUFFERS(BUFFER_MEMBER)
 };
 
 static gi_result out_of_memory(const gi_context *gi)
@@ -85,9 +85,8 @@ void caustics_free(gi_context *gi)
 	gpu_program_file list[PROGRAMS];
 	list_programs(c, list);
 	gpu_programs_free(&gi->gpu, list, PROGRAMS);
-	gpu_buffer *buffers[] = {&c->lights, &c->pairs, &c->paths, &c->photons, &c->sums, &c->light, &c->cells};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
+	gi_caustics *owner = c;
+	CAUSTIC_BUFFERS(BUFFER_FREE)
 	gi_free(c->traced);
 	gi_free(c->pair_list);
 	gi_free(c);
@@ -113,27 +112,30 @@ static bool changed(const object_record *o)
 	return o->moved || o->relit || o->material_changed;
 }
 
-/* Has anything changed that any pair may see? */
-static bool any_changed(const gi_scene *s)
+/* Of all objects: what is other than in the update before. */
+typedef struct scene_changes {
+	bool any; /* something that any pair may see */
+	bool moved;
+	bool smooth_values; /* of a mirror or glass */
+} scene_changes;
+
+static scene_changes find_changes(const gi_scene *s)
 {
-	bool any = false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		any = any || (s->slots[slot] != GI_NONE && changed(&s->objects[s->slots[slot]]));
-	return any;
+	scene_changes c = {0};
+	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
+		const object_record *o = scene_object_in(s, slot);
+		c.any = c.any || (o && changed(o));
+		c.moved = c.moved || (o && o->moved);
+		c.smooth_values = c.smooth_values || (o && o->specular && o->material_changed);
+	}
+	return c;
 }
 
 /* Does what is known of the photons no longer tell which of them are right? Other values of a mirror or glass change
  * photons of all pairs that it is on the way of, and rows that are built anew ask nobody what moved (rows.c). */
-static bool all_are_anew(const gi_context *gi)
+static bool all_are_anew(const gi_context *gi, const scene_changes *c)
 {
-	const gi_scene *s = &gi->scene;
-	bool moved = false, other = false;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const object_record *o = scene_object_in(s, slot);
-		moved = moved || (o && o->moved);
-		other = other || (o && o->specular && o->material_changed);
-	}
-	return other || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
+	return c->smooth_values || (c->moved && gi->frame.update.w & GI_UPDATE_REBUILD);
 }
 
 /* No photon carries more than this share of what the emitter gives (caustic_trace.comp): from its nearest point the
@@ -209,11 +211,12 @@ static gi_result allocate(gi_context *gi, uint32_t pairs)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t size;
-	} wanted[] = {{&c->paths, "caustics: paths", sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
-		      {&c->photons, "caustics: photons", sizeof(gi_photon) * (uint64_t)pairs * photons},
-		      {&c->sums, "caustics: sums", sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
-		      {&c->light, "caustics: light", sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
-		      {&c->cells, "caustics: cells", sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
+	} wanted[] = {
+	    {&c->paths, buffer_labels.CAUSTIC_PATHS, sizeof(uint32_t) * GI_CAUSTIC_PATH_WORDS * pairs},
+	    {&c->photons, buffer_labels.PHOTONS, sizeof(gi_photon) * (uint64_t)pairs * photons},
+	    {&c->sums, buffer_labels.CAUSTIC_SUMS, sizeof(uint32_t) * 3 * (uint64_t)gi->scene.leaf_count},
+	    {&c->light, buffer_labels.CAUSTIC_LIGHT, sizeof(gi_vec4) * (uint64_t)gi->scene.leaf_count},
+	    {&c->cells, buffer_labels.CAUSTIC_CELLS, sizeof(uint32_t) * GI_CAUSTIC_LEVELS * GI_CAUSTIC_CELLS}};
 	gi_result result = GI_OK;
 	for (size_t k = 0; !result && k < sizeof wanted / sizeof *wanted; k++)
 		if (wanted[k].buffer->size != wanted[k].size)
@@ -231,9 +234,9 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->anew += pairs[k].power.z > 0;
 	gi_result result =
-	    gpu_buffer_replace(&gi->gpu, &c->pairs, "caustics: pairs", sizeof *pairs * c->pair_count, pairs);
+	    gpu_buffer_replace(&gi->gpu, &c->pairs, buffer_labels.CAUSTIC_PAIRS, sizeof *pairs * c->pair_count, pairs);
 	if (!result)
-		result = gpu_buffer_replace(&gi->gpu, &c->lights, "caustics: lights",
+		result = gpu_buffer_replace(&gi->gpu, &c->lights, buffer_labels.CAUSTIC_LIGHTS,
 					    sizeof(gi_uvec4) * 3 * lights->count, lights->triangles);
 	for (uint32_t k = 0; k < c->pair_count; k++)
 		c->traced[k] = pairs[k].lights;
@@ -245,15 +248,9 @@ static gi_result upload_pairs(gi_context *gi, gi_lights *lights)
 
 static void bind(const gi_context *gi)
 {
-	const gi_caustics *c = gi->caustics;
+	const gi_caustics *owner = gi->caustics;
 	specular_bind(gi);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &c->lights);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PAIRS, &c->pairs);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_PATHS, &c->paths);
-	gpu_bind(&gi->gpu, GI_BIND_PHOTONS, &c->photons);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_SUMS, &c->sums);
-	gpu_bind(&gi->gpu, GI_BIND_CAUSTIC_CELLS, &c->cells);
-	caustics_bind_light(gi);
+	CAUSTIC_BUFFERS(BUFFER_BIND)
 }
 
 static void run_photons(gi_context *gi, uint32_t program)
@@ -333,7 +330,8 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 		caustics_free(gi);
 		return GI_OK;
 	}
-	if (all_are_anew(gi) || (gi->caustics && gi->caustics->lift != lift_of(&gi->scene)))
+	const scene_changes changes = find_changes(&gi->scene);
+	if (all_are_anew(gi, &changes) || (gi->caustics && gi->caustics->lift != lift_of(&gi->scene)))
 		caustics_invalidate(gi);
 	if (!lights_find(&gi->scene, lights_largest, &gi->light_arena, &lights))
 		return out_of_memory(gi);
@@ -358,7 +356,7 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	const uint32_t allowed = allowed_photons(gi, budget);
 	trace(gi, allowed);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CAUSTICS]);
-	note_missing(gi->caustics, any_changed(&gi->scene), allowed);
+	note_missing(gi->caustics, changes.any, allowed);
 	gi->caustics->seen = gi->rows.update;
 	gi->caustics->asked_frame = gi->frame_number;
 	gi->caustics->asked_photons = allowed * gi->caustics->anew;

@@ -40,7 +40,7 @@ struct gi_context {
 	gi_arena light_arena;            /* scratch of every frame: the emitters that send photons */
 	gi_caustics *caustics;           /* made by the same, where something emits */
 	gi_diffusion *diffusion;         /* made by the first update of a scene with translucent objects */
-	gpu_buffer state;
+	CONTEXT_BUFFERS(BUFFER_MEMBER)
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;

@@ -2,6 +2,7 @@
 
 #include "context.h"
 #include "host_memory.h"
+#include "state.h"
 
 #include <string.h>
 
@@ -21,7 +22,7 @@ struct gi_diffusion {
 	bool specular; /* the programs know links through mirrors and glass */
 	counts counts;
 	uint32_t gather_program, double_program, enter_program, mean_program, emitted_program, leave_program;
-	gpu_buffer rows, links, values;
+	DIFFUSION_BUFFERS(BUFFER_MEMBER)
 };
 
 static void list_programs(gi_diffusion *d, gpu_program_file list[PROGRAMS])
@@ -115,13 +116,13 @@ static gi_result upload(gi_context *gi)
 	if (!result)
 		fill(&gi->scene, all, rows, links);
 	if (!result)
-		result = gpu_buffer_replace(&gi->gpu, &d->rows, "rows below surfaces", sizeof *rows * count, rows);
+		result = gpu_buffer_replace(&gi->gpu, &d->rows, buffer_labels.DIFFUSION_ROWS, sizeof *rows * count, rows);
 	if (!result)
 		result =
-		    gpu_buffer_replace(&gi->gpu, &d->links, "links below surfaces", sizeof *links * all->links, links);
+		    gpu_buffer_replace(&gi->gpu, &d->links, buffer_labels.DIFFUSION_LINKS, sizeof *links * all->links, links);
 	if (!result && d->values.size != sizeof(gi_vec4) * count)
 		result =
-		    gpu_buffer_allocate(&gi->gpu, &d->values, "light below surfaces", sizeof(gi_vec4) * count, NULL);
+		    gpu_buffer_allocate(&gi->gpu, &d->values, buffer_labels.DIFFUSION_VALUES, sizeof(gi_vec4) * count, NULL);
 	gi_free(rows);
 	gi_free(links);
 	return result;
@@ -175,13 +176,11 @@ bool diffusion_gathers(const gi_context *gi, uint32_t *single_precision, uint32_
 
 void diffusion_bind(const gi_context *gi)
 {
-	const gi_diffusion *d = gi->diffusion;
-	const uint32_t programs[] = {d->enter_program, d->emitted_program, d->leave_program};
-	gpu_bind(&gi->gpu, GI_BIND_DIFFUSION_ROWS, &d->rows);
-	gpu_bind(&gi->gpu, GI_BIND_DIFFUSION_LINKS, &d->links);
-	gpu_bind(&gi->gpu, GI_BIND_DIFFUSION_VALUES, &d->values);
+	const gi_diffusion *owner = gi->diffusion;
+	const uint32_t programs[] = {owner->enter_program, owner->emitted_program, owner->leave_program};
+	DIFFUSION_BUFFERS(BUFFER_BIND)
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
-		gpu_set_uint(&gi->gpu, programs[k], LEAVES, d->counts.leaves);
+		gpu_set_uint(&gi->gpu, programs[k], LEAVES, owner->counts.leaves);
 }
 
 static void set_mean(const gi_context *gi, uint32_t first, uint32_t end)
@@ -208,7 +207,7 @@ void diffusion_sweep(gi_context *gi)
 {
 	const gi_diffusion *d = gi->diffusion;
 	const uint32_t small = d->counts.leaves, large = small + d->counts.small, end = large + d->counts.large;
-	const uint64_t groups = sizeof(uint32_t) * GI_STATE_ARGS_HAND_OVER;
+	const uint64_t groups = STATE_OFFSET(hand_over);
 	gpu_dispatch_indirect(&gi->gpu, d->enter_program, &gi->state, groups);
 	if (large > small) {
 		set_mean(gi, small, large);
@@ -223,15 +222,13 @@ void diffusion_sweep(gi_context *gi)
 
 void diffusion_free(gi_context *gi)
 {
-	gi_diffusion *d = gi->diffusion;
-	if (!d)
+	gi_diffusion *owner = gi->diffusion;
+	if (!owner)
 		return;
 	gpu_program_file list[PROGRAMS];
-	list_programs(d, list);
+	list_programs(owner, list);
 	gpu_programs_free(&gi->gpu, list, PROGRAMS);
-	gpu_buffer_free(&gi->gpu, &d->rows);
-	gpu_buffer_free(&gi->gpu, &d->links);
-	gpu_buffer_free(&gi->gpu, &d->values);
-	gi_free(d);
+	DIFFUSION_BUFFERS(BUFFER_FREE)
+	gi_free(owner);
 	gi->diffusion = NULL;
 }

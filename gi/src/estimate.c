@@ -13,6 +13,7 @@
 #include "binding.h"
 #include "context.h"
 #include "host_memory.h"
+#include "state.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
 enum { CHUNK = 256 };
@@ -44,9 +45,9 @@ static gi_result make_programs(gi_context *gi)
 		gpu_buffer *buffer;
 		const char *label;
 		uint64_t size;
-	} buffers[] = {{&e->items, "estimate: items", sizeof(gi_uvec4) * items},
-		       {&e->shares, "estimate: shares", sizeof(float) * items},
-		       {&e->results, "estimate: leaves", sizeof(gi_estimate_leaf) * leaves}};
+	} buffers[] = {{&e->items, buffer_labels.ESTIMATE_ITEMS, sizeof(gi_uvec4) * items},
+		       {&e->shares, buffer_labels.ESTIMATE_SHARES, sizeof(float) * items},
+		       {&e->results, buffer_labels.ESTIMATE_RESULTS, sizeof(gi_estimate_leaf) * leaves}};
 	for (size_t k = 0; !result && k < sizeof buffers / sizeof *buffers; k++)
 		result = gpu_buffer_allocate(&gi->gpu, buffers[k].buffer, buffers[k].label, buffers[k].size, NULL);
 	return result;
@@ -91,7 +92,8 @@ static gi_result make_chances(gi_context *gi)
 	if (!chances)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	fill_chances(gi, chances);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &e->chances, "estimate: chances", bytes, chances);
+	const gi_result result =
+	    gpu_buffer_allocate(&gi->gpu, &e->chances, buffer_labels.ESTIMATE_CHANCES, bytes, chances);
 	gi_free(chances);
 	e->fresh = !result;
 	return result;
@@ -99,12 +101,9 @@ static gi_result make_chances(gi_context *gi)
 
 static void bind(gi_context *gi)
 {
-	const gi_estimate *e = &gi->estimate;
+	const gi_estimate *owner = &gi->estimate;
 	bind_all(gi);
-	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_ITEMS, &e->items);
-	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_SHARES, &e->shares);
-	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_CHANCES, &e->chances);
-	gpu_bind(&gi->gpu, GI_BIND_ESTIMATE_RESULTS, &e->results);
+	ESTIMATE_BUFFERS(BUFFER_BIND)
 }
 
 static uint32_t salt_of(uint64_t frame, uint32_t first)
@@ -136,8 +135,7 @@ gi_result estimate_update(gi_context *gi)
 {
 	const uint32_t leaves = gi->def.estimate_leaves;
 	if (!leaves && gi->estimate.results.name) /* there was one before the host wanted none */
-		gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ESTIMATE_LOCAL,
-				 sizeof(uint32_t) * (GI_STATE_ESTIMATE_RAYS + 1 - GI_STATE_ESTIMATE_LOCAL), 0);
+		STATE_CLEAR(gi, estimate);
 	if (!leaves || !gi->scene.leaf_count)
 		return GI_OK;
 	gi_result result = make_programs(gi);
@@ -166,11 +164,10 @@ void estimate_invalidate(gi_context *gi)
 
 void estimate_free(gi_context *gi)
 {
-	gi_estimate *e = &gi->estimate;
-	gpu_buffer *buffers[] = {&e->chances, &e->items, &e->shares, &e->results};
-	for (size_t k = 0; k < sizeof buffers / sizeof *buffers; k++)
-		gpu_buffer_free(&gi->gpu, buffers[k]);
-	uint32_t *programs[] = {&e->samples_program, &e->trace_program, &e->sum_program, &e->mean_program};
+	gi_estimate *owner = &gi->estimate;
+	ESTIMATE_BUFFERS(BUFFER_FREE)
+	uint32_t *programs[] = {&owner->samples_program, &owner->trace_program, &owner->sum_program,
+				&owner->mean_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 }

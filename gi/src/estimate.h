@@ -2,6 +2,7 @@
 #ifndef GI_ESTIMATE_H
 #define GI_ESTIMATE_H
 
+#include "buffers.h"
 #include "gpu.h"
 
 typedef struct gi_estimate {
@@ -9,7 +10,7 @@ typedef struct gi_estimate {
 	double area; /* of all its leaves, m2 */
 	/* Made by the first update that wants them, as the buffers. */
 	uint32_t samples_program, trace_program, sum_program, mean_program;
-	gpu_buffer chances, items, shares, results;
+	ESTIMATE_BUFFERS(BUFFER_MEMBER)
 } gi_estimate;
 
 gi_result estimate_update(gi_context *gi); /* nothing where def.estimate_leaves is 0 */

@@ -11,75 +11,73 @@
 #include <math.h>
 #include <string.h>
 
-static gi_outcome outcome_of(const uint32_t *state)
+static gi_outcome outcome_of(const gi_state *state)
 {
-	if (state[GI_STATE_NOT_FINITE])
+	if (state->counts.not_finite)
 		return GI_OUTCOME_NOT_FINITE;
-	if (state[GI_STATE_OVERFLOW])
+	if (state->counts.overflow)
 		return GI_OUTCOME_TRUNCATED;
-	if (state[GI_STATE_VERDICT] == GI_SOLVE_ROUNDING)
+	if (state->solve.verdict == GI_SOLVE_ROUNDING)
 		return GI_OUTCOME_ROUNDING;
-	return state[GI_STATE_VERDICT] == GI_SOLVE_CONVERGED ? GI_OUTCOME_CONVERGED : GI_OUTCOME_SWEEPS;
+	return state->solve.verdict == GI_SOLVE_CONVERGED ? GI_OUTCOME_CONVERGED : GI_OUTCOME_SWEEPS;
 }
 
-static gi_method method_of(const uint32_t *state)
+static gi_method method_of(const gi_state *state)
 {
 	/* Sweeps of GI_MANNER_POLISH count as those of the method before them. */
-	const bool chebyshev = state[GI_STATE_REACH_BITS] && state[GI_STATE_MANNER] != GI_MANNER_GIVEN_UP;
+	const bool chebyshev = state->solve.reach > 0 && state->solve.manner != GI_MANNER_GIVEN_UP;
 	return chebyshev ? GI_METHOD_CHEBYSHEV : GI_METHOD_JACOBI;
 }
 
-static void fill_report(gi_context *gi, const uint32_t *state, uint64_t frame)
+static void fill_report(gi_context *gi, const gi_state *state, uint64_t frame)
 {
 	gi_report *r = &gi->report;
 	const uint32_t ring = (uint32_t)(frame % GPU_READBACK_RING);
 	r->frame = frame;
 	r->outcome = outcome_of(state);
-	r->entries = state[GI_STATE_ENTRIES];
-	r->links = state[GI_STATE_LINKS];
-	r->new_entries = state[GI_STATE_NEW];
-	r->dirty_entries = state[GI_STATE_QUEUED];
+	r->entries = state->rows.entries;
+	r->links = state->rows.links;
+	r->new_entries = state->counts.new_entries;
+	r->dirty_entries = state->counts.queued;
 	r->flagged_entries = r->dirty_entries - r->new_entries;
-	r->dirty_rows = state[GI_STATE_DIRTY_ROWS];
-	r->closed_rows = state[GI_STATE_CHANGED_ROWS];
-	r->rays = state[GI_STATE_RAYS];
-	r->sweeps = state[GI_STATE_SWEEPS];
-	r->jacobi_sweeps = state[GI_STATE_JACOBI_SWEEPS];
+	r->dirty_rows = state->counts.dirty_rows;
+	r->closed_rows = state->counts.changed_rows;
+	r->rays = state->counts.rays;
+	r->sweeps = state->solve.sweeps;
+	r->jacobi_sweeps = state->solve.jacobi_sweeps;
 	r->method = method_of(state);
-	r->residual = gi_float_from_bits(state[GI_STATE_DONE_RESIDUAL_BITS]);
-	r->contraction = gi_float_from_bits(state[GI_STATE_DONE_Q_BITS]);
-	r->solve_bound = gi_float_from_bits(state[GI_STATE_BOUND_BITS]);
-	r->solve_relative = gi_float_from_bits(state[GI_STATE_BOUND_RELATIVE_BITS]);
-	r->rounding_bound = gi_float_from_bits(state[GI_STATE_ROUNDING_BITS]);
-	r->amplification = gi_float_from_bits(state[GI_STATE_AMPLIFICATION_BITS]);
-	r->radiosity_max = gi_float_from_bits(state[GI_STATE_DONE_B_MAX_BITS]);
-	r->reflected_max = 0;
-	for (int c = 0; c < 3; c++)
-		r->reflected_max = fmaxf(r->reflected_max, gi_float_from_bits(state[GI_STATE_SCALE_BITS + c]));
-	if (gi->scene.leaf_count == 0) { /* no sweep ran: the words are those of an earlier scene */
+	r->residual = state->solve.residual;
+	r->contraction = state->solve.contraction;
+	r->solve_bound = state->solve.bound;
+	r->solve_relative = state->solve.bound_relative;
+	r->rounding_bound = state->solve.rounding;
+	r->amplification = state->solve.amplification;
+	r->radiosity_max = state->solve.largest_b;
+	r->reflected_max = fmaxf(state->solve.scale.x, fmaxf(state->solve.scale.y, state->solve.scale.z));
+	if (gi->scene.leaf_count == 0) { /* no sweep ran: the values are those of an earlier scene */
 		r->residual = r->contraction = r->radiosity_max = r->reflected_max = 0;
 		r->amplification = 1;
 	}
 	budget_report(state, r);
-	const float squared = gi_float_from_bits(state[GI_STATE_ESTIMATE_SQUARED]);
-	const float power = gi_float_from_bits(state[GI_STATE_ESTIMATE_POWER]);
+	const float squared = state->estimate.squared;
+	const float power = state->estimate.power;
 	r->sampling_estimate = squared > 0 ? sqrtf(squared) : 0;
 	r->sampling_relative = squared > 0 && power > 0 ? sqrtf(squared / power) : 0;
 	r->sampling_squared = squared;
-	r->sampling_local_squared = gi_float_from_bits(state[GI_STATE_ESTIMATE_LOCAL]);
+	r->sampling_local_squared = state->estimate.local;
 	r->sampling_local = sqrtf(fmaxf(0, r->sampling_local_squared));
-	r->sampling_rays = state[GI_STATE_ESTIMATE_RAYS];
+	r->sampling_rays = state->estimate.rays;
 	r->dispatches = gi->issued[ring].dispatches;
 	r->uploaded_bytes = gi->issued[ring].uploaded_bytes;
 	r->update_ms = gi->issued[ring].update_ms;
 }
 
 /* Rows of the newest report: may the next update be at rest, and how far back must it look? */
-static void take_waiting(gi_context *gi, const uint32_t *state, uint64_t frame)
+static void take_waiting(gi_context *gi, const gi_state *state, uint64_t frame)
 {
 	const uint32_t update = gi->issued[frame % GPU_READBACK_RING].rows_update;
-	gi->budget.late = state[GI_STATE_LATE_ROWS] > 0;
-	if (!state[GI_STATE_WAITING_ROWS] && !state[GI_STATE_OVERFLOW] && update > gi->rows.current)
+	gi->budget.late = state->refresh.late_rows > 0;
+	if (!state->refresh.waiting_rows && !state->counts.overflow && update > gi->rows.current)
 		gi->rows.current = update;
 }
 
@@ -96,21 +94,21 @@ static void fill_passes(gi_context *gi)
 /* Takes in every finished read-back, or waits for all of them. */
 static void collect_reports(gi_context *gi, bool wait)
 {
-	uint32_t state[GI_STATE_WORDS];
+	gi_state state;
 	uint64_t frame;
 	bool fresh = false;
-	while (gpu_readback_take(&gi->gpu, &gi->readback, wait, state, &frame)) {
-		fill_report(gi, state, frame);
+	while (gpu_readback_take(&gi->gpu, &gi->readback, wait, &state, &frame)) {
+		fill_report(gi, &state, frame);
 		fresh = true;
 		if (frame <= gi->rows_frame)
 			continue;
-		take_waiting(gi, state, frame);
+		take_waiting(gi, &state, frame);
 		const gi_outcome outcome = gi->report.outcome;
 		gi->solver.unconverged = outcome != GI_OUTCOME_CONVERGED && outcome != GI_OUTCOME_ROUNDING;
 		if (gi->report.outcome != GI_OUTCOME_TRUNCATED)
 			continue;
 		gi->truncated = true;
-		gi->wanted = GI_BLOCK_SMALLEST * (uint64_t)state[GI_STATE_WANTED];
+		gi->wanted = GI_BLOCK_SMALLEST * (uint64_t)state.refresh.wanted;
 		gi->wanted_all = gi->issued[frame % GPU_READBACK_RING].rebuilt;
 	}
 	for (int k = 0; k < GI_PASS_COUNT; k++)

@@ -138,9 +138,9 @@ static gi_result start_context(gi_context *gi)
 	if (!result)
 		result = programs_begin(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(uint32_t) * GI_STATE_WORDS, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(gi_state), NULL);
 	if (!result)
-		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(uint32_t) * GI_STATE_WORDS);
+		result = gpu_readback_create(&gi->gpu, &gi->readback, sizeof(gi_state));
 	if (!result)
 		result = rows_init(gi);
 	if (!result)

@@ -89,6 +89,7 @@ void gpu_close(gpu *g)
 		g->gl->DeleteVertexArrays(1, &g->mark);
 	gpu_free_functions(g);
 	gi_free(g->shader_directory);
+	gi_free(g->programs);
 	*g = (gpu){0};
 }
 
@@ -272,15 +273,6 @@ gi_result gpu_buffer_allocate(gpu *g, gpu_buffer *buffer, const char *label, uin
 	return result ? result : make_buffer(g, buffer, label, size, whole_texels(size), data);
 }
 
-const char *gpu_bound_label(uint32_t binding)
-{
-#define LABEL(binding, member, label) [GI_BIND_##binding] = label,
-	static const char *const labels[GPU_BINDINGS] = {SCENE_BUFFERS(LABEL) ROWS_TABLES(LABEL) ROWS_POOLS(
-	    LABEL) ROWS_LISTS(LABEL) BUDGET_BUFFERS(LABEL) SOLVER_BUFFERS(LABEL)};
-#undef LABEL
-	return labels[binding];
-}
-
 /* Whatever is larger is not worth to be there twice. */
 static const uint64_t LARGEST_SPARE = 32 << 20;
 
@@ -301,7 +293,7 @@ gi_result gpu_buffer_renew(gpu *g, gpu_buffer *buffer, uint32_t binding, uint64_
 	if (!is_fitting(spare, padded)) {
 		const uint64_t roomy = whole_texels(padded + padded / 8), limit = gpu_buffer_limit(g, roomy);
 		gpu_buffer_free(g, spare);
-		return make_buffer(g, buffer, gpu_bound_label(binding), size, roomy < limit ? roomy : padded, data);
+		return make_buffer(g, buffer, buffer_bound_label(binding), size, roomy < limit ? roomy : padded, data);
 	}
 	gpu_buffer_free(g, buffer);
 	*buffer = *spare;
@@ -408,8 +400,8 @@ void gpu_bind_uniforms(const gpu *g, uint32_t binding, const gpu_buffer *buffer)
 
 static void order_after(const gpu *g)
 {
-	g->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
-			     GL_BUFFER_UPDATE_BARRIER_BIT);
+	g->gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
+			     GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void gpu_dispatch_groups(gpu *g, uint32_t program, uint64_t groups)

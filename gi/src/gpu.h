@@ -7,6 +7,7 @@
 
 #include "gi/gi.h"
 #include "gi_shared.h"
+#include "buffers.h"
 #include "log.h"
 
 typedef struct gpu_buffer {
@@ -36,8 +37,6 @@ typedef struct gpu_program_use {
 	uint32_t *program;
 } gpu_program_use;
 
-enum { GPU_MOST_PROGRAMS = 64 };
-
 typedef struct gpu {
 	gi_log log;
 	struct GladGLContext *gl; /* OpenGL's functions in this context (gi_gl.h); NULL: none were loaded */
@@ -58,8 +57,8 @@ typedef struct gpu {
 	uint64_t uploaded_bytes;         /* likewise */
 	uint64_t buffer_bytes;           /* of all live buffers, and of spares */
 	gpu_buffer spares[GPU_BINDINGS]; /* what gpu_buffer_retire kept */
-	gpu_program_use programs[GPU_MOST_PROGRAMS]; /* that gpu_programs_reload makes anew: those made first */
-	uint32_t program_count;
+	gpu_program_use *programs;       /* all there are: gpu_programs_reload makes them anew */
+	uint32_t program_count, program_capacity;
 	char renderer[160];
 } gpu;
 
@@ -79,8 +78,6 @@ gi_result gpu_check_current(const gpu *g, const char *function);
 /* Takes back the error of a call that OpenGL refused for lack of memory, so that the host does not find it. */
 void gpu_forget_errors(const gpu *g);
 
-/* What debuggers call the buffer of a binding (buffers.h). */
-const char *gpu_bound_label(uint32_t binding);
 /* What a debugger shows of OpenGL's objects: "gi " and what it is. `kind` as of glObjectLabel. */
 void gpu_label(const gpu *g, uint32_t kind, uint32_t name, const char *what);
 /* A debug group: debuggers show calls between begin and end under its name. Groups nest. */
@@ -128,6 +125,8 @@ typedef struct gpu_program_file {
 
 gi_result gpu_programs_compute(gpu *g, const gpu_program_file *files, size_t count);
 gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *out);
+/* The same where *program is 0: it is not there yet. */
+gi_result gpu_program_want(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *program);
 void gpu_program_free(gpu *g, uint32_t *program);
 /* All that there are, from their files as these are now. On failure they stay. */
 gi_result gpu_programs_reload(gpu *g);

@@ -71,7 +71,9 @@ static char *copy_of(const char *source)
 static gi_result load_shader(const gpu *g, const char *name, char **out)
 {
 	*out = NULL;
-	if (g->shader_directory)
+	/* What is declared of buffers goes with what the library binds, wherever the rest comes from. */
+	if (g->shader_directory && strcmp(name, "buffer_numbers.glsl") != 0 &&
+	    strcmp(name, "buffer_declarations.glsl") != 0)
 		return read_shader_file(g, name, out);
 	for (const gi_shader_source *s = gi_shader_sources; s->name; s++)
 		if (strcmp(s->name, name) == 0) {
@@ -152,10 +154,18 @@ static gi_result begin_program(const gpu *g, const char *vertex_file, const char
 	return GI_OK;
 }
 
-static void note_program(gpu *g, const char *vertex_file, const char *file, uint32_t *program)
+static gi_result note_program(gpu *g, const char *vertex_file, const char *file, uint32_t *program)
 {
-	if (g->program_count < GPU_MOST_PROGRAMS)
-		g->programs[g->program_count++] = (gpu_program_use){vertex_file, file, program};
+	if (g->program_count == g->program_capacity) {
+		const uint32_t capacity = 2 * g->program_capacity + 32;
+		gpu_program_use *grown = gi_realloc(g->programs, sizeof *grown * capacity);
+		if (!grown)
+			return no_memory(g);
+		g->programs = grown;
+		g->program_capacity = capacity;
+	}
+	g->programs[g->program_count++] = (gpu_program_use){vertex_file, file, program};
+	return GI_OK;
 }
 
 static void forget_program(gpu *g, const uint32_t *program)
@@ -215,7 +225,7 @@ gi_result gpu_programs_begin(gpu *g, const gpu_program_file *files, size_t count
 		gi_progress(&g->log, (uint32_t)k, (uint32_t)count, "compiling shaders");
 		result = begin_program(g, NULL, files[k].file, files[k].program);
 		if (!result)
-			note_program(g, NULL, files[k].file, files[k].program);
+			result = note_program(g, NULL, files[k].file, files[k].program);
 	}
 	return result;
 }
@@ -251,11 +261,16 @@ gi_result gpu_program_draw(gpu *g, const char *vertex_file, const char *fragment
 	gi_result result = begin_program(g, vertex_file, fragment_file, out);
 	if (!result)
 		result = end_program(g, vertex_file, fragment_file, *out);
+	if (!result)
+		result = note_program(g, vertex_file, fragment_file, out);
 	if (result)
 		gpu_program_free(g, out);
-	else
-		note_program(g, vertex_file, fragment_file, out);
 	return result;
+}
+
+gi_result gpu_program_want(gpu *g, const char *vertex_file, const char *fragment_file, uint32_t *program)
+{
+	return *program ? GI_OK : gpu_program_draw(g, vertex_file, fragment_file, program);
 }
 
 static void delete_program(const gpu *g, uint32_t *program)
@@ -273,16 +288,16 @@ void gpu_program_free(gpu *g, uint32_t *program)
 
 gi_result gpu_programs_reload(gpu *g)
 {
-	uint32_t fresh[GPU_MOST_PROGRAMS] = {0};
 	const uint32_t count = g->program_count;
-	gi_result result = GI_OK;
+	uint32_t *fresh = gi_calloc((size_t)count + 1, sizeof *fresh);
+	gi_result result = fresh ? GI_OK : no_memory(g);
 	for (uint32_t k = 0; !result && k < count; k++) {
 		gi_progress(&g->log, k, count, "compiling shaders");
 		result = begin_program(g, g->programs[k].vertex_file, g->programs[k].file, &fresh[k]);
 	}
 	for (uint32_t k = 0; !result && k < count; k++)
 		result = end_program(g, g->programs[k].vertex_file, g->programs[k].file, fresh[k]);
-	for (uint32_t k = 0; k < count; k++) {
+	for (uint32_t k = 0; fresh && k < count; k++) {
 		if (!result) {
 			delete_program(g, g->programs[k].program);
 			*g->programs[k].program = fresh[k];
@@ -290,6 +305,7 @@ gi_result gpu_programs_reload(gpu *g)
 			delete_program(g, &fresh[k]);
 		}
 	}
+	gi_free(fresh);
 	return result;
 }
 

@@ -3,6 +3,8 @@
 #include "gi_shared.h"
 #include "shade_shared.h"
 
+#include <stddef.h>
+
 enum { TEXEL_BYTES = 16 };
 
 #define ASSERT_TEXELS(structure, count)                                                                                \
@@ -23,6 +25,19 @@ ASSERT_TEXELS(gi_caustic_pair, 3);
 ASSERT_TEXELS(gi_photon, 2);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 ASSERT_TEXELS(gi_lamp, 9 + 4 + GI_LAMP_SAMPLE_MAX + 3);
+/* Parts of the state are whole texels, one after the other: so they lie in storage and uniform blocks as in C. */
+ASSERT_TEXELS(gi_groups, 1);
+ASSERT_TEXELS(gi_state_counts, 3);
+ASSERT_TEXELS(gi_state_refresh, 2);
+ASSERT_TEXELS(gi_state_rows, 1);
+ASSERT_TEXELS(gi_state_budget, 1);
+ASSERT_TEXELS(gi_state_solve, 8);
+ASSERT_TEXELS(gi_state_found, 4);
+ASSERT_TEXELS(gi_state_emitted, 2);
+ASSERT_TEXELS(gi_state_start, 7);
+ASSERT_TEXELS(gi_state_estimate, 1);
+ASSERT_TEXELS(gi_state, 3 + 2 + 1 + 1 + 8 + 4 + 2 + 7 + 1 + 13);
+_Static_assert(offsetof(gi_state_solve, scale) == 7 * TEXEL_BYTES, "a vec4 begins where one may");
 #undef ASSERT_TEXELS
 
 _Static_assert(sizeof(gi_lamp) % 256 == 0, "where OpenGL promises that uniform blocks may begin");

@@ -146,25 +146,26 @@ gi_result loans_find(gi_context *gi, loans *out)
 			out->count += list_object(s, slot, searches, list + 2 * (size_t)out->count);
 	gi_result result = GI_OK;
 	if (out->count)
-		result = gpu_buffer_allocate(&gi->gpu, &out->list, "loans", 2 * sizeof *list * out->count, list);
+		result =
+		    gpu_buffer_allocate(&gi->gpu, &out->list, buffer_labels.LOANS, 2 * sizeof *list * out->count, list);
 	gi_free(list);
 	return result;
 }
 
-void loans_give(gi_context *gi, loans *l)
+void loans_give(gi_context *gi, loans *owner)
 {
-	if (!l->count)
+	if (!owner->count)
 		return;
 	const uint32_t program = gi->budget.lend_program;
-	gpu_bind(&gi->gpu, GI_BIND_LOANS, &l->list);
-	gpu_set_uint(&gi->gpu, program, 0, l->count);
-	gpu_dispatch(&gi->gpu, program, l->count);
+	LOAN_BUFFERS(BUFFER_BIND)
+	gpu_set_uint(&gi->gpu, program, 0, owner->count);
+	gpu_dispatch(&gi->gpu, program, owner->count);
 	gpu_bind(&gi->gpu, GI_BIND_LOANS, &gi->scene.large_nodes_gpu);
-	loans_free(gi, l);
+	loans_free(gi, owner);
 }
 
-void loans_free(gi_context *gi, loans *l)
+void loans_free(gi_context *gi, loans *owner)
 {
-	gpu_buffer_free(&gi->gpu, &l->list);
-	l->count = 0;
+	LOAN_BUFFERS(BUFFER_FREE)
+	owner->count = 0;
 }

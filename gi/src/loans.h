@@ -6,10 +6,11 @@
 #ifndef GI_LOANS_H
 #define GI_LOANS_H
 
+#include "buffers.h"
 #include "gpu.h"
 
 typedef struct loans {
-	gpu_buffer list; /* pairs: a leaf, and the one that lends */
+	LOAN_BUFFERS(BUFFER_MEMBER)
 	uint32_t count;
 } loans;
 

@@ -68,8 +68,8 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 	gi_free(vertices);
 	gi_free(faces);
 	gi_free(edges);
-	if (!result && !overlays->program)
-		result = gpu_program_draw(&gi->gpu, "overlay.vert", "overlay.frag", &overlays->program);
+	if (!result)
+		result = gpu_program_want(&gi->gpu, "overlay.vert", "overlay.frag", &overlays->program);
 	return result;
 }
 

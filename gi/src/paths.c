@@ -24,7 +24,7 @@ enum { MOST_PATHS = 1 << 24 };
 
 struct gi_paths {
 	uint32_t program, specular_program; /* without mirrors and glass, and with; of the two what was wanted */
-	gpu_buffer sobol, lights, slots, going;
+	PATH_BUFFERS(BUFFER_MEMBER)
 };
 
 /* What the shader is told of the scene. */
@@ -90,9 +90,9 @@ static gi_result make_paths(gi_context *gi)
 	uint32_t directions[GI_SOBOL_DIMENSIONS][32];
 	sobol_directions(directions);
 	gi_result result =
-	    gpu_buffer_allocate(&gi->gpu, &p->sobol, "paths: Sobol numbers", sizeof directions, directions);
+	    gpu_buffer_allocate(&gi->gpu, &p->sobol, buffer_labels.PATH_SOBOL, sizeof directions, directions);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &p->going, "paths: going", sizeof(uint32_t), NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &p->going, buffer_labels.PATH_GOING, sizeof(uint32_t), NULL);
 	if (result)
 		paths_free(gi);
 	return result;
@@ -100,16 +100,13 @@ static gi_result make_paths(gi_context *gi)
 
 void paths_free(gi_context *gi)
 {
-	gi_paths *p = gi->paths;
-	if (!p)
+	gi_paths *owner = gi->paths;
+	if (!owner)
 		return;
-	gpu_program_free(&gi->gpu, &p->program);
-	gpu_program_free(&gi->gpu, &p->specular_program);
-	gpu_buffer_free(&gi->gpu, &p->sobol);
-	gpu_buffer_free(&gi->gpu, &p->lights);
-	gpu_buffer_free(&gi->gpu, &p->slots);
-	gpu_buffer_free(&gi->gpu, &p->going);
-	gi_free(p);
+	gpu_program_free(&gi->gpu, &owner->program);
+	gpu_program_free(&gi->gpu, &owner->specular_program);
+	PATH_BUFFERS(BUFFER_FREE)
+	gi_free(owner);
 	gi->paths = NULL;
 }
 
@@ -135,7 +132,7 @@ static gi_result upload_lights(gi_context *gi, path_scene *out)
 	if (!lights_find(&gi->scene, lights_luminance, &arena, &l))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	lights_set_slices(&l, 0, l.count);
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, "paths: lights",
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->paths->lights, buffer_labels.PATH_LIGHTS,
 						     sizeof(gi_uvec4) * 3 * l.count, l.triangles);
 	out->light_count = l.count;
 	out->density = l.count ? (float)(1 / l.power) : 0;
@@ -169,14 +166,11 @@ static uint32_t slots_of(const batch *b)
 
 static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 {
-	const gi_paths *p = gi->paths;
+	const gi_paths *owner = gi->paths;
 	const uint32_t program = program_of(gi);
 	bind_scene(gi);
 	bind_rows(gi); /* for the frame's trees; the rest goes to others */
-	gpu_bind(&gi->gpu, GI_BIND_PATH_SLOTS, &p->slots);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_GOING, &p->going);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_LIGHTS, &p->lights);
-	gpu_bind(&gi->gpu, GI_BIND_PATH_SOBOL, &p->sobol);
+	PATH_BUFFERS(BUFFER_BIND)
 	if (specular_is_ready(gi))
 		specular_bind(gi);
 	gpu_set_uint(&gi->gpu, program, 5, seed);
@@ -221,12 +215,6 @@ static void darken_unseen(const gi_scene *s, uint32_t leaves, float *irradiance)
 	}
 }
 
-/* As of the last update. */
-static const float *sky_exitance(const gi_scene *s)
-{
-	return &s->node_exitance[s->object_data[s->sky_slot].nodes.x].x;
-}
-
 static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_options *o, float *irradiance)
 {
 	const batch largest = largest_batch(gi, leaves, o->paths);
@@ -234,14 +222,13 @@ static gi_result trace_all(gi_context *gi, uint32_t leaves, const gi_path_option
 	path_scene scene = {0};
 	gi_result result = upload_lights(gi, &scene);
 	if (!result && gi->paths->slots.size < bytes)
-		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, "paths: slots", bytes, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &gi->paths->slots, buffer_labels.PATH_SLOTS, bytes, NULL);
 	if (result)
 		return result;
 	gi_path_slot *slots = gi_malloc(bytes);
 	double *totals = gi_calloc(3 * (size_t)leaves, sizeof *totals);
 	if (slots && totals) {
-		if (gi->scene.sky_slot != GI_NONE)
-			memcpy(scene.sky_and_lift, sky_exitance(&gi->scene), 3 * sizeof *scene.sky_and_lift);
+		scene_sky_exitance(&gi->scene, scene.sky_and_lift);
 		scene.sky_and_lift[3] = scene_ray_lift(&gi->scene);
 		bind_paths(gi, &scene, o->seed);
 		batch b = largest;

@@ -34,11 +34,6 @@ static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *vi
 	}
 }
 
-static gi_result want_program(gi_context *gi, const char *vertex, const char *fragment, uint32_t *program)
-{
-	return *program ? GI_OK : gpu_program_draw(&gi->gpu, vertex, fragment, program);
-}
-
 static uint32_t is_translucent(const gi_context *gi)
 {
 	return gi->scene.translucent_leaves > 0;
@@ -51,11 +46,11 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 	static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
 	const uint32_t which = is_translucent(gi);
-	gi_result result = want_program(gi, "screen.vert", TRACES[which], &r->trace_program[which]);
+	gi_result result = gpu_program_want(&gi->gpu, "screen.vert", TRACES[which], &r->trace_program[which]);
 	if (!result)
-		result = want_program(gi, "screen.vert", "mirror_add.frag", &r->add_program);
+		result = gpu_program_want(&gi->gpu, "screen.vert", "mirror_add.frag", &r->add_program);
 	if (!result)
-		result = want_program(gi, "splat.vert", "splat.frag", &r->splat_program);
+		result = gpu_program_want(&gi->gpu, "splat.vert", "splat.frag", &r->splat_program);
 	if (!result)
 		result = gpu_target_create(&gi->gpu, &r->layer, "layer of reflections", formats, false, view->width,
 					   view->height);
@@ -72,9 +67,8 @@ void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const 
 	const gpu *g = &gi->gpu;
 	const uint32_t program = r->trace_program[is_translucent(gi)];
 	const float lift = scene_ray_lift(&gi->scene), farthest = view_farthest(view);
-	const float *exitance = gi->def.sky_exitance, beyond = gi->scene.sky_slot != GI_NONE ? 1 : 0;
-	const float sky[4] = {beyond * exitance[0], beyond * exitance[1], beyond * exitance[2], 0};
-	float eye[4];
+	float eye[4], sky[4] = {0};
+	scene_sky_exitance(&gi->scene, sky);
 	view_eye(view, eye);
 	bind_scene(gi);
 	bind_rows(gi); /* for the frame's trees */

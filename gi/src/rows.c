@@ -14,13 +14,13 @@
 #include "rows.h"
 
 #include "binding.h"
-#include "bits.h"
 #include "changes.h"
 #include "context.h"
 #include "host_memory.h"
 #include "loans.h"
-#include "sky.h"
+#include "rows_plan.h"
 #include "specular_rows.h"
+#include "state.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -31,9 +31,6 @@
  * which builds all rows anew. */
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 128;
-
-/* Black sky only has to close rows: its patches may be this much coarser than others. */
-static const float BLACK_SKY_COARSENESS = 14.0f;
 
 void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
 {
@@ -81,21 +78,21 @@ gi_result rows_allocate_pools(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	gi_result result = gpu_buffer_allocate(g, &r->entries, gpu_bound_label(GI_BIND_ENTRIES),
-					       sizeof(gi_uvec4) * r->entry_limit, NULL);
+	gi_result result =
+	    gpu_buffer_allocate(g, &r->entries, buffer_labels.ENTRIES, sizeof(gi_uvec4) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->targets, gpu_bound_label(GI_BIND_TARGETS),
-					     sizeof(uint32_t) * r->entry_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->targets, buffer_labels.TARGETS, sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->queue, gpu_bound_label(GI_BIND_QUEUE),
-					     sizeof(uint32_t) * r->entry_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->queue, buffer_labels.QUEUE, sizeof(uint32_t) * r->entry_limit, NULL);
 	if (!result)
-		result = gpu_buffer_allocate(g, &r->links, gpu_bound_label(GI_BIND_LINKS),
-					     2 * sizeof(uint32_t) * r->link_limit, NULL);
+		result =
+		    gpu_buffer_allocate(g, &r->links, buffer_labels.LINKS, 2 * sizeof(uint32_t) * r->link_limit, NULL);
 	if (!result)
-		result = allocate_pool(gi, &r->entry_pool, gpu_bound_label(GI_BIND_ENTRY_POOL), r->entry_limit);
+		result = allocate_pool(gi, &r->entry_pool, buffer_labels.ENTRY_POOL, r->entry_limit);
 	if (!result)
-		result = allocate_pool(gi, &r->link_pool, gpu_bound_label(GI_BIND_LINK_POOL), r->link_limit);
+		result = allocate_pool(gi, &r->link_pool, buffer_labels.LINK_POOL, r->link_limit);
 	return result;
 }
 
@@ -218,394 +215,25 @@ gi_result rows_grow(gi_context *gi)
 	return result;
 }
 
-/* ---- what has to be done ---- */
-
-typedef struct plan {
-	bool part;    /* under a budget: the chosen rows alone */
-	bool several; /* rows may have several candidates: flagged entries are marked */
-	uint32_t pose_runs, pose_threads, cut_runs, movers;
-	uint32_t first_emitter, end_emitter; /* in the lists of objects */
-	uint32_t first_swept, swept;         /* likewise, in fours of words */
-	uint64_t cut_threads;
-	loans loans; /* in part alone */
-} plan;
-
-static bool add_run(gi_rows *r, uint32_t at, gi_uvec4 run)
-{
-	if (at >= r->run_capacity) {
-		const uint32_t capacity = 2 * at + 64;
-		gi_uvec4 *grown = gi_realloc(r->run_data, sizeof *grown * capacity);
-		if (!grown)
-			return false;
-		r->run_data = grown;
-		r->run_capacity = capacity;
-	}
-	r->run_data[at] = run;
-	return true;
-}
-
-/* An object's changes that not every row has seen; the sky has none. */
-static bool slot_moved(const gi_context *gi, uint32_t slot)
-{
-	return gi->rows.rebuild || gi->scene.object_data[slot].changed.x > gi->rows.current;
-}
-
-static bool slot_relit(const gi_context *gi, uint32_t slot)
-{
-	return gi->scene.object_data[slot].changed.y > gi->rows.current;
-}
-
-/* Is there one in [first, end)? */
-static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, uint32_t end)
-{
-	uint32_t low = 0, high = count;
-	while (low < high) {
-		const uint32_t middle = low + (high - low) / 2;
-		if (sorted[middle] < first)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < count && sorted[low] < end;
-}
-
-/* Tops change with what is below them. The topmost one need not see one that left: it may be another top of before. */
-static void number_tops(gi_context *gi)
-{
-	gi_scene *s = &gi->scene;
-	const uint32_t update = gi->rows.update;
-	uint32_t count = 0;
-	for (uint32_t slot = 0; slot < s->first_source; slot++) {
-		const gi_uvec4 changed = s->object_data[slot].changed;
-		if (changed.x == update || changed.y == update)
-			s->changed_slots[count++] = slot;
-	}
-	for (uint32_t k = 0; count && k < s->top_count; k++) {
-		scene_top *top = &s->tops[k];
-		if (!holds_any(s->changed_slots, count, top->first_slot, top->end_slot))
-			continue;
-		top->changed = s->topology[top->node].corners.y = update;
-		gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * top->node,
-				  sizeof(gi_node_topology), &s->topology[top->node]);
-	}
-	const uint32_t newest = s->tops[0].changed > s->statics_update ? s->tops[0].changed : s->statics_update;
-	s->object_data[s->statics_slot].changed = (gi_uvec4){newest, newest, 0, 0};
-}
-
-static void number_changes(gi_context *gi)
-{
-	gi_scene *s = &gi->scene;
-	const uint32_t update = ++gi->rows.update;
-	if (gi->rows.lost)
-		gi->rows.lost_update = update;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		if (s->slots[slot] == GI_NONE)
-			continue;
-		object_record *o = &s->objects[s->slots[slot]];
-		o->moved_update = o->moved ? update : o->moved_update;
-		o->relit_update = o->relit ? update : o->relit_update;
-		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
-		s->object_data[slot].extra.w = 0;
-	}
-	if (s->statics_slot != GI_NONE)
-		number_tops(gi);
-}
-
-/* Does the cut of `source` for leaves of `receiver` have to be done again? */
-static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t source)
-{
-	if (gi->rows.rebuild || slot_relit(gi, source))
-		return true;
-	return receiver != source && (slot_moved(gi, receiver) || slot_moved(gi, source));
-}
-
-static bool plan_poses(gi_context *gi, plan *p)
-{
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
-		const gi_object_data *data = &gi->scene.object_data[slot];
-		if (!gi->rows.rebuild && !gi->rows.kept && data->changed.x != gi->rows.update)
-			continue;
-		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 0, data->nodes.x}))
-			return false;
-		p->pose_threads += data->nodes.y - data->nodes.x;
-		if (!add_run(&gi->rows, p->pose_runs++, (gi_uvec4){p->pose_threads, slot, 1, data->extra.y}))
-			return false;
-		p->pose_threads += data->extra.z - data->extra.y;
-	}
-	return true;
-}
-
-static bool plan_cuts(gi_context *gi, plan *p)
-{
-	const gi_scene *s = &gi->scene;
-	for (uint32_t receiver = 0; receiver < s->slot_count; receiver++) {
-		const gi_uvec4 nodes = s->object_data[receiver].nodes;
-		if (nodes.w == nodes.z || s->slots[receiver] == GI_NONE)
-			continue;
-		for (uint32_t source = s->first_source; source < s->slot_count; source++) {
-			if (!pair_is_dirty(gi, receiver, source))
-				continue;
-			const gi_uvec4 run = {(uint32_t)p->cut_threads, receiver, source, nodes.z};
-			if (!add_run(&gi->rows, p->pose_runs + p->cut_runs++, run))
-				return false;
-			p->cut_threads += nodes.w - nodes.z;
-		}
-	}
-	return true;
-}
-
-static bool boxes_overlap(const object_record *a, const object_record *b)
-{
-	const float *al = &a->world_lower.x, *au = &a->world_upper.x, *bl = &b->world_lower.x, *bu = &b->world_upper.x;
-	for (int k = 0; k < 3; k++)
-		if (al[k] > bu[k] || bl[k] > au[k])
-			return false;
-	return true;
-}
-
-static bool append(gi_slot_list *list, uint32_t slot)
-{
-	if (list->count == list->capacity) {
-		const uint32_t capacity = 2 * list->capacity + 64;
-		uint32_t *grown = gi_realloc(list->slots, sizeof *grown * capacity);
-		if (!grown)
-			return false;
-		list->slots = grown;
-		list->capacity = capacity;
-	}
-	list->slots[list->count++] = slot;
-	return true;
-}
-
-static bool list_movers(const gi_context *gi, gi_slot_list *list)
-{
-	bool ok = true;
-	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++)
-		if (gi->scene.slots[slot] != GI_NONE && (slot_moved(gi, slot) || slot_relit(gi, slot)))
-			ok = append(list, slot);
-	return ok;
-}
-
-/* Segments within a mover stay inside its box: only what is there too can hide them. */
-static bool list_neighbours(const gi_context *gi, uint32_t mover, gi_slot_list *list)
-{
-	const gi_scene *s = &gi->scene;
-	bool ok = true;
-	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++)
-		if (slot != mover && s->slots[slot] != GI_NONE &&
-		    boxes_overlap(&s->objects[s->slots[mover]], &s->objects[s->slots[slot]]))
-			ok = append(list, slot);
-	return ok;
-}
-
-/* More emitting objects than this are not asked for one by one (survey.comp). */
-enum { MOST_EMITTERS = 32 };
-
-/* Appends the emitting objects, [*first, *end); first > end: too many, or what they give comes by way of others. */
-static bool list_emitters(const gi_context *gi, gi_slot_list *list, uint32_t *first, uint32_t *end)
-{
-	const gi_scene *s = &gi->scene;
-	bool ok = true;
-	*first = list->count;
-	for (uint32_t slot = s->first_source; ok && slot < s->slot_count; slot++)
-		if (s->topology[s->object_data[slot].nodes.x].range.w & GI_NODE_EMITTER)
-			ok = append(list, slot);
-	*end = list->count;
-	if (*end - *first > MOST_EMITTERS || specular_rows_bring_exitance(gi))
-		*first = *end + 1;
-	return ok;
-}
-
-/* As gi_shared.h says. */
-static bool append_swept(gi_slot_list *list, gi_uvec4 change, const gi_vec4 corners[4])
-{
-	uint32_t words[4 * GI_SWEPT_PARTS] = {change.x, change.y, change.z, change.w};
-	memcpy(words + 4, corners, sizeof *corners * (GI_SWEPT_PARTS - 1));
-	bool ok = true;
-	for (uint32_t k = 0; ok && k < 4 * GI_SWEPT_PARTS; k++)
-		ok = append(list, words[k]);
-	return ok;
-}
-
-/* Where movers were and are, and what went. */
-static bool list_swept(const gi_context *gi, gi_slot_list *list, plan *p)
-{
-	const gi_scene *s = &gi->scene;
-	const gi_rows *r = &gi->rows;
-	bool ok = true;
-	while (ok && list->count % 4)
-		ok = append(list, 0);
-	p->first_swept = list->count / 4;
-	for (uint32_t slot = 0; ok && slot < s->slot_count; slot++) {
-		const object_record *o = scene_object_in(s, slot);
-		if (!o || !slot_moved(gi, slot))
-			continue;
-		gi_vec4 corners[4] = {o->trail_lower, o->trail_upper, o->world_lower, o->world_upper};
-		object_include_box(o, &corners[2], &corners[3]);
-		gi->scene.object_data[slot].extra.w = ++p->swept;
-		ok = append_swept(list, (gi_uvec4){o->moved_update, slot, o->trails, 0}, corners);
-	}
-	const gi_vec4 lost[4] = {r->lost_lower, r->lost_upper, r->lost_lower, r->lost_upper};
-	if (ok && r->lost_lower.x <= r->lost_upper.x && ++p->swept)
-		ok = append_swept(list, (gi_uvec4){r->lost_update, GI_NONE, 1, 0}, lost);
-	return ok;
-}
-
-/* Objects that may have changed what entries see (gi_object_data), movers first, those that emit, and what was
- * swept. */
-static gi_result upload_object_lists(gi_context *gi, plan *p)
-{
-	gi_scene *s = &gi->scene;
-	gpu_buffer *buffer = &gi->rows.object_lists;
-	gi_slot_list list = gi->rows.object_list;
-	list.count = 0;
-	const bool wanted = !gi->rows.rebuild; /* rows that are built anew ask nobody */
-	bool ok = !wanted || list_movers(gi, &list);
-	p->movers = list.count;
-	for (uint32_t k = 0; ok && k < p->movers; k++) {
-		gi_object_data *data = &s->object_data[list.slots[k]];
-		data->bvh.w = list.count;
-		ok = list_neighbours(gi, list.slots[k], &list);
-		data->extra.x = list.count;
-		p->several = p->several || data->extra.x - data->bvh.w > 1;
-	}
-	ok = ok && (!p->part || list_emitters(gi, &list, &p->first_emitter, &p->end_emitter));
-	ok = ok && (!wanted || list_swept(gi, &list, p));
-	p->several = p->several || p->swept > 1;
-	gi_result result = GI_OK;
-	const uint64_t bytes = sizeof *list.slots * list.count;
-	if (!ok)
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	else if (bytes > buffer->size || !buffer->name)
-		result = gpu_buffer_allocate(&gi->gpu, buffer, gpu_bound_label(GI_BIND_OBJECT_LISTS), 2 * bytes, NULL);
-	if (!result)
-		gpu_buffer_upload(&gi->gpu, buffer, 0, bytes, list.slots);
-	gi->rows.object_list = list; /* its memory, for the next time */
-	return result;
-}
-
-static gi_result upload_plan(gi_context *gi, const plan *p)
-{
-	gi_rows *r = &gi->rows;
-	const uint64_t bytes = sizeof(gi_uvec4) * (p->pose_runs + p->cut_runs);
-	if (bytes > r->runs.size || !r->runs.name) {
-		gi_result result =
-		    gpu_buffer_allocate(&gi->gpu, &r->runs, gpu_bound_label(GI_BIND_RUNS), bytes + bytes / 2, NULL);
-		if (result)
-			return result;
-	}
-	gpu_buffer_upload(&gi->gpu, &r->runs, 0, bytes, r->run_data);
-	gpu_buffer_upload(&gi->gpu, &gi->scene.objects_gpu, 0, sizeof(gi_object_data) * gi->scene.slot_count,
-			  gi->scene.object_data);
-	return GI_OK;
-}
-
-static bool materials_changed(const gi_context *gi)
-{
-	if (gi->light_changed)
-		return true;
-	for (uint32_t k = 0; k < gi->scene.object_count; k++)
-		if (gi->scene.objects[k].material_changed || gi->scene.objects[k].relit)
-			return true;
-	return false;
-}
-
-/* The update that last saw something that moved, was lit or put out, or went. */
-static uint32_t newest_change(const gi_context *gi)
-{
-	uint32_t newest = gi->rows.lost_update;
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
-		const gi_uvec4 changed = gi->scene.object_data[slot].changed;
-		newest = changed.x > newest ? changed.x : newest;
-		newest = changed.y > newest ? changed.y : newest;
-	}
-	return newest;
-}
-
-static gi_vec4 higher_of(gi_vec4 a, gi_vec4 b)
-{
-	return (gi_vec4){fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z), fmaxf(a.w, b.w)};
-}
-
-/* The sky has rho 0: its E / (1 - rho) is E. */
-static gi_vec4 ceiling_of(const gi_context *gi)
-{
-	const float *sky = gi->def.sky_exitance;
-	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
-	for (uint32_t k = 0; k < gi->scene.object_count; k++)
-		if (gi->scene.objects[k].committed)
-			ceiling = higher_of(ceiling, gi->scene.objects[k].ceiling);
-	return ceiling;
-}
-
-/* Primitives lie in the order of slots. */
-static uint32_t static_primitives(const gi_scene *s)
-{
-	if (!s->first_source)
-		return 0;
-	const object_record *last = &s->objects[s->slots[s->first_source - 1]];
-	return last->primitive_base + last->bvh.primitive_count;
-}
-
-static void upload_frame(gi_context *gi, const plan *p, const gi_budget *budget)
-{
-	const gi_scene *s = &gi->scene;
-	const gi_context_def *def = &gi->def;
-	const bool lit = sky_is_lit(def);
-	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
-	gi->frame = (gi_frame){
-	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
-	    .limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, def->near_samples,
-		       def->emitter_samples},
-	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,
-			  def->solve_tolerance},
-	    .work = {p->pose_runs, p->pose_threads, p->cut_runs, (uint32_t)p->cut_threads},
-	    .misc = {s->tlas_all, s->large_count, s->light_count, lit},
-	    .grid = s->tlas_grid,
-	    .cells = s->tlas_cells,
-	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
-	    .ceiling = ceiling_of(gi),
-	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
-	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), 0, 0},
-	};
-	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
-	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
-	gi->frame.update.w |= s->translucent_leaves ? GI_UPDATE_BY_ROWS : 0;
-	if (p->part) {
-		gi->frame.update.w |= GI_UPDATE_PART;
-		gi->frame.budget = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};
-		budget_limits(gi, budget, &gi->frame);
-	}
-	gpu_buffer_upload(&gi->gpu, &gi->rows.frame, 0, sizeof gi->frame, &gi->frame);
-}
-
 /* ---- the passes ---- */
 
 void rows_clear_counts(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHANGED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CONCERNED_ROWS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, 0, sizeof(uint32_t) * (GI_STATE_OVERFLOW + 1), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_NOT_FINITE, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_STALE_BITS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ASSESSED, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, counts);
 }
 
 static void begin(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WAITING_ROWS, 3 * sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_CHOSEN_RAYS, sizeof(uint32_t), 0);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_WANTED, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, refresh);
 	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * (GI_TOUCHED_PARTS - 1) * gi->scene.leaf_count, 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		return;
 	}
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_ENTRIES, 2 * sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, rows);
 	reset_pool(gi, &r->entry_pool, r->entry_limit);
 	reset_pool(gi, &r->link_pool, r->link_limit);
 	clear_rows(gi);
@@ -626,11 +254,12 @@ static void prepare(gi_context *gi, uint32_t stage)
 	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
 }
 
-static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint32_t arguments)
+/* groups: where they stand in the state. */
+static void run_indirect(gi_context *gi, gi_pass pass, uint32_t program, uint64_t groups)
 {
 	rows_progress(gi, pass);
 	gpu_timer_begin(&gi->gpu, &gi->timers[pass]);
-	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * arguments);
+	gpu_dispatch_indirect(&gi->gpu, program, &gi->state, groups);
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
@@ -642,123 +271,59 @@ static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads
 	gpu_timer_end(&gi->gpu, &gi->timers[pass]);
 }
 
-static uint32_t count_neighbours(const gi_scene *s, uint32_t mover)
-{
-	uint32_t count = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		count += slot != mover && s->slots[slot] != GI_NONE &&
-			 boxes_overlap(&s->objects[s->slots[mover]], &s->objects[s->slots[slot]]);
-	return count;
-}
-
-/* That a row may have (flag.comp): the movers and what went, or of a mover its neighbours. */
-static uint32_t count_candidates(const gi_context *gi)
-{
-	const gi_scene *s = &gi->scene;
-	uint32_t movers = 0, most = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
-		const object_record *o = scene_object_in(s, slot);
-		if (!o || !(o->moved || o->moved_update > gi->rows.current))
-			continue;
-		const uint32_t neighbours = count_neighbours(s, slot);
-		most = neighbours > most ? neighbours : most;
-		movers++;
-	}
-	return movers + 1 > most ? movers + 1 : most;
-}
-
-/* llvmpipe ends all loops of a thread after 65,535 turns in sum; flagging takes one for each entry and source, times
- * the candidates. Rows of several times the mean length are seen. Objects must be where they are now. */
-static bool flagging_would_end_early(const gi_context *gi)
-{
-	static const double TURNS = 65535, LONGEST_ROW = 5;
-	const gi_scene *s = &gi->scene;
-	if (!gi->gpu.software || !s->leaf_count)
-		return false;
-	const double longest = LONGEST_ROW * (double)gi->report.entries / s->leaf_count;
-	return (longest + scene_source_count(s)) * count_candidates(gi) > TURNS;
-}
-
 static void trace(gi_context *gi)
 {
 	const gi_rows *r = &gi->rows;
-	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_TRACE;
 	rows_progress(gi, GI_PASS_TRACE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
-	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, arguments);
+	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, STATE_OFFSET(trace));
 	if (gi->scene.statics_slot != GI_NONE)
-		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, arguments);
+		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, STATE_OFFSET(trace));
 	specular_rows_follow(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
-}
-
-static gi_result make_plan(gi_context *gi, const gi_budget *budget, plan *p)
-{
-	gi_rows *r = &gi->rows;
-	p->part = !r->rebuild && !budget_is_exact(budget);
-	gi_result result = p->part ? budget_allocate(gi) : GI_OK;
-	if (!result)
-		result = changes_upload(gi);
-	if (result)
-		return result;
-	r->rebuild = r->rebuild || flagging_would_end_early(gi);
-	p->part = p->part && !r->rebuild;
-	number_changes(gi);
-	if (!plan_poses(gi, p) || (!p->part && !plan_cuts(gi, p)))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (p->cut_threads > UINT32_MAX / 2)
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
-			       gi->scene.leaf_count, gi->scene.slot_count);
-	result = specular_rows_prepare(gi, p->part);
-	if (!result)
-		result = upload_object_lists(gi, p);
-	if (!result)
-		result = upload_plan(gi, p);
-	return !result && p->part ? loans_find(gi, &p->loans) : result;
 }
 
 void rows_recycle(gi_context *gi)
 {
 	prepare(gi, AFTER_CLOSE);
-	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_RECYCLE);
+	gpu_dispatch_indirect(&gi->gpu, gi->rows.recycle_program, &gi->state, STATE_OFFSET(recycle));
 }
 
-static void cut_by(gi_context *gi, const plan *p, uint32_t program)
+static void cut_by(gi_context *gi, const rows_plan *p, uint32_t program)
 {
 	if (p->part)
-		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_PAIRS);
+		gpu_dispatch_indirect(&gi->gpu, program, &gi->state, STATE_OFFSET(pairs));
 	else
 		gpu_dispatch(&gi->gpu, program, p->cut_threads);
 }
 
 /* Of static objects rows keep what is as it was. */
-static void cut(gi_context *gi, const plan *p)
+static void cut(gi_context *gi, const rows_plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	const uint32_t statics = gi->scene.statics_slot;
 	rows_progress(gi, GI_PASS_CUT);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 	cut_by(gi, p, r->cut_program);
-	if (!r->rebuild && statics != GI_NONE && slot_moved(gi, statics))
+	if (!r->rebuild && statics != GI_NONE && rows_slot_moved(gi, statics))
 		cut_by(gi, p, r->kept_program);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 }
 
 /* Rows that static faces hide movers from. */
-static void find_covered(gi_context *gi, const plan *p)
+static void find_covered(gi_context *gi, const rows_plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	if (gi->scene.statics_slot == GI_NONE || !p->swept)
 		return;
 	if (p->part)
-		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state,
-				      sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state, STATE_OFFSET(chosen));
 	else
 		gpu_dispatch(&gi->gpu, r->covered_program, gi->scene.leaf_count);
 }
 
 /* Queues what movers may have changed, of the rows that they may concern, or of those chosen. */
-static void flag(gi_context *gi, const plan *p)
+static void flag(gi_context *gi, const rows_plan *p)
 {
 	const gi_rows *r = &gi->rows;
 	rows_progress(gi, GI_PASS_FLAG);
@@ -769,7 +334,7 @@ static void flag(gi_context *gi, const plan *p)
 		prepare(gi, ROWS_LISTED);
 	}
 	gpu_dispatch_indirect(&gi->gpu, r->flag_program, &gi->state,
-			      sizeof(uint32_t) * (p->part ? GI_STATE_ARGS_CHOSEN : GI_STATE_ARGS_FLAG));
+			      p->part ? STATE_OFFSET(chosen) : STATE_OFFSET(flag));
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 }
 
@@ -790,11 +355,11 @@ static void forget_trails(gi_context *gi)
 gi_result rows_update(gi_context *gi, const gi_budget *budget)
 {
 	gi_rows *r = &gi->rows;
-	plan p = {0};
-	gi_result result = make_plan(gi, budget, &p);
+	rows_plan p = {0};
+	gi_result result = rows_plan_make(gi, budget, &p);
 	if (result)
 		return result;
-	upload_frame(gi, &p, budget);
+	rows_plan_upload_frame(gi, &p, budget);
 	bind_all(gi);
 	begin(gi);
 	run(gi, GI_PASS_POSE, r->pose_program, p.pose_threads);
@@ -804,16 +369,16 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	}
 	cut(gi, &p);
 	prepare(gi, AFTER_CUT);
-	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, GI_STATE_ARGS_FACTOR);
+	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, STATE_OFFSET(factor));
 	if (!r->rebuild)
 		flag(gi, &p);
 	prepare(gi, AFTER_FLAG);
 	if (p.several && !r->rebuild)
-		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_TRACE);
+		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, STATE_OFFSET(trace));
 	trace(gi);
 	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
 	prepare(gi, AFTER_TRACE);
-	run_indirect(gi, GI_PASS_CLOSE, specular_rows_close_program(gi), GI_STATE_ARGS_CLOSE);
+	run_indirect(gi, GI_PASS_CLOSE, specular_rows_close_program(gi), STATE_OFFSET(close));
 	rows_recycle(gi);
 	r->rebuild = r->kept = r->lost = false;
 	if (!p.part)
@@ -828,42 +393,36 @@ gi_result rows_relight(gi_context *gi)
 	const gi_result result = changes_upload_materials(gi);
 	if (result)
 		return result;
-	upload_frame(gi, &(plan){0}, NULL);
+	rows_plan_upload_frame(gi, &(rows_plan){0}, NULL);
 	rows_clear_counts(gi);
 	return GI_OK;
 }
 
 /* What a commit makes anew; lists and the frame stay. */
-void rows_forget(gi_rows *r)
+void rows_forget(gi_rows *owner)
 {
-#define FORGET(name, buffer, label) r->buffer = (gpu_buffer){0};
-	ROWS_TABLES(FORGET)
-	ROWS_POOLS(FORGET)
-#undef FORGET
+	ROWS_TABLES(BUFFER_FORGET)
+	ROWS_POOLS(BUFFER_FORGET)
 }
 
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &r->buffer);
-
-void rows_release(gi_context *gi, gi_rows *r)
+void rows_release(gi_context *gi, gi_rows *owner)
 {
-	ROWS_TABLES(FREE)
-	ROWS_POOLS(FREE)
+	ROWS_TABLES(BUFFER_FREE)
+	ROWS_POOLS(BUFFER_FREE)
 }
 
-void rows_retire(gi_context *gi, gi_rows *r)
+void rows_retire(gi_context *gi, gi_rows *owner)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &r->buffer, GI_BIND_##name);
-	ROWS_TABLES(RETIRE)
-#undef RETIRE
-	rows_release(gi, r);
+	ROWS_TABLES(BUFFER_RETIRE)
+	rows_release(gi, owner);
 }
 
 void rows_free(gi_context *gi)
 {
-	gi_rows *r = &gi->rows;
-	rows_release(gi, r);
-	ROWS_LISTS(FREE)
-	gpu_buffer_free(&gi->gpu, &r->frame);
-	gi_free(r->run_data);
-	gi_free(r->object_list.slots);
+	gi_rows *owner = &gi->rows;
+	rows_release(gi, owner);
+	ROWS_LISTS(BUFFER_FREE)
+	ROWS_UNIFORMS(BUFFER_FREE)
+	gi_free(owner->run_data);
+	gi_free(owner->object_list.slots);
 }

@@ -22,7 +22,7 @@ typedef struct gi_rows {
 	ROWS_TABLES(BUFFER_MEMBER)
 	ROWS_POOLS(BUFFER_MEMBER)
 	ROWS_LISTS(BUFFER_MEMBER)
-	gpu_buffer frame;   /* a uniform block */
+	ROWS_UNIFORMS(BUFFER_MEMBER)
 	gi_uvec4 *run_data; /* pose runs, then cut runs */
 	uint32_t run_capacity;
 	gi_slot_list object_list; /* of the last update */

@@ -83,8 +83,37 @@ static void renumber(gi_context *gi, uint32_t first, uint32_t end, uint32_t bloc
 	}
 }
 
-static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer *moves, const gpu_buffer *nodes,
-			 const rows_moves *m)
+static void bind_before(const gi_context *gi, const gi_rows *owner)
+{
+	OLD_ROWS_TABLES(BUFFER_BIND)
+}
+
+/* What became of objects and nodes, for the shader. */
+typedef struct move_buffers {
+	MOVE_BUFFERS(BUFFER_MEMBER)
+} move_buffers;
+
+static void bind_moves(const gi_context *gi, const move_buffers *owner)
+{
+	MOVE_BUFFERS(BUFFER_BIND)
+}
+
+static void free_moves(gi_context *gi, move_buffers *owner)
+{
+	MOVE_BUFFERS(BUFFER_FREE)
+}
+
+static gi_result upload_moves(gi_context *gi, const rows_moves *m, move_buffers *out)
+{
+	gi_result result =
+	    gpu_buffer_allocate(&gi->gpu, &out->slots, buffer_labels.MOVES, sizeof *m->list * m->count, m->list);
+	if (!result)
+		result = gpu_buffer_allocate(&gi->gpu, &out->nodes, buffer_labels.NODE_MOVES,
+					     sizeof *m->nodes * m->node_count, m->nodes);
+	return result;
+}
+
+static void renumber_all(gi_context *gi, const gi_rows *before, const move_buffers *moves, const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
 	/* What is seen in a mirror the row may have no other part of. */
@@ -98,10 +127,8 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 		blockers = blockers || (m->list[slot].now.x != slot && m->list[slot].before.y > m->list[slot].before.x);
 	}
 	bind_rows(gi);
-	gpu_bind(&gi->gpu, GI_BIND_OLD_SEGMENTS, &before->segments);
-	gpu_bind(&gi->gpu, GI_BIND_OLD_ROWS, &before->headers);
-	gpu_bind(&gi->gpu, GI_BIND_MOVES, moves);
-	gpu_bind(&gi->gpu, GI_BIND_NODE_MOVES, nodes);
+	bind_before(gi, before);
+	bind_moves(gi, moves);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 2, m->count);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 3, gi->scene.slot_count);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 4, blockers);
@@ -125,28 +152,21 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const gpu_buffer
 gi_result rows_keep(gi_context *gi, gi_rows *before, const rows_moves *m)
 {
 	gi_rows *r = &gi->rows;
-	gpu_buffer moves = {0}, nodes = {0};
+	move_buffers moves = {0};
 	bool larger = false;
 	gi_result result = rows_allocate_tables(gi);
 	if (!result)
-		result = gpu_buffer_allocate(&gi->gpu, &moves, "moves", sizeof *m->list * m->count, m->list);
-	if (!result)
-		result =
-		    gpu_buffer_allocate(&gi->gpu, &nodes, "moves of nodes", sizeof *m->nodes * m->node_count, m->nodes);
+		result = upload_moves(gi, m, &moves);
 	if (!result)
 		result = make_room(gi, before, m, &larger);
-	if (result) {
-		gpu_buffer_free(&gi->gpu, &moves);
-		gpu_buffer_free(&gi->gpu, &nodes);
-		return result;
+	if (!result) {
+		if (larger)
+			fill_room(gi, before);
+		else
+			take_pools(r, before);
+		renumber_all(gi, before, &moves, m);
+		r->kept = true;
 	}
-	if (larger)
-		fill_room(gi, before);
-	else
-		take_pools(r, before);
-	renumber_all(gi, before, &moves, &nodes, m);
-	gpu_buffer_free(&gi->gpu, &moves);
-	gpu_buffer_free(&gi->gpu, &nodes);
-	r->kept = true;
-	return GI_OK;
+	free_moves(gi, &moves);
+	return result;
 }

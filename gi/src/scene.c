@@ -31,6 +31,13 @@ object_record *scene_object_in(const gi_scene *s, uint32_t slot)
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];
 }
 
+void scene_sky_exitance(const gi_scene *s, float out[3])
+{
+	const gi_vec4 none = {0};
+	const gi_vec4 *e = s->sky_slot == GI_NONE ? &none : &s->node_exitance[s->object_data[s->sky_slot].nodes.x];
+	memcpy(out, e, 3 * sizeof *out);
+}
+
 bool scene_slot_is_seen(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] != GI_NONE && !(s->object_data[slot].bvh.z & GI_OBJECT_UNSEEN);
@@ -119,17 +126,15 @@ void scene_update_top(gi_context *gi, const scene_top *top)
 
 void scene_release(gi_context *gi, gi_scene *s)
 {
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
-	SCENE_BUFFERS(FREE)
-#undef FREE
+	gi_scene *owner = s;
+	SCENE_BUFFERS(BUFFER_FREE)
 	gi_arena_free(&s->arrays);
 }
 
 void scene_retire(gi_context *gi, gi_scene *s)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
-	SCENE_BUFFERS(RETIRE)
-#undef RETIRE
+	gi_scene *owner = s;
+	SCENE_BUFFERS(BUFFER_RETIRE)
 	gi_arena_free(&gi->spare_arrays);
 	gi->spare_arrays = s->arrays;
 	s->arrays = (gi_arena){0};

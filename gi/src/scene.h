@@ -59,6 +59,8 @@ typedef struct gi_scene {
 object_record *scene_object_in(const gi_scene *scene, uint32_t slot);
 /* The same as of the last update. Not the sky. */
 bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
+/* Exitance of the sky as of the last update, rgb, W/m2; 0 where there is none. */
+void scene_sky_exitance(const gi_scene *scene, float out[3]);
 float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 uint32_t scene_source_count(const gi_scene *scene);
 void scene_place_sky(gi_object_data *data);

@@ -226,7 +226,7 @@ static program surface_program(const gi_context *gi)
 static gi_result want_program(gi_context *gi, program which)
 {
 	uint32_t *program = &gi->shade->programs[which];
-	return *program ? GI_OK : gpu_program_draw(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
+	return gpu_program_want(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
 }
 
 static void draw_surfaces(const gi_context *gi, program which, const gi_view *view, const float clip_from_world[16])
@@ -268,7 +268,7 @@ static void draw_lamp(gi_context *gi, program which, uint32_t lamp, const gi_vie
 	screen_rect r = shadow_rect(gi, &shade->shadow, lamp, window_from_world, size);
 	if (r.upper[0] <= r.lower[0] || r.upper[1] <= r.lower[1])
 		r = (screen_rect){{0, 0}, {0, 0}};
-	gpu_bind_uniform_range(&gi->gpu, GI_BIND_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp),
+	gpu_bind_uniform_range(&gi->gpu, GI_UNIFORM_LAMP, &shade->shadow.uniforms, lamp * sizeof(gi_lamp),
 			       sizeof(gi_lamp));
 	draw_rect(gi, which + 1, farthest, corner, r.lower[0], r.lower[1], r.upper[0], r.upper[1]);
 	draw_rect(gi, which, farthest, corner, 0, 0, width, r.lower[1]);
@@ -319,7 +319,7 @@ static void light_layer(gi_context *gi, uint32_t lamps, const gi_view *view)
 	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
 	gpu_draw_added(&gi->gpu, true);
 	for (uint32_t k = 0; k < lamps; k++) {
-		gpu_bind_uniform_range(&gi->gpu, GI_BIND_LAMP, &shade->shadow.uniforms, k * sizeof(gi_lamp),
+		gpu_bind_uniform_range(&gi->gpu, GI_UNIFORM_LAMP, &shade->shadow.uniforms, k * sizeof(gi_lamp),
 				       sizeof(gi_lamp));
 		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
 			  r.upper[1]);

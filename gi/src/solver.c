@@ -12,6 +12,7 @@
 #include "binding.h"
 #include "caustics.h"
 #include "context.h"
+#include "state.h"
 
 #include <string.h>
 
@@ -99,19 +100,18 @@ gi_result solver_allocate(gi_context *gi)
 static void sweep(gi_context *gi, bool weigh)
 {
 	const gi_solver *s = &gi->solver;
-	const uint64_t word = sizeof(uint32_t);
 	const gi_specular_rows *through = gi->specular_rows;
 	uint32_t in_single = through ? through->gather_program : s->gather_program,
 		 in_double = through ? through->double_program : s->double_program;
 	const bool diffuses = diffusion_gathers(gi, &in_single, &in_double);
-	gpu_dispatch_indirect(&gi->gpu, in_single, &gi->state, word * GI_STATE_ARGS_GATHER);
-	gpu_dispatch_indirect(&gi->gpu, in_double, &gi->state, word * GI_STATE_ARGS_DOUBLE);
+	gpu_dispatch_indirect(&gi->gpu, in_single, &gi->state, STATE_OFFSET(gather));
+	gpu_dispatch_indirect(&gi->gpu, in_double, &gi->state, STATE_OFFSET(gather_double));
 	if (diffuses)
 		diffusion_sweep(gi);
 	if (weigh)
 		gpu_dispatch_groups(&gi->gpu, s->weigh_program, 1);
-	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, word * GI_STATE_ARGS_HAND_OVER);
-	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, word * GI_STATE_ARGS_CHECK);
+	gpu_dispatch_indirect(&gi->gpu, s->hand_over_program, &gi->state, STATE_OFFSET(hand_over));
+	gpu_dispatch_indirect(&gi->gpu, s->check_program, &gi->state, STATE_OFFSET(check));
 }
 
 /* A software renderer has done all that was asked of it, so that to look costs nothing; what is queued and not wanted
@@ -120,7 +120,7 @@ static bool is_known_to_be_over(const gi_context *gi)
 {
 	uint32_t groups = 1;
 	if (gi->gpu.software)
-		gpu_buffer_read(&gi->gpu, &gi->state, sizeof groups * GI_STATE_ARGS_CHECK, sizeof groups, &groups);
+		gpu_buffer_read(&gi->gpu, &gi->state, STATE_OFFSET(check.x), sizeof groups, &groups);
 	return !groups;
 }
 
@@ -139,8 +139,7 @@ static bool is_lit(const gi_scene *s)
 /* What is emitted into each row, of the rows that this update refreshed or of all, and the bounds that follow. */
 static void gather_emitted(gi_context *gi)
 {
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_DIRECT_BITS,
-			 sizeof(uint32_t) * (GI_STATE_START - GI_STATE_DIRECT_BITS), 0);
+	STATE_CLEAR(gi, emitted);
 	const bool through = gi->specular_rows, caustics = caustics_light(gi);
 	const uint32_t program = through ? gi->specular_rows->emitted_program : gi->solver.emitted_program;
 	if (through) {
@@ -198,21 +197,18 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 
 void solver_forget(gi_solver *s)
 {
-#define FORGET(name, buffer, label) s->buffer = (gpu_buffer){0};
-	SOLVER_BUFFERS(FORGET)
-#undef FORGET
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_FORGET)
 }
 
 void solver_release(gi_context *gi, gi_solver *s)
 {
-#define FREE(name, buffer, label) gpu_buffer_free(&gi->gpu, &s->buffer);
-	SOLVER_BUFFERS(FREE)
-#undef FREE
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_FREE)
 }
 
 void solver_retire(gi_context *gi, gi_solver *s)
 {
-#define RETIRE(name, buffer, label) gpu_buffer_retire(&gi->gpu, &s->buffer, GI_BIND_##name);
-	SOLVER_BUFFERS(RETIRE)
-#undef RETIRE
+	gi_solver *owner = s;
+	SOLVER_BUFFERS(BUFFER_RETIRE)
 }

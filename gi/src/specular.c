@@ -9,7 +9,7 @@
 
 struct gi_smooth {
 	bool built; /* for the committed scene */
-	gpu_buffer normals, materials, corner_lights;
+	SMOOTH_BUFFERS(BUFFER_MEMBER)
 };
 
 /* As large as the scene's arrays. */
@@ -58,7 +58,7 @@ static gi_result upload_normals(gi_context *gi, uint32_t primitives)
 			enough =
 			    gi_smooth_normals(o->bvh.primitives, o->bvh.primitive_count, &normals[o->primitive_base].x);
 	}
-	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->smooth->normals, "smooth normals",
+	const gi_result result = enough ? gpu_buffer_allocate(&gi->gpu, &gi->smooth->normals, buffer_labels.SMOOTH,
 							      sizeof *normals * primitives, normals)
 					: gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_free(normals);
@@ -76,7 +76,7 @@ static gi_result upload_materials(gi_context *gi, uint32_t count)
 		for (uint32_t m = 0; o && o->specular && m < o->material_count; m++)
 			materials[o->material_base + m] = smooth_material(&o->specular[m]);
 	}
-	const gi_result result = gpu_buffer_replace(&gi->gpu, &gi->smooth->materials, "smooth materials",
+	const gi_result result = gpu_buffer_replace(&gi->gpu, &gi->smooth->materials, buffer_labels.SMOOTH_MATERIALS,
 						    sizeof *materials * count, materials);
 	gi_free(materials);
 	return result;
@@ -95,7 +95,7 @@ static gi_result upload_corner_lights(gi_context *gi)
 				(&lights[o->leaf_base + leaf].x)[k] =
 				    o->light_base + o->drawn.corner_light[4 * leaf + (uint32_t)k];
 	}
-	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, "light at corners of leaves",
+	const gi_result result = gpu_buffer_allocate(&gi->gpu, &gi->smooth->corner_lights, buffer_labels.CORNER_LIGHTS,
 						     sizeof *lights * s->leaf_count, lights);
 	gi_free(lights);
 	return result;
@@ -148,18 +148,16 @@ bool specular_is_ready(const gi_context *gi)
 
 void specular_bind(const gi_context *gi)
 {
-	gpu_bind(&gi->gpu, GI_BIND_SMOOTH, &gi->smooth->normals);
-	gpu_bind(&gi->gpu, GI_BIND_SMOOTH_MATERIALS, &gi->smooth->materials);
-	gpu_bind(&gi->gpu, GI_BIND_CORNER_LIGHTS, &gi->smooth->corner_lights);
+	const gi_smooth *owner = gi->smooth;
+	SMOOTH_BUFFERS(BUFFER_BIND)
 }
 
 void specular_free(gi_context *gi)
 {
-	if (!gi->smooth)
+	gi_smooth *owner = gi->smooth;
+	if (!owner)
 		return;
-	gpu_buffer_free(&gi->gpu, &gi->smooth->normals);
-	gpu_buffer_free(&gi->gpu, &gi->smooth->materials);
-	gpu_buffer_free(&gi->gpu, &gi->smooth->corner_lights);
-	gi_free(gi->smooth);
+	SMOOTH_BUFFERS(BUFFER_FREE)
+	gi_free(owner);
 	gi->smooth = NULL;
 }

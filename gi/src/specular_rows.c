@@ -5,6 +5,7 @@
 #include "host_memory.h"
 #include "sky.h"
 #include "specular.h"
+#include "state.h"
 
 enum { LIFT = 0, PHOTONS = 1 };
 enum { AFTER_LISTING = 5 }; /* stage of prepare.comp */
@@ -44,7 +45,7 @@ gi_result specular_rows_prepare(gi_context *gi, bool part)
 	const gi_result result = make_programs(gi, part);
 	return result || ends->size >= bytes
 		   ? result
-		   : gpu_buffer_allocate(&gi->gpu, ends, "ends of ways through mirrors and glass", bytes, NULL);
+		   : gpu_buffer_allocate(&gi->gpu, ends, buffer_labels.SPECULAR_ENDS, bytes, NULL);
 }
 
 void specular_rows_follow(gi_context *gi)
@@ -52,12 +53,12 @@ void specular_rows_follow(gi_context *gi)
 	if (!specular_is_ready(gi))
 		return;
 	const gi_specular_rows *s = gi->specular_rows;
-	const uint64_t arguments = sizeof(uint32_t) * GI_STATE_ARGS_SPECULAR;
+	const uint64_t arguments = STATE_OFFSET(specular);
 	const uint32_t paths[] = {s->path_program, gi->scene.statics_slot != GI_NONE ? s->tops_program : 0};
 	const float lift = scene_ray_lift(&gi->scene);
-	gpu_buffer_clear(&gi->gpu, &gi->state, sizeof(uint32_t) * GI_STATE_SPECULAR_PATHS, sizeof(uint32_t), 0);
+	STATE_CLEAR(gi, counts.specular_paths);
 	if (gi->frame.update.w & GI_UPDATE_PART)
-		gpu_dispatch_indirect(&gi->gpu, s->list_program, &gi->state, sizeof(uint32_t) * GI_STATE_ARGS_CHOSEN);
+		gpu_dispatch_indirect(&gi->gpu, s->list_program, &gi->state, STATE_OFFSET(chosen));
 	else
 		gpu_dispatch(&gi->gpu, s->list_program, gi->scene.leaf_count);
 	gpu_set_uint(&gi->gpu, gi->rows.prepare_program, 0, AFTER_LISTING);
@@ -94,15 +95,15 @@ bool specular_rows_bring_exitance(const gi_context *gi)
 
 void specular_rows_free(gi_context *gi)
 {
-	gi_specular_rows *s = gi->specular_rows;
-	if (!s)
+	gi_specular_rows *owner = gi->specular_rows;
+	if (!owner)
 		return;
-	uint32_t *programs[] = {&s->close_program,  &s->gather_program, &s->double_program,   &s->emitted_program,
-				&s->assess_program, &s->survey_program, &s->estimate_program, &s->list_program,
-				&s->path_program,   &s->tops_program};
+	uint32_t *programs[] = {&owner->close_program,  &owner->gather_program, &owner->double_program,   &owner->emitted_program,
+				&owner->assess_program, &owner->survey_program, &owner->estimate_program, &owner->list_program,
+				&owner->path_program,   &owner->tops_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
-	gpu_buffer_free(&gi->gpu, &s->ends);
-	gi_free(s);
+	SPECULAR_BUFFERS(BUFFER_FREE)
+	gi_free(owner);
 	gi->specular_rows = NULL;
 }

@@ -3,6 +3,7 @@
 #ifndef GI_SPECULAR_ROWS_H
 #define GI_SPECULAR_ROWS_H
 
+#include "buffers.h"
 #include "gi/gi.h"
 #include "gpu.h"
 
@@ -12,7 +13,7 @@ typedef struct gi_specular_rows {
 	uint32_t assess_program, survey_program;                                 /* by an update under a budget */
 	uint32_t estimate_program;                                               /* where estimates are wanted */
 	uint32_t list_program, path_program, tops_program;
-	gpu_buffer ends;
+	SPECULAR_BUFFERS(BUFFER_MEMBER)
 } gi_specular_rows;
 
 /* Before an update of the rows, behind specular_update(). part: under a budget. */

@@ -309,20 +309,10 @@ static void expect_unseen_is_nothing(gi_context *gi, gi_object object)
 	snapshot_free(&s);
 }
 
-/* Hidden and shown, moved meanwhile, lamps too, under a budget between; at last destroyed. */
-static void unseen(void **state)
+/* Hidden and shown, moved meanwhile, lamps too, under a budget between. */
+static void hide_and_show(scene pair[2], tally *t)
 {
-	(void)state;
-	const gi_context_def def = coarse_def();
-	scene pair[2];
-	seed_motion(99);
-	for (int k = 0; k < 2; k++)
-		open_box(&pair[k], &def);
-	tally t = {0};
-	compare(&pair[0], &pair[1], "unseen, first frame", &t);
-	const double all = t.entries;
-	snapshot at_first = snapshot_take(pair[0].gi);
-	const struct {
+	static const struct {
 		const char *what;
 		int which; /* -1: the lamp */
 		bool hidden;
@@ -341,29 +331,25 @@ static void unseen(void **state)
 		if (steps[k].moves >= 0)
 			pose_both(pair, steps[k].moves, random_pose(steps[k].moves, false));
 		assert_gi(gi_update(pair[0].gi, &(gi_budget){.rays = 2000}));
-		compare(&pair[0], &pair[1], steps[k].what, &t);
+		compare(&pair[0], &pair[1], steps[k].what, t);
 		if (steps[k].hidden)
 			expect_unseen_is_nothing(pair[0].gi,
 						 steps[k].which < 0 ? pair[0].light : pair[0].mover[steps[k].which]);
 	}
-	for (int k = 0; k < MOVERS; k++)
-		pose_both(pair, k, gi_pose_identity());
-	for (int k = 0; k < MOVERS; k++)
-		for (int c = 0; c < 2; c++)
-			assert_gi(gi_set_hidden(pair[c].gi, pair[c].mover[k], true));
-	compare(&pair[0], &pair[1], "all movers hidden", &t);
+}
+
+static void hide_movers(scene pair[2], bool hidden)
+{
 	for (int c = 0; c < 2; c++)
 		for (int k = 0; k < MOVERS; k++)
-			assert_gi(gi_set_hidden(pair[c].gi, pair[c].mover[k], false));
-	compare(&pair[0], &pair[1], "all as it was", &t);
-	snapshot at_last = snapshot_take(pair[0].gi);
-	snapshot_expect_same_rows(&at_first, &at_last, "all as it was");
-	snapshot_free(&at_first);
-	snapshot_free(&at_last);
+			assert_gi(gi_set_hidden(pair[c].gi, pair[c].mover[k], hidden));
+}
 
+static void expect_destroyed_is_nothing(scene pair[2], double all, tally *t)
+{
 	for (int c = 0; c < 2; c++)
 		assert_gi(gi_destroy_object(pair[c].gi, pair[c].mover[BALL]));
-	compare(&pair[0], &pair[1], "the ball is gone", &t);
+	compare(&pair[0], &pair[1], "the ball is gone", t);
 	expect_unseen_is_nothing(pair[0].gi, pair[0].mover[BALL]);
 	const gi_report before = harness_update(pair[0].gi);
 	assert_gi(gi_commit(pair[0].gi));
@@ -372,6 +358,32 @@ static void unseen(void **state)
 	       (unsigned long long)before.entries, (unsigned long long)after.entries);
 	assert_int_equal(before.entries, after.entries);
 	assert_true((double)after.entries < all);
+}
+
+static void unseen(void **state)
+{
+	(void)state;
+	const gi_context_def def = coarse_def();
+	scene pair[2];
+	seed_motion(99);
+	for (int k = 0; k < 2; k++)
+		open_box(&pair[k], &def);
+	tally t = {0};
+	compare(&pair[0], &pair[1], "unseen, first frame", &t);
+	const double all = t.entries;
+	snapshot at_first = snapshot_take(pair[0].gi);
+	hide_and_show(pair, &t);
+	for (int k = 0; k < MOVERS; k++)
+		pose_both(pair, k, gi_pose_identity());
+	hide_movers(pair, true);
+	compare(&pair[0], &pair[1], "all movers hidden", &t);
+	hide_movers(pair, false);
+	compare(&pair[0], &pair[1], "all as it was", &t);
+	snapshot at_last = snapshot_take(pair[0].gi);
+	snapshot_expect_same_rows(&at_first, &at_last, "all as it was");
+	snapshot_free(&at_first);
+	snapshot_free(&at_last);
+	expect_destroyed_is_nothing(pair, all, &t);
 	for (int k = 0; k < 2; k++)
 		gi_context_destroy(pair[k].gi);
 }

@@ -65,18 +65,45 @@ static gi_object_def with_triangles(gi_object_def def)
 
 enum { KINDS = 7 };
 
+/* Cut into triangles first. And a face twice: a warning. */
+static gi_object_def with_notch(gi_object_def def)
+{
+	static const float notch[] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 1, .5f, 0, 0, 2, 0};
+	static const uint32_t notched[] = {0, 1, 2, 3, 4, 1, 2, 3, 4, 0}, five[] = {5, 5};
+	def.name = "notch";
+	def.positions = notch;
+	def.vertex_count = 5;
+	def.indices = notched;
+	def.index_count = 10;
+	def.face_counts = five;
+	def.face_count = 2;
+	def.levels = 2;
+	return def;
+}
+
+static gi_object_def with_cuts(gi_object_def def)
+{
+	static const float flat[] = {0, 0, 0, 4, 0, 0, 4, 0, -4, 0, 0, -4};
+	static const uint32_t flat_face[] = {0, 1, 2, 3};
+	static const gi_leaf_cut cuts[] = {{.face = 0, .from = {-1, 0, -1}, .to = {5, 0, -2}, .parts = true},
+					   {.face = 0, .from = {1, 0, 1}, .to = {2, 0, -5}}};
+	def.name = "cut";
+	def.positions = flat;
+	def.vertex_count = 4;
+	def.indices = flat_face;
+	def.index_count = 4;
+	def.face_count = 1;
+	def.leaf_size = .5f;
+	def.leaf_cuts = cuts;
+	def.leaf_cut_count = 2;
+	return def;
+}
+
 static gi_object_def kind(int k)
 {
 	static const uint32_t crease[] = {8, 9, 9, 10};
 	static const float sharp[] = {2, 10};
 	static const gi_material materials[] = {{.rho = {.5f, .4f, .3f}}, {.exitance = {1, 2, 3}}};
-	/* A notch: cut into triangles first. And a face twice: a warning. */
-	static const float notch[] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 1, .5f, 0, 0, 2, 0};
-	static const uint32_t notched[] = {0, 1, 2, 3, 4, 1, 2, 3, 4, 0}, five[] = {5, 5};
-	static const float flat[] = {0, 0, 0, 4, 0, 0, 4, 0, -4, 0, 0, -4};
-	static const uint32_t flat_face[] = {0, 1, 2, 3};
-	static const gi_leaf_cut cuts[] = {{.face = 0, .from = {-1, 0, -1}, .to = {5, 0, -2}, .parts = true},
-					   {.face = 0, .from = {1, 0, 1}, .to = {2, 0, -5}}};
 	gi_object_def def = sheet_def("sheet");
 	switch (k) {
 	case 0:
@@ -108,26 +135,9 @@ static gi_object_def kind(int k)
 		def.draw_index_count = 6 * QUADS;
 		return def;
 	case 5:
-		def.name = "notch";
-		def.positions = notch;
-		def.vertex_count = 5;
-		def.indices = notched;
-		def.index_count = 10;
-		def.face_counts = five;
-		def.face_count = 2;
-		def.levels = 2;
-		return def;
+		return with_notch(def);
 	default:
-		def.name = "cut";
-		def.positions = flat;
-		def.vertex_count = 4;
-		def.indices = flat_face;
-		def.index_count = 4;
-		def.face_count = 1;
-		def.leaf_size = .5f;
-		def.leaf_cuts = cuts;
-		def.leaf_cut_count = 2;
-		return def;
+		return with_cuts(def);
 	}
 }
 
