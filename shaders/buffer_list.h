@@ -130,8 +130,8 @@
 	/* photons a cell of a hashed grid, level by level */ \
 	X(TARGETS, CAUSTIC_CELLS, cells, caustic_cell, uint, SHADERS, "caustics: cells")
 
-/* gi_specular_rows, likewise: what entries see by way of mirrors and glass, of this update alone. Of an entry: as x of a
- * link through them, and what of the light arrives, ten bits a channel. */
+/* gi_specular_rows, likewise: what entries see by way of mirrors and glass, of this update alone. Of an entry: as x of
+ * a link through them, and what of the light arrives, ten bits a channel. */
 #define SPECULAR_BUFFERS(X) \
 	X(PENDING, SPECULAR_ENDS, ends, specular_end, uvec2, SHADERS, "ends of ways through mirrors and glass")
 

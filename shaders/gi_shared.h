@@ -1,7 +1,8 @@
 /* Structures and constants shared by the C side and the shaders; read by both compilers.
  *
  * Only vec4 and uvec4 members, and in gi_state parts of whole vec4: their layout is the C layout, in storage blocks, in
- * uniform blocks and as texels of buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there are.
+ * uniform blocks and as texels of buffer textures, which buffers.glsl counts. gi/src/layout.c asserts how many there
+ * are.
  */
 #ifndef GI_SHARED_H
 #define GI_SHARED_H
@@ -33,9 +34,10 @@ typedef struct gi_uvec4 {
 /* "No node, no vertex, no object." */
 #define GI_NONE 0xFFFFFFFFu
 
-/* Flags of a node (gi_node_topology.range.w). In bits 8..11, of an emitter: how much finer than others it is cut, as a
- * power of two (emitters.c). From bit 16 on how thick it is: how far its leaves reach from the plane through its sphere's
- * centre that its axis is normal to, over the radius, in 65535ths, rounded up; 0: all of it lies in that plane. */
+/* Flags of a node (gi_node_topology.range.w). In bits 8..11, of an emitter: how much finer than others it is cut, as
+ * a power of two (emitters.c). From bit 16 on how thick it is: how far its leaves reach from the plane through its
+ * sphere's centre that its axis is normal to, over the radius, in 65535ths, rounded up; 0: all of it lies in that
+ * plane. */
 #define GI_NODE_LEAF 1u     /* one leaf, no children */
 #define GI_NODE_POLYGON 2u  /* has four corners; a cluster above the base faces only where a quad covers it */
 #define GI_NODE_FLAT 4u     /* the corners' two triangles are exactly the surface of its leaves */
@@ -43,7 +45,8 @@ typedef struct gi_uvec4 {
 #define GI_NODE_BACK 16u    /* its back can be seen from somewhere: the object is not a closed outward surface */
 #define GI_NODE_SKY 32u     /* a patch at infinity: corners and sphere centre are directions */
 #define GI_NODE_LAMP 64u    /* what it emits is drawn per pixel (lamp.c) and no part of the leaves' indirect light */
-#define GI_NODE_TOP 128u    /* of several static objects (statics.h): in the world's frame, its two children behind it */
+/* Of several static objects (statics.h): in the world's frame, its two children behind it. */
+#define GI_NODE_TOP 128u
 #define GI_NODE_SMOOTH 4096u   /* some leaf below it is a mirror or glass; set by the scene */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
@@ -65,7 +68,8 @@ GI_STRUCT(gi_node_geometry) {
 
 /* How the normals of a node spread: what it shows to a direction, front sides alone, is
  *
- *     P(d) = (S(d) + moment . d) / 2,   S(d) = sum of area |n . d| = about shape * sqrt(area * d' T d),   T = sum of area n n'
+ *     P(d) = (S(d) + moment . d) / 2,   S(d) = sum of area |n . d| = about shape * sqrt(area * d' T d),   T = sum of
+ *         area n n'
  *
  * exact for a flat node (shape 1) and for normals all round (shape 0.866); in the rest frame.
  *
@@ -83,7 +87,8 @@ GI_STRUCT(gi_node_spread) {
  *
  *   //--------------- 16B ---------------
  *   range.x skip    range.y first leaf    range.z leaf count    range.w GI_NODE_ flags and thickness
- *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster that no quad covers; a triangle repeats its third corner
+ *   corners: vertex numbers, counter-clockwise; GI_NONE for a cluster that no quad covers; a triangle repeats its third
+ *       corner
  *   corners of a top: x its id, y the update that last changed it or something below it
  */
 GI_STRUCT(gi_node_topology) {
@@ -120,8 +125,8 @@ GI_STRUCT(gi_bvh_node) {
  *   c.xyz  c.w |ab x ac|
  *   d.xyz  d.w |ac x ad|
  *
- * Every primitive of a scene has a rank of its own. Of two that lie in one place and look the same way the one of higher
- * rank is met.
+ * Every primitive of a scene has a rank of its own. Of two that lie in one place and look the same way the one of
+ * higher rank is met.
  */
 GI_STRUCT(gi_primitive) {
 	GI_VEC4 a;
@@ -140,7 +145,8 @@ GI_STRUCT(gi_primitive) {
  *   plane.xyz  normal of the world plane that all its surface lies in, plane.w  its height along it; 0: in no plane
  *   nodes.x root    nodes.y end node    nodes.z first leaf    nodes.w end leaf
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
- *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1; 0: none
+ *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1;
+ *       0: none
  *   changed.x update that last moved it    changed.y update that last lit or put it out
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
@@ -171,9 +177,8 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_STATICS 16u /* no object: all static ones as one source */
 #define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
 
-/* A leaf: x node, y object slot, z material, w rank of its primitive.
- * A material: rho, then exitance; exitance.w of a translucent object's is what is added to its number for the one that pixels
- * are lit by, which is black. */
+/* A leaf: x node, y object slot, z material, w rank of its primitive. A material: rho, then exitance; exitance.w of
+ * a translucent object's is what is added to its number for the one that pixels are lit by, which is black. */
 GI_STRUCT(gi_material_data) {
 	GI_VEC4 rho;
 	GI_VEC4 exitance;
@@ -194,17 +199,21 @@ GI_STRUCT(gi_material_data) {
  *   grid, cells: of the packed TLAS, as of an object's
  *   misc: TLAS nodes, large nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
- *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not shine;
+ *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not
+ *       shine;
  *          1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
- *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that an
+ *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that
+ *       an
  *            update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
- *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a source, and
+ *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a
+ *       source, and
  *          that of the static objects as one, GI_NONE: there is none
  *
- *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring what
+ *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring
+ *       what
  *            something emits; 0, 0
  *
  *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
@@ -250,7 +259,8 @@ GI_STRUCT(gi_frame) {
  *
  *   //--------------- 16B ---------------
  *   key.x bucket of its priority, to be assessed or to be refreshed; 0: need not be
- *   key.y rays it takes    key.z dirty entries, or how many may be    key.w update that assessed it, 0: none that still holds
+ *   key.y rays it takes    key.z dirty entries, or how many may be    key.w update that assessed it, 0: none that still
+ *       holds
  *   bound.xyz bound on what refreshing it changes of its leaf's B, at the B before the solve
  *   bound.w   bound on the share of the row's weight that moves
  *   before.xyz B before the solve
@@ -264,14 +274,15 @@ GI_STRUCT(gi_pending) {
 #define GI_BUCKETS 1024u
 #define GI_BUCKETS_PER_OCTAVE 16u
 
-/* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float bits: the
- * largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
+/* Of an object under a budget, and behind the last one of the whole scene, words of three channels each as float
+ * bits: the largest B of its leaves that emit nothing, the largest of all, the complement of the least. */
 #define GI_LIGHT_BOUND_OTHERS 0u
 #define GI_LIGHT_BOUND_ALL 3u
 #define GI_LIGHT_BOUND_LEAST 6u
 #define GI_LIGHT_BOUND_WORDS 9u
 
-/* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to assess. */
+/* The buffer of choices: rays of the rows in each bucket, rows to assess in each bucket, the chosen leaves, those to
+ * assess. */
 #define GI_CHOICE_ROWS GI_BUCKETS
 #define GI_CHOICE_CHOSEN (2u * GI_BUCKETS)
 
@@ -288,7 +299,8 @@ GI_STRUCT(gi_pending) {
 #define GI_ENTRY_EMITTER 0x00800000u
 #define GI_ENTRY_EXACT 0x20000000u /* a polygon or a patch of sky, whose form factors are hardly off */
 #define GI_ENTRY_BACK 0x80000000u
-#define GI_ENTRY_GONE 0x40000000u /* its node was changed or went; x is the node whose B its link takes: to be cut anew */
+/* Its node was changed or went; x is the node whose B its link takes: to be cut anew. */
+#define GI_ENTRY_GONE 0x40000000u
 #define GI_BLOCKER_STATICS 0xFFFDu /* static objects, one or several: nothing else changes that */
 #define GI_BLOCKER_MIXED 0xFFFEu /* several objects */
 #define GI_BLOCKER_NONE 0xFFFFu
@@ -296,23 +308,26 @@ GI_STRUCT(gi_pending) {
 /* Behind an entry's target, the node whose B it takes: what is there neither emits nor reflects. */
 #define GI_TARGET_BLACK 0x80000000u
 
-/* A link, what the solve multiplies: x node, y weight as float bits. A row's first ones may be light through mirrors and glass
- * (specular_path.comp), each in the place of two: x the node where its path ended and these bits, y z w a weight for each channel. */
+/* A link, what the solve multiplies: x node, y weight as float bits. A row's first ones may be light through mirrors
+ * and glass (specular_path.comp), each in the place of two: x the node where its path ended and these bits, y z w a
+ * weight for each channel. */
 #define GI_LINK_SPECULAR 0x80000000u
-#define GI_LINK_PHOTONS 0x40000000u /* what the node emits comes by photons (caustics.c): the link has what it reflects */
+/* What the node emits comes by photons (caustics.c): the link has what it reflects. */
+#define GI_LINK_PHOTONS 0x40000000u
 #define GI_LINK_NODE 0x3FFFFFFFu
 
-/* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of its
- * samples that see their object, w the sum of the form factors of entries that are no backs.
+/* A segment, the cut of one object in one row: x and y a block of entries; as float bits (close.comp) z the share of
+ * its samples that see their object, w the sum of the form factors of entries that are no backs.
  *
- * Where no sample sees the object, z is GI_SEGMENT_FACE and the number of a primitive that may hide it (covered.comp), GI_SEGMENT_NO_FACE or
- * more: none was found, or none looked for.
+ * Where no sample sees the object, z is GI_SEGMENT_FACE and the number of a primitive that may hide it (covered.comp),
+ * GI_SEGMENT_NO_FACE or more: none was found, or none looked for.
  *
  * A block of a pool: x offset, y count in bits 0..23, size class in bits 24..31 (255: no block). Class c holds 4 << c.
  */
 #define GI_SEGMENT_FACE 0x80000000u
 #define GI_SEGMENT_NO_FACE 0x007FFFFFu
-#define GI_SEGMENT_UNKNOWN 0xFF000000u /* all of z, GI_SEGMENT_FACE too; rows of nothing have it, and as a float it is below 0 */
+/* All of z, GI_SEGMENT_FACE too; rows of nothing have it, and as a float it is below 0. */
+#define GI_SEGMENT_UNKNOWN 0xFF000000u
 #define GI_BLOCK_COUNT_MASK 0x00FFFFFFu
 #define GI_BLOCK_NO_CLASS 255u
 #define GI_BLOCK_CLASSES 22u
@@ -388,8 +403,8 @@ GI_STRUCT(gi_state_budget) {
 	GI_UINT unused;
 } GI_END(gi_state_budget)
 
-/* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves; check.comp alone writes it,
- * and weigh.comp what begins a solve. */
+/* What the solve remembers from sweep to sweep, and from frame to frame while nothing moves; check.comp alone writes
+ * it, and weigh.comp what begins a solve. */
 GI_STRUCT(gi_state_solve) {
 	GI_UINT sweeps;
 	GI_UINT verdict;        /* GI_SOLVE_ */
@@ -508,7 +523,8 @@ GI_STRUCT(gi_state) {
 #define GI_START_WARM 1u           /* R of before */
 #define GI_START_COLD 2u           /* the light first reflected */
 
-/* The buffer of leaf radiosity, a part after the other, each a vec4 per leaf; that of node radiosity, a vec4 per node. */
+/* The buffer of leaf radiosity, a part after the other, each a vec4 per leaf; that of node radiosity, a vec4 per
+ * node. */
 #define GI_LEAF_B 0u               /* B, W/m2; w: what its row sums to less than 1 */
 #define GI_LEAF_R 1u               /* R = B - E, v */
 #define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
@@ -520,8 +536,8 @@ GI_STRUCT(gi_state) {
 #define GI_NODE_R 1u
 #define GI_NODE_PARTS 2u
 
-/* What is dark: light reflected below this share of the largest. Errors count relative to the light there or, where it is
- * less, to this. */
+/* What is dark: light reflected below this share of the largest. Errors count relative to the light there or, where
+ * it is less, to this. */
 #define GI_DARK_SHARE 1e-5f
 
 /* Words a leaf of the buffer TOUCHED (touched.glsl). */
@@ -536,7 +552,8 @@ GI_STRUCT(gi_state) {
 #define GI_POOL_PENDING_LIST 32u   /* GI_POOL_PENDING_MAX pairs: offset, class */
 #define GI_POOL_PENDING_MAX 131072u
 
-/* A buffer (buffer_list.h) is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT + number. */
+/* A buffer (buffer_list.h) is bound as a storage block at its number and as a texture at unit GI_TEXEL_UNIT +
+ * number. */
 #define GI_TEXEL_UNIT 4
 
 /* Uniform blocks: the frame; the state as it was before a dispatch, or one lamp (shade_shared.h). */
@@ -545,7 +562,8 @@ GI_STRUCT(gi_state) {
 #define GI_UNIFORM_LAMP 1
 
 /* An emitting triangle: its corners as float bits, and in the fourth words
- *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material    2 a leaf of its primitive */
+ *   0 top of its slice of the 32-bit line, inclusive: slices are as wide as triangles are powerful    1 material
+ *       2 a leaf of its primitive */
 #define GI_SOBOL_DIMENSIONS 7u
 
 /* Where a thread's paths are between two dispatches.
@@ -553,7 +571,8 @@ GI_STRUCT(gi_state) {
  *   //--------------- 16B ---------------
  *   origin.xyz  the vertex, lifted off its surface   origin.w  its path's number, a whole number below 2^24
  *   normal.xyz  there                                normal.w  its number along the path
- *   throughput.xyz                                   throughput.w 1: at a mirror or glass, normal is the direction it goes on in
+ *   throughput.xyz                                   throughput.w 1: at a mirror or glass, normal is the direction it
+ *       goes on in
  *   found.xyz   irradiance that the path found so far found.w 0
  *   sum.xyz     that of the slot's paths before it   sum.w 0
  */
@@ -586,8 +605,8 @@ GI_STRUCT(gi_caustic_pair) {
 	GI_UVEC4 lights;
 } GI_END(gi_caustic_pair)
 
-/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many photons were there before this update, and
- * how many are now: the first ones. */
+/* Of a pair: the box of all its paths, lower and upper corner as ordered words; how many photons were there before
+ * this update, and how many are now: the first ones. */
 #define GI_CAUSTIC_BEFORE 6u
 #define GI_CAUSTIC_NOW 7u
 #define GI_CAUSTIC_PATH_WORDS 8u

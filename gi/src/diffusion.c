@@ -116,13 +116,14 @@ static gi_result upload(gi_context *gi)
 	if (!result)
 		fill(&gi->scene, all, rows, links);
 	if (!result)
-		result = gpu_buffer_replace(&gi->gpu, &d->rows, buffer_labels.DIFFUSION_ROWS, sizeof *rows * count, rows);
+		result =
+		    gpu_buffer_replace(&gi->gpu, &d->rows, buffer_labels.DIFFUSION_ROWS, sizeof *rows * count, rows);
 	if (!result)
-		result =
-		    gpu_buffer_replace(&gi->gpu, &d->links, buffer_labels.DIFFUSION_LINKS, sizeof *links * all->links, links);
+		result = gpu_buffer_replace(&gi->gpu, &d->links, buffer_labels.DIFFUSION_LINKS,
+					    sizeof *links * all->links, links);
 	if (!result && d->values.size != sizeof(gi_vec4) * count)
-		result =
-		    gpu_buffer_allocate(&gi->gpu, &d->values, buffer_labels.DIFFUSION_VALUES, sizeof(gi_vec4) * count, NULL);
+		result = gpu_buffer_allocate(&gi->gpu, &d->values, buffer_labels.DIFFUSION_VALUES,
+					     sizeof(gi_vec4) * count, NULL);
 	gi_free(rows);
 	gi_free(links);
 	return result;

@@ -98,9 +98,10 @@ void specular_rows_free(gi_context *gi)
 	gi_specular_rows *owner = gi->specular_rows;
 	if (!owner)
 		return;
-	uint32_t *programs[] = {&owner->close_program,  &owner->gather_program, &owner->double_program,   &owner->emitted_program,
-				&owner->assess_program, &owner->survey_program, &owner->estimate_program, &owner->list_program,
-				&owner->path_program,   &owner->tops_program};
+	uint32_t *programs[] = {&owner->close_program,    &owner->gather_program, &owner->double_program,
+				&owner->emitted_program,  &owner->assess_program, &owner->survey_program,
+				&owner->estimate_program, &owner->list_program,   &owner->path_program,
+				&owner->tops_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 	SPECULAR_BUFFERS(BUFFER_FREE)
