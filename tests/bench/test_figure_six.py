@@ -11,8 +11,8 @@ sys.path.append(os.path.join(os.path.dirname(__file__), ".."))
 import headless
 
 PROGRAM, OFFLINE = sys.argv.pop(1), sys.argv.pop(1)
-HEADER = ("triangles,mesh_kb,method,motion,fps,ms,ms_build,ms_bvh,ms_rows,ms_solve,ms_surface,ms_trace,ms_filter,ms_draw,"
-          "rel_mse,ssim,equal_error_ms")
+HEADER = ("triangles,mesh_kb,method,motion,fps,ms,ms_build,ms_bvh,ms_rows,ms_solve,ms_surface,ms_trace,ms_filter,"
+          "ms_draw,rel_mse,ssim,equal_error_ms")
 
 
 def png_size(path):
