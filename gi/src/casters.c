@@ -180,6 +180,20 @@ static void add_drawn(const gi_drawn_surface *drawn, uint32_t slot, caster_mesh 
 		mesh->indices[mesh->index_count++] = base + drawn->indices[k];
 }
 
+/* Is something drawn that is not where its leaf is, farther than what rounding does? */
+static bool is_curved(const object_record *o)
+{
+	static const double flat = 0.01; /* of the leaf's radius */
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
+		const gi_node_geometry *leaf = &o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]];
+		const gi_vec3d to = gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(leaf->sphere));
+		if (fabs(gi_vec3d_dot(to, gi_vec3d_from(leaf->axis))) > flat * (double)leaf->sphere.w)
+			return true;
+	}
+	return false;
+}
+
 static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
 {
 	const gi_hierarchy *h = &o->hierarchy;
@@ -187,15 +201,16 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 	c->solid = h->closed && h->volume > 0;
 	c->range.first = mesh->index_count;
 	const uint32_t polygons = add_polygons(h, slot, mesh);
-	if (fine && polygons > WALL_POLYGONS) {
+	const bool drawn = fine && is_curved(o), many = drawn || polygons > WALL_POLYGONS;
+	if (drawn) {
 		c->solid = false; /* a detailed mesh may be open where its cage is not */
 		mesh->vertex_count = first_vertex;
 		mesh->index_count = c->range.first;
 		add_drawn(&o->drawn, slot, mesh);
 	}
 	c->range.count = mesh->index_count - c->range.first;
-	c->off = off_of(o, polygons <= WALL_POLYGONS);
-	return polygons > WALL_POLYGONS || add_walls(h, c, polygons);
+	c->off = off_of(o, !many);
+	return many || add_walls(h, c, polygons);
 }
 
 static bool allocate_mesh(const gi_scene *s, bool fine, caster_mesh *mesh)

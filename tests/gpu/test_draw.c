@@ -253,11 +253,14 @@ static void check_soft_shadow(float exitance, const target *t, double *rms, doub
 	*rms = sqrt(squares / (SIZE * SIZE));
 }
 
-static void test_soft_shadow(void **state)
+/* A plate below the lamp, depth maps of so many texels a side. */
+static void draw_soft_shadow(uint32_t map_size, double *rms, double *most)
 {
-	(void)state;
-	harness_require_context();
-	gi_context *gi = lit_floor(0.8f, 10, 2);
+	gi_context_def def = harness_def();
+	def.shadow_map_size = map_size;
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
 	engine_mesh mesh;
 	assert_true(shape_box((const float[]){-0.5f, 1, -0.5f}, (const float[]){0.5f, 1.001f, 0.5f}, 2, false, &mesh));
 	harness_add(gi, &(harness_object){.name = "plate"}, &mesh);
@@ -267,14 +270,78 @@ static void test_soft_shadow(void **state)
 	view.mode = GI_MODE_DIRECT;
 	view.clip_from_view[10] = -1 / 0.5f; /* from under the plate */
 	draw(gi, &t, &view);
-	double rms, most;
-	check_soft_shadow(10, &t, &rms, &most);
-	printf("soft shadow: off by %.4f of the brightest pixel (RMS), %.4f at most\n", rms, most);
-	/* A lamp of 16 samples, each seen in two looks: steps of 1/32 (0.03), and rounded corners of the penumbra. */
-	assert_true(rms < 0.01);
-	assert_true(most < 0.06);
+	check_soft_shadow(10, &t, rms, most);
+	printf("soft shadow, maps of %u texels: off by %.4f of the brightest pixel (RMS), %.4f at most\n", map_size,
+	       *rms, *most);
 	free_target(&t);
 	gi_context_destroy(gi);
+}
+
+static void test_soft_shadow(void **state)
+{
+	(void)state;
+	harness_require_context();
+	double rms[3], most[3];
+	draw_soft_shadow(64, &rms[0], &most[0]);
+	draw_soft_shadow(gi_context_def_default().shadow_map_size, &rms[1], &most[1]);
+	draw_soft_shadow(2048, &rms[2], &most[2]);
+	/* A lamp of 16 samples, each seen in two looks: steps of 1/32 (0.03), and rounded corners of the penumbra. */
+	assert_true(rms[1] < 0.01 && rms[2] < 0.01);
+	assert_true(most[1] < 0.06 && most[2] < 0.06);
+	assert_true(rms[0] > 1.5 * rms[1]); /* the size counts */
+}
+
+/* The direct picture of a floor with the shadow of a ball whose cage is a coarse sphere. */
+static target ball_shadow(uint32_t levels, bool fine_shadows)
+{
+	gi_context_def def = harness_def();
+	def.fine_shadows = fine_shadows;
+	def.shadow_map_size = 1024;
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
+	engine_mesh mesh;
+	assert_true(shape_sphere(0.6f, 2, &mesh));
+	harness_add(
+	    gi,
+	    &(harness_object){
+		.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .levels = levels, .position = {0.2f, 0.8f, 0.1f}},
+	    &mesh);
+	commit(gi);
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	view.mode = GI_MODE_DIRECT;
+	draw(gi, &t, &view);
+	gi_context_destroy(gi);
+	return t;
+}
+
+/* RMS over the floor's pixels, by the brightest; those over the ball are black in all of them. */
+static double picture_distance(const target *a, const target *b)
+{
+	double squares = 0, brightest = 0;
+	for (int k = 0; k < SIZE * SIZE; k++) {
+		const double d = (double)a->pixels[4 * k] - (double)b->pixels[4 * k];
+		squares += d * d;
+		brightest = fmax(brightest, (double)b->pixels[4 * k]);
+	}
+	return sqrt(squares / (SIZE * SIZE)) / brightest;
+}
+
+/* Of leaves or of what is drawn, against the shadow of leaves 16 times as fine. */
+static void test_fine_shadows(void **state)
+{
+	(void)state;
+	harness_require_context();
+	target exact = ball_shadow(3, true), leaves = ball_shadow(0, false), drawn = ball_shadow(0, true);
+	const double by_leaves = picture_distance(&leaves, &exact), by_drawn = picture_distance(&drawn, &exact);
+	printf("shadow of a coarse ball: cast by its leaves off by %.4f of the brightest pixel (RMS), by what is drawn "
+	       "%.4f\n",
+	       by_leaves, by_drawn);
+	assert_true(by_leaves > 0 && by_drawn < 0.5 * by_leaves);
+	free_target(&exact);
+	free_target(&leaves);
+	free_target(&drawn);
 }
 
 static void add_scene(gi_context *gi)
@@ -640,6 +707,7 @@ int main(void)
 	    cmocka_unit_test(test_lamp_of_many_faces),
 	    cmocka_unit_test(test_shadow_is_black),
 	    cmocka_unit_test(test_soft_shadow),
+	    cmocka_unit_test(test_fine_shadows),
 	    cmocka_unit_test(test_modes_add_up),
 	    cmocka_unit_test(test_empty_scene),
 	    cmocka_unit_test(test_rest_draws_no_shadows),
