@@ -405,11 +405,57 @@ static void test_other_glass(void **state)
 	gi_context_destroy(m.box.gi);
 }
 
+/* ---- where the light goes ---- */
+
+/* Sum of area times irradiance of an object's leaves, or of all but it; W, red. */
+static double arriving_flux(const gi_leaf *leaves, uint32_t count, gi_object object, bool others)
+{
+	double flux = 0;
+	for (uint32_t k = 0; k < count; k++)
+		if ((leaves[k].object.index1 == object.index1) != others)
+			flux += (double)leaves[k].area * (double)leaves[k].irradiance[0];
+	return flux;
+}
+
+/* In a black room that is closed, all that the lamp emits arrives at its leaves, at the lamp's or in the ball: what a
+ * mirror does not reflect. */
+static void check_energy(bool glass)
+{
+	box_scene s = open_box(glass, 24, PHOTONS);
+	harness_update(s.gi);
+	uint32_t count;
+	assert_gi(gi_read_leaves(s.gi, NULL, 0, &count));
+	gi_leaf *leaves = calloc(count, sizeof *leaves);
+	assert_non_null(leaves);
+	assert_gi(gi_read_leaves(s.gi, leaves, count, &count));
+	double emitted = 0;
+	for (uint32_t k = 0; k < count; k++)
+		emitted += (double)leaves[k].area * (double)leaves[k].exitance[0];
+	const double arrived = arriving_flux(leaves, count, s.ball, true),
+		     absorbed = (glass ? 0 : 0.1) * arriving_flux(leaves, count, s.ball, false);
+	printf("%s ball: of %.3f W %.3f arrive, %.3f are absorbed: %+.2f %%\n", glass ? "glass" : "mirror", emitted,
+	       arrived, absorbed, 100 * ((arrived + absorbed) / emitted - 1));
+	assert_float_equal((arrived + absorbed) / emitted, 1, 0.005);
+	free(leaves);
+	gi_context_destroy(s.gi);
+}
+
+static void test_energy(void **state)
+{
+	(void)state;
+	harness_require_context();
+	check_energy(false);
+	check_energy(true);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_mirror_flux), cmocka_unit_test(test_glass_flux),
-	    cmocka_unit_test(test_moves),       cmocka_unit_test(test_moves_while_rows_are_new),
+	    cmocka_unit_test(test_mirror_flux),
+	    cmocka_unit_test(test_glass_flux),
+	    cmocka_unit_test(test_energy),
+	    cmocka_unit_test(test_moves),
+	    cmocka_unit_test(test_moves_while_rows_are_new),
 	    cmocka_unit_test(test_other_glass),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
