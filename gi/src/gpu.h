@@ -36,7 +36,7 @@ typedef struct gpu_program_use {
 	uint32_t *program;
 } gpu_program_use;
 
-enum { GPU_MOST_PROGRAMS = 64 };
+enum { GPU_MOST_PROGRAMS = 128 };
 
 typedef struct gpu {
 	gi_log log;
