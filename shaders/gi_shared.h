@@ -200,7 +200,7 @@ GI_STRUCT(gi_material_data) {
  *          that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring what
- *            something emits; 0, 0
+ *            something emits; 1 where rows may sum to more than 1 (specular_rows.h); 0
  *
  *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
  *   view_eye: where it is; of a parallel projection the way to it, w 0

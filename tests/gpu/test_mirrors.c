@@ -349,6 +349,51 @@ static void test_furnace(void **state)
 	check_furnace(&(gi_specular){.transmittance = {1, 1, 1}, .index = 1.5f});
 }
 
+/* A room and a ball that shine and are grey, the ball a mirror besides: what it gives and what it reflects together are
+ * more than any surface gives. */
+static void test_shining_mirror(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const float half[3] = {0.5f, 0.5f, 0.5f};
+	gi_context *gi = open_room(0.05f, 65536);
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){0, 0, 0}, (const float[]){2, 2, 2}, 6, true, &mesh));
+	const gi_object room = add(gi, "room", &mesh, half, half),
+			ball = add_ball(gi, "ball", &(gi_specular){.reflectance = {0.5f, 0.5f, 0.5f}});
+	assert_gi(
+	    gi_set_material(gi, ball, 0, (gi_material){.rho = {0.5f, 0.5f, 0.5f}, .exitance = {0.5f, 0.5f, 0.5f}}));
+	assert_gi(gi_set_pose(gi, ball, (gi_pose){.position = {1.2f, 1, 0.45f}, .rotation = {0, 0, 0, 1}}));
+	assert_gi(gi_commit(gi));
+	const gi_report report = harness_update(gi);
+	uint32_t count;
+	gi_leaf *leaves = read_leaves(gi, &count);
+	float *paths = calloc(3 * (size_t)count + 1, sizeof *paths);
+	assert_non_null(paths);
+	assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = 1024}, paths, count, &count));
+	double squared = 0, square = 0, largest = 0, true_largest = 0, stray = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		const gi_leaf *l = &leaves[k];
+		if (l->object.index1 != room.index1)
+			continue;
+		const double b = l->radiosity[0], wanted = 0.5 + 0.5 * paths[3 * k];
+		squared += l->area * (b - wanted) * (b - wanted);
+		square += l->area * wanted * wanted;
+		largest = fmax(largest, b);
+		true_largest = fmax(true_largest, wanted);
+		stray = fmax(stray, fabs(0.5 + 0.5 * (double)l->irradiance[0] - b));
+	}
+	printf("a mirror that shines: RMS of B %.2f %%, largest %.3f for %.3f, B - T B %.2g with the bound %.2g, "
+	       "outcome %d\n",
+	       100 * sqrt(squared / square), largest, true_largest, stray, (double)report.solve_bound,
+	       (int)report.outcome);
+	assert_true(sqrt(squared / square) < 0.03);
+	assert_true(stray <= 2 * (double)report.solve_bound + 1e-5);
+	free(paths);
+	free(leaves);
+	gi_context_destroy(gi);
+}
+
 /* ---- what moves ---- */
 
 enum { MOVERS = 3, FRAMES = 10 };
@@ -489,15 +534,14 @@ static void test_other_changes(void **state)
 }
 
 /* What waiting rows leave B off by is certified, though anything may have come into sight of a mirror. */
-static void test_bounds(void **state)
+static void check_bounds(const gi_material *ball)
 {
-	(void)state;
-	harness_require_context();
 	uint32_t random = 23, waited = 0;
 	gi_pose poses[MOVERS];
 	for (int k = 0; k < MOVERS; k++)
 		poses[k] = random_pose(&random);
 	moving m = open_moving(poses, GI_SKY_OFF);
+	assert_gi(gi_set_material(m.gi, m.movers[0], 0, *ball));
 	harness_update(m.gi);
 	for (uint32_t frame = 0; frame < (harness_is_long() ? 60u : 6u); frame++) {
 		gi_report before, after;
@@ -517,6 +561,14 @@ static void test_bounds(void **state)
 	}
 	assert_true(waited > 0);
 	gi_context_destroy(m.gi);
+}
+
+static void test_bounds(void **state)
+{
+	(void)state;
+	harness_require_context();
+	check_bounds(&(gi_material){.rho = {0}});
+	check_bounds(&(gi_material){.rho = {0.05f, 0.1f, 0.4f}, .exitance = {2, 1, 1}});
 }
 
 /* Behind the last mirror rows are those of a scene that never had one. */
@@ -551,10 +603,11 @@ static void test_last_mirror(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_doubled_room),    cmocka_unit_test(test_cornell_box),
-	    cmocka_unit_test(test_furnace),         cmocka_unit_test(test_moves),
-	    cmocka_unit_test(test_moves_under_sky), cmocka_unit_test(test_other_changes),
-	    cmocka_unit_test(test_bounds),          cmocka_unit_test(test_last_mirror),
+	    cmocka_unit_test(test_doubled_room),  cmocka_unit_test(test_cornell_box),
+	    cmocka_unit_test(test_furnace),       cmocka_unit_test(test_shining_mirror),
+	    cmocka_unit_test(test_moves),         cmocka_unit_test(test_moves_under_sky),
+	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds),
+	    cmocka_unit_test(test_last_mirror),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
