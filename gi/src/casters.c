@@ -130,8 +130,8 @@ static bool share_spheres(const gi_scene *s, gi_casters *casters)
 }
 
 /* Flat surfaces are drawn where they are. Others: each drawn vertex lies so far from its leaf's middle, which is
- * inside; twice, because points are moved along their normals when they look for their shadows. */
-static double off_of(const object_record *o, bool flat)
+ * inside. */
+static double distance_of_drawn(const object_record *o, bool flat)
 {
 	double far = 0, outside = 0;
 	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
@@ -141,7 +141,20 @@ static double off_of(const object_record *o, bool flat)
 		far = fmax(far, d);
 		outside = fmax(outside, d - 1.001 * s.w);
 	}
-	return flat && outside <= 0 ? 0 : 2 * far;
+	return flat && outside <= 0 ? 0 : far;
+}
+
+/* How far what is drawn reaches out of the box of the leaves. */
+static double beyond_box(const object_record *o)
+{
+	const float *lower = &o->hierarchy.lower.x, *upper = &o->hierarchy.upper.x;
+	double beyond = 0;
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++)
+		for (int axis = 0; axis < 3; axis++) {
+			const double at = o->drawn.vertices[k].position[axis];
+			beyond = fmax(beyond, fmax((double)lower[axis] - at, at - (double)upper[axis]));
+		}
+	return beyond;
 }
 
 /* All casters' triangles. */
@@ -194,7 +207,11 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 		add_drawn(&o->drawn, slot, mesh);
 	}
 	c->range.count = mesh->index_count - c->range.first;
-	c->off = off_of(o, polygons <= WALL_POLYGONS);
+	/* Twice: points are moved along their normals when they look for their shadows. */
+	const double far = distance_of_drawn(o, polygons <= WALL_POLYGONS);
+	c->off = 2 * far;
+	c->outside = fine && polygons > WALL_POLYGONS ? far : 0;
+	c->outside_box = c->outside > 0 ? beyond_box(o) : 0;
 	return polygons > WALL_POLYGONS || add_walls(h, c, polygons);
 }
 
@@ -250,14 +267,15 @@ void casters_free(gi_context *gi, gi_casters *casters)
 /* ---- what can hide something ---- */
 
 /* Corners of the rest box, in the world: a tighter hull than the world's box of a turned object. */
-static void place_box(const gi_object_data *d, gi_vec3d box[8])
+static void place_box(const gi_object_data *d, double outside, gi_vec3d box[8])
 {
-	const float *lower = &d->lower.x, *upper = &d->upper.x;
-	for (int k = 0; k < 8; k++) {
-		const gi_vec3d p = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1],
-				    k & 4 ? upper[2] : lower[2]};
-		box[k] = gi_point_to_world(d, p);
+	double ends[2][3];
+	for (int axis = 0; axis < 3; axis++) {
+		ends[0][axis] = (&d->lower.x)[axis] - outside;
+		ends[1][axis] = (&d->upper.x)[axis] + outside;
 	}
+	for (int k = 0; k < 8; k++)
+		box[k] = gi_point_to_world(d, (gi_vec3d){ends[k & 1][0], ends[k >> 1 & 1][1], ends[k >> 2][2]});
 }
 
 /* Does the whole scene lie on the front of the polygon's plane? Then it comes between no two points. */
@@ -313,7 +331,7 @@ bool casters_place(const gi_context *gi, gi_casters *casters)
 	uint32_t count = 0;
 	bool ok = true;
 	for (uint32_t slot = 0; slot < casters->count; slot++)
-		place_box(&gi->scene.object_data[slot], casters->list[slot].box);
+		place_box(&gi->scene.object_data[slot], casters->list[slot].outside_box, casters->list[slot].box);
 	for (uint32_t slot = 0; ok && slot < casters->count; slot++) {
 		gi_caster *c = &casters->list[slot];
 		c->first_range = count;
