@@ -144,6 +144,20 @@ static double distance_of_drawn(const object_record *o, bool flat)
 	return flat && outside <= 0 ? 0 : far;
 }
 
+/* Is anything drawn elsewhere than on the leaves' planes? */
+static bool is_drawn_elsewhere(const object_record *o)
+{
+	static const double SLACK = 1e-3;
+	bool elsewhere = false;
+	for (uint32_t k = 0; k < o->drawn.vertex_count && !elsewhere; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
+		const gi_node_geometry *g = &o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]];
+		const gi_vec3d from = gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(g->sphere));
+		elsewhere = fabs(gi_vec3d_dot(gi_vec3d_from(g->axis), from)) > SLACK * (double)g->sphere.w;
+	}
+	return elsewhere;
+}
+
 /* How far what is drawn reaches out of the box of the leaves. */
 static double beyond_box(const object_record *o)
 {
@@ -200,7 +214,8 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 	c->solid = h->closed && h->volume > 0;
 	c->range.first = mesh->index_count;
 	const uint32_t polygons = add_polygons(h, slot, mesh);
-	if (fine && polygons > WALL_POLYGONS) {
+	const bool as_drawn = fine && is_drawn_elsewhere(o), many = as_drawn || polygons > WALL_POLYGONS;
+	if (as_drawn) {
 		c->solid = false; /* a detailed mesh may be open where its cage is not */
 		mesh->vertex_count = first_vertex;
 		mesh->index_count = c->range.first;
@@ -208,11 +223,11 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 	}
 	c->range.count = mesh->index_count - c->range.first;
 	/* Twice: points are moved along their normals when they look for their shadows. */
-	const double far = distance_of_drawn(o, polygons <= WALL_POLYGONS);
+	const double far = distance_of_drawn(o, !many);
 	c->off = 2 * far;
-	c->outside = fine && polygons > WALL_POLYGONS ? far : 0;
-	c->outside_box = c->outside > 0 ? beyond_box(o) : 0;
-	return polygons > WALL_POLYGONS || add_walls(h, c, polygons);
+	c->outside = as_drawn ? far : 0;
+	c->outside_box = as_drawn ? beyond_box(o) : 0;
+	return many || add_walls(h, c, polygons);
 }
 
 static bool allocate_mesh(const gi_scene *s, bool fine, caster_mesh *mesh)

@@ -600,6 +600,116 @@ static void test_last_mirror(void **state)
 	gi_context_destroy(m.gi);
 }
 
+/* ---- all of it together ---- */
+
+static gi_object add_wax(gi_context *gi, float x)
+{
+	static const gi_subsurface wax = {{14, 6, 30}, {.2f, .3f, 2}, 1.4f};
+	engine_mesh mesh;
+	assert_true(shape_sphere(0.3f, 4, &mesh));
+	gi_object_def def = scene_mesh_def(&mesh);
+	def.name = "wax";
+	def.subsurface = &wax;
+	def.pose.position[0] = x;
+	def.pose.position[1] = 0.4f;
+	def.pose.position[2] = 1.6f;
+	gi_object out;
+	assert_gi(gi_create_object(gi, &def, &out));
+	engine_mesh_free(&mesh);
+	return out;
+}
+
+/* Makes one of the changes that a host may make, at random. */
+static void change_something(moving *m, gi_object *wax, uint32_t *random)
+{
+	const uint32_t what = (uint32_t)(random_float(random) * 10);
+	const float grey = 0.3f * random_float(random);
+	switch (what) {
+	case 0:
+		assert_gi(gi_set_specular(m->gi, m->movers[2], 0, (gi_specular){.reflectance = {0.2f, 0.3f, 0.1f}}));
+		break;
+	case 1:
+		assert_gi(gi_set_specular(m->gi, m->movers[2], 0, (gi_specular){0}));
+		break;
+	case 2:
+		assert_gi(gi_set_hidden(m->gi, m->movers[0], random_float(random) < 0.5f));
+		assert_gi(gi_set_hidden(m->gi, m->movers[1], random_float(random) < 0.5f));
+		break;
+	case 3:
+		gi_destroy_object(m->gi, *wax);
+		assert_gi(gi_commit(m->gi));
+		*wax = add_wax(m->gi, 0.5f);
+		break;
+	case 4:
+		assert_gi(gi_commit(m->gi));
+		break;
+	case 5:
+		gi_destroy_object(m->gi, m->movers[0]);
+		m->movers[0] = add_ball(m->gi, "another mirror", &MIRROR);
+		assert_gi(gi_set_pose(m->gi, m->movers[0], random_pose(random)));
+		assert_gi(gi_set_mobility(m->gi, m->movers[0], GI_MOBILITY_STATIC));
+		assert_gi(gi_commit(m->gi));
+		break;
+	case 6:
+		assert_gi(gi_set_material(m->gi, m->movers[1], 0,
+					  (gi_material){.rho = {grey / 3, grey / 3, 0}, .exitance = {grey, 0, 0}}));
+		break;
+	case 7:
+		assert_gi(gi_set_sky(m->gi, GI_SKY_ON, (float[]){grey < 0.15f ? 0 : grey, 0, 0}));
+		break;
+	case 8:
+		assert_gi(gi_set_pixel_lamps(m->gi, grey < 0.15f ? 0 : 4));
+		assert_gi(gi_set_hidden(m->gi, *wax, grey < 0.15f));
+		break;
+	default:
+		gi_invalidate(m->gi);
+	}
+}
+
+static void test_random_changes(void **state)
+{
+	(void)state;
+	harness_require_context();
+	uint32_t random = 5;
+	gi_pose poses[MOVERS];
+	for (int k = 0; k < MOVERS; k++)
+		poses[k] = random_pose(&random);
+	moving m = open_moving(poses, GI_SKY_ON);
+	gi_object wax = add_wax(m.gi, 1.5f);
+	assert_gi(gi_commit(m.gi));
+	harness_update(m.gi);
+	for (uint32_t step = 0; step < (harness_is_long() ? 200u : 12u); step++) {
+		change_something(&m, &wax, &random);
+		if (random_float(&random) < 0.5f)
+			assert_gi(gi_set_pose(m.gi, m.movers[step % MOVERS], random_pose(&random)));
+		gi_view view = gi_view_default();
+		const gi_budget budget = {.rays = 300 + step * 100,
+					  .view = random_float(&random) < 0.5f ? &view : NULL};
+		const bool part = random_float(&random) < 0.7f;
+		gi_report before, after, again;
+		assert_gi(gi_update(m.gi, part ? &budget : NULL));
+		assert_gi(gi_finish(m.gi));
+		assert_gi(gi_get_report(m.gi, &before));
+		snapshot first = snapshot_take(m.gi);
+		after = harness_update(m.gi);
+		snapshot updated = snapshot_take(m.gi);
+		const double bound =
+		    (double)before.solve_bound + (double)before.stale_bound + (double)after.solve_bound;
+		assert_true(snapshot_distance(&first, &updated) <= bound);
+		gi_invalidate(m.gi);
+		gi_reset_radiosity(m.gi);
+		again = harness_update(m.gi);
+		snapshot rebuilt = snapshot_take(m.gi);
+		snapshot_expect_same_rows(&updated, &rebuilt, "at random");
+		assert_true(snapshot_distance(&rebuilt, &updated) <=
+			    (double)after.solve_bound + (double)again.solve_bound);
+		snapshot_free(&first);
+		snapshot_free(&updated);
+		snapshot_free(&rebuilt);
+	}
+	gi_context_destroy(m.gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -607,7 +717,7 @@ int main(void)
 	    cmocka_unit_test(test_furnace),       cmocka_unit_test(test_shining_mirror),
 	    cmocka_unit_test(test_moves),         cmocka_unit_test(test_moves_under_sky),
 	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds),
-	    cmocka_unit_test(test_last_mirror),
+	    cmocka_unit_test(test_last_mirror),   cmocka_unit_test(test_random_changes),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
