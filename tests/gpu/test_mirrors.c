@@ -678,7 +678,7 @@ static void test_random_changes(void **state)
 	gi_object wax = add_wax(m.gi, 1.5f);
 	assert_gi(gi_commit(m.gi));
 	harness_update(m.gi);
-	for (uint32_t step = 0; step < (harness_is_long() ? 200u : 12u); step++) {
+	for (uint32_t step = 0; step < (harness_is_long() ? 60u : 12u); step++) {
 		change_something(&m, &wax, &random);
 		if (random_float(&random) < 0.5f)
 			assert_gi(gi_set_pose(m.gi, m.movers[step % MOVERS], random_pose(&random)));
@@ -706,6 +706,11 @@ static void test_random_changes(void **state)
 		snapshot_free(&first);
 		snapshot_free(&updated);
 		snapshot_free(&rebuilt);
+	}
+	if (harness_is_long()) {
+		assert_gi(gi_reload_shaders(m.gi));
+		harness_update(m.gi);
+		expect_rebuilt(m.gi, "after shaders were read again");
 	}
 	gi_context_destroy(m.gi);
 }
