@@ -37,12 +37,15 @@
 // r, w with all doubts of the precision it summed in (gather.glsl). Once R' rounds to R again r is what half a unit in
 // the last place makes of it, and more sweeps take nothing from the bound.
 //
-// No light from nothing. All rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 - rho);
-// likewise R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R there
-// whatever it steps to. The error of Jacobi's never grows, in no leaf beyond the largest there was. Chebyshev's may,
-// cut short or set up for a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a window
-// of its steps begins, comes back when the window fails or the sweeps of the frame end in a larger residual, and what
-// failed is remembered over frames.
+// A mirror or glass that shines or is not black counts twice in a row, with its own light and with what is seen in it:
+// such rows may sum to up to 2, and only what M u > 0 proves is known of M. R is then not bound by what follows.
+//
+// No light from nothing. All other rows sum to at most 1. Where B is largest, B <= E + rho B, so B <= max E / (1 -
+// rho); likewise R <= max s / (1 - rho); and R >= s. T maps what lies within these into itself, and the gather keeps R
+// there whatever it steps to. The error of Jacobi's never grows, in no leaf beyond the largest there was. Chebyshev's
+// may, cut short or set up for a narrower spectrum, and carried from rows to rows it would grow on: R is kept when a
+// window of its steps begins, comes back when the window fails or the sweeps of the frame end in a larger residual, and
+// what failed is remembered over frames.
 //
 // Where a solve begins. After the first sweep weigh.comp finds what of the span of 1, v and R before is nearest to the
 // solution. No sweep is lost: T is linear, and what it makes of the start follows from what it made of 1, v and R.

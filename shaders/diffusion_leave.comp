@@ -47,7 +47,9 @@ swept work_out(diffused d, dvec4 source, vec4 before, vec3 ceiling)
 	s.doubt.xyz += (6.0lf * ROUNDING + SUMMED) * source.xyz;
 	// Shares of clusters, as floats, may sum to a little more than 1.
 	s.row_sum = d.weight * (1.0lf + 1e-6lf);
-	s.gap = 1.0lf - s.row_sum;
+	// What arrives may be of rows that sum to up to 2.
+	s.row_sum *= frame.statics.z != 0u ? 2.0lf : 1.0lf;
+	s.gap = max(1.0lf - s.row_sum, dvec3(0.0lf));
 	return s;
 }
 

@@ -51,8 +51,10 @@ void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 		undrawn += light;
 }
 
-vec3 walk(uint leaf, uvec4 row)
+// heavy: the weights sum to more than 1.
+vec3 walk(uint leaf, uvec4 row, out bool heavy)
 {
+	heavy = false;
 	dvec3 sum = dvec3(0.0lf), undrawn = dvec3(0.0lf);
 	double weights = 0.0lf;
 	uint end = row.x + (row.y & GI_BLOCK_COUNT_MASK);
@@ -85,17 +87,26 @@ vec3 walk(uint leaf, uvec4 row)
 #endif
 	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
 	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);
-	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w =
-		float(max(1.0lf - weights - SUMMED, 0.0lf) * ROUNDED_DOWN);
+	double lacks = 1.0lf - weights - SUMMED;
+#ifdef SPECULAR
+	// Less than nothing, of a row that sees a mirror in its own light.
+	lacks *= lacks < 0.0lf ? 2.0lf - ROUNDED_DOWN : ROUNDED_DOWN;
+	heavy = weights > 1.0lf;
+#else
+	lacks = max(lacks, 0.0lf) * ROUNDED_DOWN;
+#endif
+	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w = float(lacks);
 	float area = load_rest(load_leaf(leaf).x).moment.w;
 	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn, area);
 	return emitted;
 }
 
-void report(uint leaf, vec3 emitted)
+void report(uint leaf, vec3 emitted, bool heavy)
 {
 	vec3 rho = load_material(load_leaf(leaf).z).rho.xyz, s = OUTWARD * rho * emitted,
 	     ceiling = OUTWARD * s / (1.0 - rho);
+	if (heavy)
+		ceiling = vec3(HUGE);
 	for (uint c = 0u; c < 3u; c++) {
 		atomicMax(found[c], floatBitsToUint(s[c]));
 		atomicMax(found[3u + c], floatBitsToUint(ceiling[c]));
@@ -121,7 +132,9 @@ void main()
 	if (leaf < frame.counts.x) {
 		uvec4 row = load_row(leaf);
 		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
-		report(leaf, stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row));
+		bool heavy = false;
+		vec3 emitted = stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row, heavy);
+		report(leaf, emitted, heavy);
 	}
 	barrier();
 	if (local == 0u)

@@ -79,7 +79,8 @@ swept work_out(gathered g, REAL lacks, REAL4 rho, REAL4 source, vec4 before, vec
 	s.doubt = s.arrived_doubt + REAL(4.0) * ROUNDING_OF_REAL * s.image + lost;
 	s.doubt.xyz += REAL(2.1 * ROUNDING) * source.xyz;
 	s.row_sum = rho.xyz * (REAL(1.0) - lacks) * (REAL(1.0) + REAL(4.0) * ROUNDING_OF_REAL);
-	s.gap = ((REAL(1.0) - rho.xyz) + rho.xyz * lacks) * (REAL(1.0) - REAL(4.0) * ROUNDING_OF_REAL);
+	REAL3 gap = (REAL(1.0) - rho.xyz) + rho.xyz * lacks;
+	s.gap = max(gap, REAL3(0.0)) * (REAL(1.0) - REAL(4.0) * ROUNDING_OF_REAL);
 	return s;
 }
 

@@ -200,21 +200,17 @@ GI_STRUCT(gi_material_data) {
  *   misc: TLAS nodes, large nodes, light vertices, 1 where the sky shines
  *   update: its number, first and end of the movers in the lists of objects, GI_UPDATE_ flags
  *   inner: first and end of a second TLAS, of the objects that may lie between two others; slot of a sky that does not
- *       shine;
- *          1 where flagged entries are marked
+ *          shine; 1 where flagged entries are marked
  *   limit: x rays an update may take, y tolerance on what a waiting row may be off by, of the largest light reflected
  *   budget: first and end of the emitting objects in the lists of objects (first > end: too many for a list), rows that
- *       an
- *            update may assess, the newest update that moved, lit or put out an object
+ *           an update may assess, the newest update that moved, lit or put out an object
  *   ceiling: largest E / (1 - rho) of rgb, which no B exceeds; largest 1 / (1 - rho)
  *
  *   swept: in the lists of objects, in fours of words, where what was swept begins; how many; the first slot that is a
- *       source, and
- *          that of the static objects as one, GI_NONE: there is none
+ *          source, and that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring
- *       what
- *            something emits; 0, 0
+ *            what something emits; 1 where rows may sum to more than 1 (specular_rows.h); 0
  *
  *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
  *   view_eye: where it is; of a parallel projection the way to it, w 0

@@ -4,6 +4,7 @@
 // solve's own bound. One thread a leaf.
 //
 // No row sums to more than 1, so the leaf whose solution is off most, by e, has e <= d + rho e: e <= max d / (1 - rho).
+// Where some may (frame.statics), e = M^-1 d <= max d * max M^-1 1, which the ceiling of v bounds.
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS
@@ -18,6 +19,8 @@ layout(location = 0) uniform uint stage;
 
 // More than the rounding of sums of a row's entries.
 const float OUTWARD = 1.0001;
+
+const float MOST = 3e38;
 
 float largest(vec3 v)
 {
@@ -37,8 +40,9 @@ void main()
 		// A share of weight leaves one place and comes to another.
 		float rho = largest(load_material(load_leaf(leaf).z).rho.xyz);
 		float went = uintBitsToFloat(state.budget.step_bits) + state.solve.bound;
-		float more = 2.0 * row.bound.w * went * rho;
+		float more = (frame.statics.z != 0u ? 4.0 : 2.0) * row.bound.w * went * rho;
 		float off = OUTWARD * (largest(row.bound.xyz) + more);
-		atomicMax(state.counts.stale_bits, floatBitsToUint(off / (1.0 - rho)));
+		float most = frame.statics.z != 0u ? min(off * min(frame.ceiling.w, MOST), MOST) : off / (1.0 - rho);
+		atomicMax(state.counts.stale_bits, floatBitsToUint(most));
 	}
 }

@@ -88,21 +88,28 @@ void go_on(uint leaf, inout gi_pending row, gi_material_data m, uint since)
 		atomicAdd(choices[row.key.x], row.key.y);
 }
 
-// The most that what emits nothing, or is seen in a mirror or through glass, is bright.
-vec3 dim_bound()
+// The most that things are bright: `dim` what emits nothing, or is seen in a mirror or through glass. Where such a one
+// has light of its own both count.
+void bounds_of_light(out vec3 dim, out vec3 all)
 {
-	vec3 dim = light_bound_of_all(GI_LIGHT_BOUND_OTHERS);
+	dim = light_bound_of_all(GI_LIGHT_BOUND_OTHERS);
+	all = light_bound_of_all(GI_LIGHT_BOUND_ALL);
 #ifdef SPECULAR
+	vec3 seen = frame.statics.y != 0u ? max(all, reflected_most()) : reflected_most();
+	if (frame.statics.z != 0u) {
+		dim += seen;
+		all += seen;
+	}
 	dim = max(dim, reflected_most());
 #endif
-	return dim;
 }
 
 void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 header)
 {
 	uint mine = load_leaf(leaf).y, since = header.z;
 	gi_node_geometry p = load_world(load_leaf(leaf).x);
-	vec3 dim = dim_bound(), all = light_bound_of_all(GI_LIGHT_BOUND_ALL);
+	vec3 dim, all;
+	bounds_of_light(dim, all);
 	shape receiver = shape_of(p, topology_range(load_leaf(leaf).x).w);
 	limits l = whole_row(received_by(leaf, m), dim, all, emitter_weight(leaf, receiver, mine, since));
 	row.bound = vec4(m.rho.xyz * max(l.rise, l.fall), 1.0);

@@ -17,6 +17,8 @@ bool may_be_seen(gi_node_geometry p)
 	    is_outside(w - frame.view_y, p) || is_outside(w, p))
 		return false;
 	vec3 to = frame.view_eye.xyz - frame.view_eye.w * p.sphere.xyz;
+	if (p.axis.w < 0.0)
+		return true; // it faces every way
 	float turn = p.axis.w >= 1.0 ? 0.0 : sqrt(max(0.0, 1.0 - p.axis.w * p.axis.w));
 	return dot(p.axis.xyz, to) > -(frame.view_eye.w * p.sphere.w + turn * length(to));
 }

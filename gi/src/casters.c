@@ -130,8 +130,8 @@ static bool share_spheres(const gi_scene *s, gi_casters *casters)
 }
 
 /* Flat surfaces are drawn where they are. Others: each drawn vertex lies so far from its leaf's middle, which is
- * inside; twice, because points are moved along their normals when they look for their shadows. */
-static double off_of(const object_record *o, bool flat)
+ * inside. */
+static double distance_of_drawn(const object_record *o, bool flat)
 {
 	double far = 0, outside = 0;
 	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
@@ -141,7 +141,34 @@ static double off_of(const object_record *o, bool flat)
 		far = fmax(far, d);
 		outside = fmax(outside, d - 1.001 * s.w);
 	}
-	return flat && outside <= 0 ? 0 : 2 * far;
+	return flat && outside <= 0 ? 0 : far;
+}
+
+/* Is anything drawn elsewhere than on the leaves' planes? */
+static bool is_drawn_elsewhere(const object_record *o)
+{
+	static const double SLACK = 1e-3;
+	bool elsewhere = false;
+	for (uint32_t k = 0; k < o->drawn.vertex_count && !elsewhere; k++) {
+		const gi_draw_vertex *v = &o->drawn.vertices[k];
+		const gi_node_geometry *g = &o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]];
+		const gi_vec3d from = gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(g->sphere));
+		elsewhere = fabs(gi_vec3d_dot(gi_vec3d_from(g->axis), from)) > SLACK * (double)g->sphere.w;
+	}
+	return elsewhere;
+}
+
+/* How far what is drawn reaches out of the box of the leaves. */
+static double beyond_box(const object_record *o)
+{
+	const float *lower = &o->hierarchy.lower.x, *upper = &o->hierarchy.upper.x;
+	double beyond = 0;
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++)
+		for (int axis = 0; axis < 3; axis++) {
+			const double at = o->drawn.vertices[k].position[axis];
+			beyond = fmax(beyond, fmax((double)lower[axis] - at, at - (double)upper[axis]));
+		}
+	return beyond;
 }
 
 /* All casters' triangles. */
@@ -180,20 +207,6 @@ static void add_drawn(const gi_drawn_surface *drawn, uint32_t slot, caster_mesh 
 		mesh->indices[mesh->index_count++] = base + drawn->indices[k];
 }
 
-/* Is something drawn that is not where its leaf is, farther than what rounding does? */
-static bool is_curved(const object_record *o)
-{
-	static const double flat = 0.01; /* of the leaf's radius */
-	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
-		const gi_draw_vertex *v = &o->drawn.vertices[k];
-		const gi_node_geometry *leaf = &o->hierarchy.geometry[o->hierarchy.leaf_node[v->leaf]];
-		const gi_vec3d to = gi_vec3d_sub(gi_vec3d_load(v->position), gi_vec3d_from(leaf->sphere));
-		if (fabs(gi_vec3d_dot(to, gi_vec3d_from(leaf->axis))) > flat * (double)leaf->sphere.w)
-			return true;
-	}
-	return false;
-}
-
 static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
 {
 	const gi_hierarchy *h = &o->hierarchy;
@@ -201,15 +214,19 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 	c->solid = h->closed && h->volume > 0;
 	c->range.first = mesh->index_count;
 	const uint32_t polygons = add_polygons(h, slot, mesh);
-	const bool drawn = fine && is_curved(o), many = drawn || polygons > WALL_POLYGONS;
-	if (drawn) {
+	const bool as_drawn = fine && is_drawn_elsewhere(o), many = as_drawn || polygons > WALL_POLYGONS;
+	if (as_drawn) {
 		c->solid = false; /* a detailed mesh may be open where its cage is not */
 		mesh->vertex_count = first_vertex;
 		mesh->index_count = c->range.first;
 		add_drawn(&o->drawn, slot, mesh);
 	}
 	c->range.count = mesh->index_count - c->range.first;
-	c->off = off_of(o, !many);
+	/* Twice: points are moved along their normals when they look for their shadows. */
+	const double far = distance_of_drawn(o, !many);
+	c->off = 2 * far;
+	c->outside = as_drawn ? far : 0;
+	c->outside_box = as_drawn ? beyond_box(o) : 0;
 	return many || add_walls(h, c, polygons);
 }
 
@@ -265,14 +282,15 @@ void casters_free(gi_context *gi, gi_casters *casters)
 /* ---- what can hide something ---- */
 
 /* Corners of the rest box, in the world: a tighter hull than the world's box of a turned object. */
-static void place_box(const gi_object_data *d, gi_vec3d box[8])
+static void place_box(const gi_object_data *d, double outside, gi_vec3d box[8])
 {
-	const float *lower = &d->lower.x, *upper = &d->upper.x;
-	for (int k = 0; k < 8; k++) {
-		const gi_vec3d p = {k & 1 ? upper[0] : lower[0], k & 2 ? upper[1] : lower[1],
-				    k & 4 ? upper[2] : lower[2]};
-		box[k] = gi_point_to_world(d, p);
+	double ends[2][3];
+	for (int axis = 0; axis < 3; axis++) {
+		ends[0][axis] = (&d->lower.x)[axis] - outside;
+		ends[1][axis] = (&d->upper.x)[axis] + outside;
 	}
+	for (int k = 0; k < 8; k++)
+		box[k] = gi_point_to_world(d, (gi_vec3d){ends[k & 1][0], ends[k >> 1 & 1][1], ends[k >> 2][2]});
 }
 
 /* Does the whole scene lie on the front of the polygon's plane? Then it comes between no two points. */
@@ -328,7 +346,7 @@ bool casters_place(const gi_context *gi, gi_casters *casters)
 	uint32_t count = 0;
 	bool ok = true;
 	for (uint32_t slot = 0; slot < casters->count; slot++)
-		place_box(&gi->scene.object_data[slot], casters->list[slot].box);
+		place_box(&gi->scene.object_data[slot], casters->list[slot].outside_box, casters->list[slot].box);
 	for (uint32_t slot = 0; ok && slot < casters->count; slot++) {
 		gi_caster *c = &casters->list[slot];
 		c->first_range = count;

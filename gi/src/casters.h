@@ -24,6 +24,8 @@ typedef struct gi_caster {
 	uint32_t sphere_count;
 	gi_vec4 *spheres;                /* hold all of the surface; rest frame, w radius */
 	double off;                      /* what is drawn lies at most this far outside of them */
+	double outside;                  /* and what casts of them */
+	double outside_box;              /* and of the object's box at rest */
 	uint32_t first_range, end_range; /* that can hide something */
 	gi_vec3d box[8];                 /* world */
 } gi_caster;

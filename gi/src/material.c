@@ -45,6 +45,11 @@ bool material_is_smooth(const gi_specular *s)
 	return material_is_mirror(s) || material_is_glass(s);
 }
 
+bool material_is_mixed(const gi_material *m, const gi_specular *s)
+{
+	return s && material_is_smooth(s) && (!is_black(m->rho) || material_emits(m));
+}
+
 /* What is wrong with it, or NULL. */
 static const char *fault_of(const gi_specular *s, const gi_material *m)
 {

@@ -18,5 +18,7 @@ bool material_specular_is_valid(const gi_log *log, const gi_specular *specular, 
 bool material_is_mirror(const gi_specular *specular);
 bool material_is_smooth(const gi_specular *specular);
 bool material_is_glass(const gi_specular *specular);
+/* A mirror or glass that shines or is not black: what is seen in it adds to its own light. specular may be NULL. */
+bool material_is_mixed(const gi_material *material, const gi_specular *specular);
 
 #endif

@@ -411,11 +411,11 @@ void rows_plan_upload_frame(gi_context *gi, const rows_plan *p, const gi_budget 
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
-	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), 0, 0},
+	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), specular_rows_are_heavy(gi), 0},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;
-	gi->frame.update.w |= s->translucent_leaves ? GI_UPDATE_BY_ROWS : 0;
+	gi->frame.update.w |= s->translucent_leaves || gi->specular_rows ? GI_UPDATE_BY_ROWS : 0;
 	if (p->part) {
 		gi->frame.update.w |= GI_UPDATE_PART;
 		gi->frame.budget = (gi_uvec4){p->first_emitter, p->end_emitter, 0, newest_change(gi)};

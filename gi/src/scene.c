@@ -60,13 +60,23 @@ static void set_flags(uint32_t *flags, bool emits, uint32_t steps, uint32_t smoo
 		*flags |= GI_NODE_EMITTER | steps << GI_NODE_FINER_SHIFT;
 }
 
-static void include_ceiling(gi_vec4 *ceiling, const gi_material *m)
+/* What a leaf gives off over what it keeps: of mirrors and glass that shine or are not black, what is seen in them adds
+ * to their own light. INFINITY: they keep nothing. */
+static float most_of(double light, double rho, double passed)
+{
+	static const double ROUNDED = 1e-6;
+	const double left = passed > 0 ? 1 - rho - passed - ROUNDED : 1 - rho;
+	return !(light > 0) ? 0 : left > 0 ? nextafterf((float)(light / left), INFINITY) : INFINITY;
+}
+
+static void include_ceiling(gi_vec4 *ceiling, const gi_material *m, const gi_specular *s)
 {
 	float *most[] = {&ceiling->x, &ceiling->y, &ceiling->z};
+	const bool mixed = material_is_mixed(m, s);
 	for (int c = 0; c < 3; c++) {
-		const double left = 1 - (double)m->rho[c];
-		*most[c] = fmaxf(*most[c], nextafterf((float)(m->exitance[c] / left), INFINITY));
-		ceiling->w = fmaxf(ceiling->w, nextafterf((float)(1 / left), INFINITY));
+		const double passed = mixed ? fmax(s->reflectance[c], s->transmittance[c]) : 0;
+		*most[c] = fmaxf(*most[c], most_of(m->exitance[c], m->rho[c], passed));
+		ceiling->w = fmaxf(ceiling->w, most_of(1, m->rho[c], passed));
 	}
 }
 
@@ -79,7 +89,8 @@ void scene_update_exitance(gi_context *gi, object_record *o)
 	const bool seen = object_is_seen(o);
 	o->ceiling = (gi_vec4){0};
 	for (uint32_t leaf = 0; seen && leaf < h->leaf_count; leaf++)
-		include_ceiling(&o->ceiling, &o->materials[h->leaf_material[leaf]]);
+		include_ceiling(&o->ceiling, &o->materials[h->leaf_material[leaf]],
+				o->specular ? &o->specular[h->leaf_material[leaf]] : NULL);
 	for (uint32_t n = 0; n < h->node_count; n++) {
 		const gi_uvec4 range = h->topology[n].range;
 		double sum[4] = {0}, area = 0;

@@ -93,7 +93,7 @@ static void mask_caster(const gi_caster *c, const gi_object_data *d, const lamp_
 	for (uint32_t k = 0; k < c->sphere_count && !c->wall_count; k++) {
 		const gi_vec4 s = c->spheres[k];
 		occluder_box box = no_box();
-		grow_box(&box, lamp_view_point(view, gi_point_to_world(d, gi_vec3d_from(s))), s.w);
+		grow_box(&box, lamp_view_point(view, gi_point_to_world(d, gi_vec3d_from(s))), (double)s.w + c->outside);
 		occluder_mask_add(mask, &box);
 	}
 	for (uint32_t k = 0; k < c->wall_count; k++) {

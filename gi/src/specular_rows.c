@@ -93,6 +93,17 @@ bool specular_rows_bring_exitance(const gi_context *gi)
 	return gi->specular_rows && (sky_is_lit(&gi->def) || !gi->def.caustic_photons);
 }
 
+bool specular_rows_are_heavy(const gi_context *gi)
+{
+	bool mixed = false;
+	for (uint32_t k = 0; gi->specular_rows && k < gi->scene.object_count; k++) {
+		const object_record *o = &gi->scene.objects[k];
+		for (uint32_t m = 0; o->committed && o->specular && m < o->material_count; m++)
+			mixed = mixed || material_is_mixed(&o->materials[m], &o->specular[m]);
+	}
+	return mixed;
+}
+
 void specular_rows_free(gi_context *gi)
 {
 	gi_specular_rows *owner = gi->specular_rows;

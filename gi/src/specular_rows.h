@@ -27,6 +27,9 @@ void specular_rows_done(gi_context *gi, bool part);
 /* May links through mirrors and glass bring what something emits, the sky's light or, where there are no photons, that
  * of any emitter? */
 bool specular_rows_bring_exitance(const gi_context *gi);
+/* May rows sum to more than 1, up to 2: where a mirror or glass shines or is not black, what it gives off and what is
+ * seen in it count both? */
+bool specular_rows_are_heavy(const gi_context *gi);
 void specular_rows_free(gi_context *gi);
 
 #endif

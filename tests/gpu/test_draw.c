@@ -397,6 +397,70 @@ static void test_empty_scene(void **state)
 	gi_context_destroy(gi);
 }
 
+/* The shadow of a ball about (0.2, 1, 0.1): of its own leaves, or of what is drawn about a smaller cage. */
+static void draw_ball_shadow(float cage_radius, uint32_t cage_faces, float drawn_radius, target *t)
+{
+	gi_context_def context_def = harness_def();
+	context_def.fine_shadows = drawn_radius > cage_radius;
+	gi_context *gi = harness_context(&context_def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 1);
+	engine_mesh cage, drawn;
+	assert_true(shape_sphere(cage_radius, cage_faces, &cage) && shape_sphere(drawn_radius, 6, &drawn));
+	uint32_t *triangles = calloc(drawn.index_count, 2 * sizeof *triangles), count = 0;
+	assert_non_null(triangles);
+	for (uint32_t k = 0; k < drawn.index_count; k += 4)
+		for (uint32_t c = 0; c < 6; c++)
+			triangles[count++] = drawn.indices[k + (uint32_t[]){0, 1, 2, 0, 2, 3}[c]];
+	gi_object_def def = scene_mesh_def(&cage);
+	def.pose.position[0] = 0.2f;
+	def.pose.position[1] = 1;
+	def.pose.position[2] = 0.1f;
+	if (context_def.fine_shadows) {
+		def.draw_positions = drawn.positions;
+		def.draw_vertex_count = drawn.vertex_count;
+		def.draw_indices = triangles;
+		def.draw_index_count = count;
+	}
+	gi_object ball;
+	assert_gi(gi_create_object(gi, &def, &ball));
+	free(triangles);
+	engine_mesh_free(&cage);
+	engine_mesh_free(&drawn);
+	commit(gi);
+	gi_view view = look_down(2, 5);
+	view.mode = GI_MODE_DIRECT;
+	view.clip_from_view[10] = -1 / 0.4f; /* from under the ball */
+	draw(gi, t, &view);
+	gi_context_destroy(gi);
+}
+
+/* What is drawn may lie outside of the leaves: all of it casts a shadow. */
+static void test_fine_shadow(void **state)
+{
+	(void)state;
+	harness_require_context();
+	target t = make_target();
+	float *leaves = calloc(SIZE * SIZE, 4 * sizeof *leaves);
+	assert_non_null(leaves);
+	draw_ball_shadow(0.5f, 6, 0.5f, &t);
+	memcpy(leaves, t.pixels, 4 * sizeof *leaves * SIZE * SIZE);
+	for (uint32_t faces = 2; faces <= 6; faces += 4) {
+		draw_ball_shadow(0.3f, faces, 0.5f, &t);
+		double squares = 0, brightest = 0;
+		for (int k = 0; k < SIZE * SIZE; k++) {
+			const double off = (double)t.pixels[4 * k] - (double)leaves[4 * k];
+			squares += off * off;
+			brightest = fmax(brightest, leaves[4 * k]);
+		}
+		const double rms = sqrt(squares / (SIZE * SIZE));
+		printf("shadow of what is drawn: off by %.4f of the brightest pixel (RMS)\n", rms / brightest);
+		assert_true(rms < 0.005 * brightest);
+	}
+	free(leaves);
+	free_target(&t);
+}
+
 static void test_rest_draws_no_shadows(void **state)
 {
 	(void)state;
@@ -710,6 +774,7 @@ int main(void)
 	    cmocka_unit_test(test_fine_shadows),
 	    cmocka_unit_test(test_modes_add_up),
 	    cmocka_unit_test(test_empty_scene),
+	    cmocka_unit_test(test_fine_shadow),
 	    cmocka_unit_test(test_rest_draws_no_shadows),
 	    cmocka_unit_test(test_lamps_beyond_the_cap),
 	    cmocka_unit_test(test_mirror),

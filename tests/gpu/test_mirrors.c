@@ -349,6 +349,51 @@ static void test_furnace(void **state)
 	check_furnace(&(gi_specular){.transmittance = {1, 1, 1}, .index = 1.5f});
 }
 
+/* A room and a ball that shine and are grey, the ball a mirror besides: what it gives and what it reflects together are
+ * more than any surface gives. */
+static void test_shining_mirror(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const float half[3] = {0.5f, 0.5f, 0.5f};
+	gi_context *gi = open_room(0.05f, 65536);
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){0, 0, 0}, (const float[]){2, 2, 2}, 6, true, &mesh));
+	const gi_object room = add(gi, "room", &mesh, half, half),
+			ball = add_ball(gi, "ball", &(gi_specular){.reflectance = {0.5f, 0.5f, 0.5f}});
+	assert_gi(
+	    gi_set_material(gi, ball, 0, (gi_material){.rho = {0.5f, 0.5f, 0.5f}, .exitance = {0.5f, 0.5f, 0.5f}}));
+	assert_gi(gi_set_pose(gi, ball, (gi_pose){.position = {1.2f, 1, 0.45f}, .rotation = {0, 0, 0, 1}}));
+	assert_gi(gi_commit(gi));
+	const gi_report report = harness_update(gi);
+	uint32_t count;
+	gi_leaf *leaves = read_leaves(gi, &count);
+	float *paths = calloc(3 * (size_t)count + 1, sizeof *paths);
+	assert_non_null(paths);
+	assert_gi(gi_trace_paths(gi, &(gi_path_options){.paths = 1024}, paths, count, &count));
+	double squared = 0, square = 0, largest = 0, true_largest = 0, stray = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		const gi_leaf *l = &leaves[k];
+		if (l->object.index1 != room.index1)
+			continue;
+		const double b = l->radiosity[0], wanted = 0.5 + 0.5 * paths[3 * k];
+		squared += l->area * (b - wanted) * (b - wanted);
+		square += l->area * wanted * wanted;
+		largest = fmax(largest, b);
+		true_largest = fmax(true_largest, wanted);
+		stray = fmax(stray, fabs(0.5 + 0.5 * (double)l->irradiance[0] - b));
+	}
+	printf("a mirror that shines: RMS of B %.2f %%, largest %.3f for %.3f, B - T B %.2g with the bound %.2g, "
+	       "outcome %d\n",
+	       100 * sqrt(squared / square), largest, true_largest, stray, (double)report.solve_bound,
+	       (int)report.outcome);
+	assert_true(sqrt(squared / square) < 0.03);
+	assert_true(stray <= 2 * (double)report.solve_bound + 1e-5);
+	free(paths);
+	free(leaves);
+	gi_context_destroy(gi);
+}
+
 /* ---- what moves ---- */
 
 enum { MOVERS = 3, FRAMES = 10 };
@@ -489,15 +534,14 @@ static void test_other_changes(void **state)
 }
 
 /* What waiting rows leave B off by is certified, though anything may have come into sight of a mirror. */
-static void test_bounds(void **state)
+static void check_bounds(const gi_material *ball)
 {
-	(void)state;
-	harness_require_context();
 	uint32_t random = 23, waited = 0;
 	gi_pose poses[MOVERS];
 	for (int k = 0; k < MOVERS; k++)
 		poses[k] = random_pose(&random);
 	moving m = open_moving(poses, GI_SKY_OFF);
+	assert_gi(gi_set_material(m.gi, m.movers[0], 0, *ball));
 	harness_update(m.gi);
 	for (uint32_t frame = 0; frame < (harness_is_long() ? 60u : 6u); frame++) {
 		gi_report before, after;
@@ -517,6 +561,14 @@ static void test_bounds(void **state)
 	}
 	assert_true(waited > 0);
 	gi_context_destroy(m.gi);
+}
+
+static void test_bounds(void **state)
+{
+	(void)state;
+	harness_require_context();
+	check_bounds(&(gi_material){.rho = {0}});
+	check_bounds(&(gi_material){.rho = {0.05f, 0.1f, 0.4f}, .exitance = {2, 1, 1}});
 }
 
 /* Behind the last mirror rows are those of a scene that never had one. */
@@ -548,13 +600,129 @@ static void test_last_mirror(void **state)
 	gi_context_destroy(m.gi);
 }
 
+/* ---- all of it together ---- */
+
+static gi_object add_wax(gi_context *gi, float x)
+{
+	static const gi_subsurface wax = {{14, 6, 30}, {.2f, .3f, 2}, 1.4f};
+	engine_mesh mesh;
+	assert_true(shape_sphere(0.3f, 4, &mesh));
+	gi_object_def def = scene_mesh_def(&mesh);
+	def.name = "wax";
+	def.subsurface = &wax;
+	def.pose.position[0] = x;
+	def.pose.position[1] = 0.4f;
+	def.pose.position[2] = 1.6f;
+	gi_object out;
+	assert_gi(gi_create_object(gi, &def, &out));
+	engine_mesh_free(&mesh);
+	return out;
+}
+
+/* Makes one of the changes that a host may make, at random. */
+static void change_something(moving *m, gi_object *wax, uint32_t *random)
+{
+	const uint32_t what = (uint32_t)(random_float(random) * 10);
+	const float grey = 0.3f * random_float(random);
+	switch (what) {
+	case 0:
+		assert_gi(gi_set_specular(m->gi, m->movers[2], 0, (gi_specular){.reflectance = {0.2f, 0.3f, 0.1f}}));
+		break;
+	case 1:
+		assert_gi(gi_set_specular(m->gi, m->movers[2], 0, (gi_specular){0}));
+		break;
+	case 2:
+		assert_gi(gi_set_hidden(m->gi, m->movers[0], random_float(random) < 0.5f));
+		assert_gi(gi_set_hidden(m->gi, m->movers[1], random_float(random) < 0.5f));
+		break;
+	case 3:
+		gi_destroy_object(m->gi, *wax);
+		assert_gi(gi_commit(m->gi));
+		*wax = add_wax(m->gi, 0.5f);
+		break;
+	case 4:
+		assert_gi(gi_commit(m->gi));
+		break;
+	case 5:
+		gi_destroy_object(m->gi, m->movers[0]);
+		m->movers[0] = add_ball(m->gi, "another mirror", &MIRROR);
+		assert_gi(gi_set_pose(m->gi, m->movers[0], random_pose(random)));
+		assert_gi(gi_set_mobility(m->gi, m->movers[0], GI_MOBILITY_STATIC));
+		assert_gi(gi_commit(m->gi));
+		break;
+	case 6:
+		assert_gi(gi_set_material(m->gi, m->movers[1], 0,
+					  (gi_material){.rho = {grey / 3, grey / 3, 0}, .exitance = {grey, 0, 0}}));
+		break;
+	case 7:
+		assert_gi(gi_set_sky(m->gi, GI_SKY_ON, (float[]){grey < 0.15f ? 0 : grey, 0, 0}));
+		break;
+	case 8:
+		assert_gi(gi_set_pixel_lamps(m->gi, grey < 0.15f ? 0 : 4));
+		assert_gi(gi_set_hidden(m->gi, *wax, grey < 0.15f));
+		break;
+	default:
+		gi_invalidate(m->gi);
+	}
+}
+
+static void test_random_changes(void **state)
+{
+	(void)state;
+	harness_require_context();
+	uint32_t random = 5;
+	gi_pose poses[MOVERS];
+	for (int k = 0; k < MOVERS; k++)
+		poses[k] = random_pose(&random);
+	moving m = open_moving(poses, GI_SKY_ON);
+	gi_object wax = add_wax(m.gi, 1.5f);
+	assert_gi(gi_commit(m.gi));
+	harness_update(m.gi);
+	for (uint32_t step = 0; step < (harness_is_long() ? 60u : 12u); step++) {
+		change_something(&m, &wax, &random);
+		if (random_float(&random) < 0.5f)
+			assert_gi(gi_set_pose(m.gi, m.movers[step % MOVERS], random_pose(&random)));
+		gi_view view = gi_view_default();
+		const gi_budget budget = {.rays = 300 + step * 100,
+					  .view = random_float(&random) < 0.5f ? &view : NULL};
+		const bool part = random_float(&random) < 0.7f;
+		gi_report before, after, again;
+		assert_gi(gi_update(m.gi, part ? &budget : NULL));
+		assert_gi(gi_finish(m.gi));
+		assert_gi(gi_get_report(m.gi, &before));
+		snapshot first = snapshot_take(m.gi);
+		after = harness_update(m.gi);
+		snapshot updated = snapshot_take(m.gi);
+		const double bound =
+		    (double)before.solve_bound + (double)before.stale_bound + (double)after.solve_bound;
+		assert_true(snapshot_distance(&first, &updated) <= bound);
+		gi_invalidate(m.gi);
+		gi_reset_radiosity(m.gi);
+		again = harness_update(m.gi);
+		snapshot rebuilt = snapshot_take(m.gi);
+		snapshot_expect_same_rows(&updated, &rebuilt, "at random");
+		assert_true(snapshot_distance(&rebuilt, &updated) <=
+			    (double)after.solve_bound + (double)again.solve_bound);
+		snapshot_free(&first);
+		snapshot_free(&updated);
+		snapshot_free(&rebuilt);
+	}
+	if (harness_is_long()) {
+		assert_gi(gi_reload_shaders(m.gi));
+		harness_update(m.gi);
+		expect_rebuilt(m.gi, "after shaders were read again");
+	}
+	gi_context_destroy(m.gi);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_doubled_room),    cmocka_unit_test(test_cornell_box),
-	    cmocka_unit_test(test_furnace),         cmocka_unit_test(test_moves),
-	    cmocka_unit_test(test_moves_under_sky), cmocka_unit_test(test_other_changes),
-	    cmocka_unit_test(test_bounds),          cmocka_unit_test(test_last_mirror),
+	    cmocka_unit_test(test_doubled_room),  cmocka_unit_test(test_cornell_box),
+	    cmocka_unit_test(test_furnace),       cmocka_unit_test(test_shining_mirror),
+	    cmocka_unit_test(test_moves),         cmocka_unit_test(test_moves_under_sky),
+	    cmocka_unit_test(test_other_changes), cmocka_unit_test(test_bounds),
+	    cmocka_unit_test(test_last_mirror),   cmocka_unit_test(test_random_changes),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
