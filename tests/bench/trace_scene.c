@@ -97,7 +97,8 @@ trace_object *trace_scene_add_mesh(trace_scene *scene, const engine_mesh *triang
 
 void trace_object_set_pose(trace_object *object, gi_pose pose)
 {
-	glm_quat_mat4(pose.rotation, object->world);
+	versor rotation = {pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]}; /* aligned */
+	glm_quat_mat4(rotation, object->world);
 	glm_vec3_copy(pose.position, object->world[3]);
 }
 
