@@ -2,11 +2,7 @@
 // A sweep's end at translucent objects: T R_i = s_i + sum_j S_ij * (what arrives at j), channel by channel, in double
 // precision, with v = 1 + the largest of the three. The same bounds hold as of other leaves (check.comp), for S and the
 // rows together are one matrix without negative entries whose rows sum to less than 1. One thread a leaf of theirs.
-#define REAL double
-#define REAL3 dvec3
-#define REAL4 dvec4
-#define ROUNDING_OF_REAL 1.1102230246251565e-16lf
-#define SLACK_OF_REAL 1e-12lf
+#include "double.glsl"
 #define READ_FRAME
 #define READ_LEAVES
 #define READ_MATERIALS

@@ -1,8 +1,4 @@
 #version 450 core
-// The gather in single precision. Sums of n links are off by n 2^-24 at most.
-#define REAL float
-#define REAL3 vec3
-#define REAL4 vec4
-#define ROUNDING_OF_REAL float(ROUNDING)
-#define SLACK_OF_REAL 1e-6
+// The gather in single precision.
+#include "single.glsl"
 #include "gather.glsl"

@@ -1,9 +1,5 @@
 #version 450 core
 // The gather in single precision, of a scene in which light is scattered below surfaces.
 #define TRANSLUCENT
-#define REAL float
-#define REAL3 vec3
-#define REAL4 vec4
-#define ROUNDING_OF_REAL float(ROUNDING)
-#define SLACK_OF_REAL 1e-6
+#include "single.glsl"
 #include "gather.glsl"

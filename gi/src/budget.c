@@ -265,12 +265,12 @@ void budget_bound(gi_context *gi)
 
 void budget_free(gi_context *gi)
 {
-	gi_budget_state *r = &gi->budget;
-	gi_budget_state *owner = r;
+	gi_budget_state *owner = &gi->budget;
 	BUDGET_BUFFERS(BUFFER_FREE)
-	uint32_t *programs[] = {&r->light_bounds_program, &r->survey_program, &r->assess_program, &r->choose_program,
-				&r->enlist_program,       &r->stale_program,  &r->lend_program};
+	uint32_t *programs[] = {&owner->light_bounds_program, &owner->survey_program, &owner->assess_program,
+				&owner->choose_program,       &owner->enlist_program, &owner->stale_program,
+				&owner->lend_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
-	gpu_timer_free(&gi->gpu, &r->assess_timer);
+	gpu_timer_free(&gi->gpu, &owner->assess_timer);
 }

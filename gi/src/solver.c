@@ -195,20 +195,17 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHT]);
 }
 
-void solver_forget(gi_solver *s)
+void solver_forget(gi_solver *owner)
 {
-	gi_solver *owner = s;
 	SOLVER_BUFFERS(BUFFER_FORGET)
 }
 
-void solver_release(gi_context *gi, gi_solver *s)
+void solver_release(gi_context *gi, gi_solver *owner)
 {
-	gi_solver *owner = s;
 	SOLVER_BUFFERS(BUFFER_FREE)
 }
 
-void solver_retire(gi_context *gi, gi_solver *s)
+void solver_retire(gi_context *gi, gi_solver *owner)
 {
-	gi_solver *owner = s;
 	SOLVER_BUFFERS(BUFFER_RETIRE)
 }
