@@ -2,6 +2,7 @@
 #ifndef TESTS_BENCH_BENCH_FRAMES_H
 #define TESTS_BENCH_BENCH_FRAMES_H
 
+#include "bench_leaves.h"
 #include "bench_scene.h"
 #include "scenes/scenes.h"
 
@@ -27,15 +28,5 @@ void bench_rate(const bench_run *run);
  * milliseconds; after it is known what things take, and without a picture. */
 void bench_budget_head(void);
 void bench_budget(engine_context *context, const scene_kind *kind, float ms, uint32_t frames);
-
-/* How far B is from that of an exact update of the same poses. */
-typedef struct bench_distance {
-	double most;    /* W/m2, of any leaf and channel */
-	double percent; /* area-weighted RMS, of the RMS of B - E */
-} bench_distance;
-
-/* Leaves of two contexts with the same scene, or of one at two times. The caller frees what bench_leaves returns. */
-gi_leaf *bench_leaves(gi_context *gi, uint32_t *count);
-bench_distance bench_leaves_distance(const gi_leaf *leaves, const gi_leaf *exact, uint32_t count);
 
 #endif

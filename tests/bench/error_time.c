@@ -5,6 +5,7 @@
  * exactly. All errors are of the irradiance of the same leaves at the same pose, the last one of the moving frames.
  * Prints figures, never passes or fails on one.
  */
+#include "bench_leaves.h"
 #include "bench_options.h"
 #include "bench_scene.h"
 #include "error_table.h"
@@ -105,14 +106,6 @@ static gi_report report_of(gi_context *gi)
 	return report;
 }
 
-static gi_leaf *read_leaves(gi_context *gi, uint32_t *count)
-{
-	check(gi_read_leaves(gi, NULL, 0, count));
-	gi_leaf *leaves = allocate(*count, sizeof *leaves);
-	check(gi_read_leaves(gi, leaves, *count, count));
-	return leaves;
-}
-
 /* ---- records ---- */
 
 static error_record measure(const session *s, const double *h, const char *method, double setting, double ms)
@@ -149,7 +142,7 @@ static void say(const error_record *r, const char *what)
 static void add_engine(session *s, gi_context *gi, const char *method, double setting, double ms, error_phase phase)
 {
 	uint32_t count;
-	gi_leaf *leaves = read_leaves(gi, &count);
+	gi_leaf *leaves = bench_leaves(gi, &count);
 	double *h = allocate(3 * (size_t)count, sizeof *h);
 	leaf_irradiance(leaves, count, h);
 	error_record r = measure(s, h, method, setting, ms);
@@ -383,7 +376,7 @@ static void find_truth(session *s)
 	gi_context *gi = open_gi(s, 0.5f, 0, &mover);
 	check(gi_set_pose(gi, mover, s->kind->pose(LAST_POSE)));
 	advance(gi, &frame_kinds[0]);
-	gi_leaf *leaves = read_leaves(gi, &s->leaf_count);
+	gi_leaf *leaves = bench_leaves(gi, &s->leaf_count);
 	gi_context_destroy(gi);
 	if (!leaf_scene_make(leaves, s->leaf_count, &s->leaves))
 		fail("out of memory");

@@ -5,6 +5,7 @@
  * picture's, that of the scene the RMS of B - E over all leaves by area likewise: what the camera gains, others may
  * lose.
  */
+#include "bench_leaves.h"
 #include "bench_options.h"
 #include "bench_scene.h"
 #include "scale_world.h"
@@ -121,29 +122,14 @@ static double picture_error(const show *s, const run *r)
 	return 100 * sqrt(off / all);
 }
 
-static gi_leaf *read_leaves(gi_context *gi, uint32_t *count)
-{
-	check(gi_read_leaves(gi, NULL, 0, count));
-	gi_leaf *leaves = allocate(*count, sizeof *leaves);
-	check(gi_read_leaves(gi, leaves, *count, count));
-	return leaves;
-}
-
 static double scene_error(const show *s, const run *r)
 {
 	uint32_t count;
-	gi_leaf *exact = read_leaves(s->runs[EXACT].gi, &count), *mine = read_leaves(r->gi, &count);
-	double off = 0, all = 0;
-	for (uint32_t k = 0; k < count; k++)
-		for (int c = 0; c < 3; c++) {
-			const double d = (double)mine[k].radiosity[c] - (double)exact[k].radiosity[c],
-				     reflected = (double)exact[k].radiosity[c] - (double)exact[k].exitance[c];
-			off += (double)exact[k].area * d * d;
-			all += (double)exact[k].area * reflected * reflected;
-		}
+	gi_leaf *exact = bench_leaves(s->runs[EXACT].gi, &count), *mine = bench_leaves(r->gi, &count);
+	const double off = bench_leaves_distance(mine, exact, count).percent;
 	free(exact);
 	free(mine);
-	return 100 * sqrt(off / all);
+	return off;
 }
 
 static void step(show *s, uint32_t frame)

@@ -445,6 +445,14 @@ static gi_pose random_pose(uint32_t *state)
 	return pose;
 }
 
+static moving open_at_random(uint32_t *random, gi_sky sky)
+{
+	gi_pose poses[MOVERS];
+	for (int k = 0; k < MOVERS; k++)
+		poses[k] = random_pose(random);
+	return open_moving(poses, sky);
+}
+
 static uint64_t count_specular(const snapshot *s)
 {
 	uint64_t count = 0;
@@ -509,10 +517,7 @@ static void test_other_changes(void **state)
 	(void)state;
 	harness_require_context();
 	uint32_t random = 3;
-	gi_pose poses[MOVERS];
-	for (int k = 0; k < MOVERS; k++)
-		poses[k] = random_pose(&random);
-	moving m = open_moving(poses, GI_SKY_OFF);
+	moving m = open_at_random(&random, GI_SKY_OFF);
 	harness_update(m.gi);
 	assert_gi(gi_set_specular(m.gi, m.movers[0], 0, (gi_specular){.reflectance = {0.3f, 0.9f, 0.9f}}));
 	harness_update(m.gi);
@@ -537,10 +542,7 @@ static void test_other_changes(void **state)
 static void check_bounds(const gi_material *ball)
 {
 	uint32_t random = 23, waited = 0;
-	gi_pose poses[MOVERS];
-	for (int k = 0; k < MOVERS; k++)
-		poses[k] = random_pose(&random);
-	moving m = open_moving(poses, GI_SKY_OFF);
+	moving m = open_at_random(&random, GI_SKY_OFF);
 	assert_gi(gi_set_material(m.gi, m.movers[0], 0, *ball));
 	harness_update(m.gi);
 	for (uint32_t frame = 0; frame < (harness_is_long() ? 60u : 6u); frame++) {
@@ -577,10 +579,7 @@ static void test_last_mirror(void **state)
 	(void)state;
 	harness_require_context();
 	uint32_t random = 3;
-	gi_pose poses[MOVERS];
-	for (int k = 0; k < MOVERS; k++)
-		poses[k] = random_pose(&random);
-	moving m = open_moving(poses, GI_SKY_OFF);
+	moving m = open_at_random(&random, GI_SKY_OFF);
 	harness_update(m.gi);
 	assert_gi(gi_set_hidden(m.gi, m.movers[0], true));
 	gi_destroy_object(m.gi, m.movers[1]);
@@ -671,10 +670,7 @@ static void test_random_changes(void **state)
 	(void)state;
 	harness_require_context();
 	uint32_t random = 5;
-	gi_pose poses[MOVERS];
-	for (int k = 0; k < MOVERS; k++)
-		poses[k] = random_pose(&random);
-	moving m = open_moving(poses, GI_SKY_ON);
+	moving m = open_at_random(&random, GI_SKY_ON);
 	gi_object wax = add_wax(m.gi, 1.5f);
 	assert_gi(gi_commit(m.gi));
 	harness_update(m.gi);
