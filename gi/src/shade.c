@@ -215,7 +215,7 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
 static program surface_program(const gi_context *gi)
@@ -433,7 +433,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
