@@ -247,6 +247,7 @@ gi_result commit_objects(gi_context *gi)
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
 	diffusion_invalidate(gi);
+	gi->layout++;
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;

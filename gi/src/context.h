@@ -51,6 +51,7 @@ struct gi_context {
 	uint64_t wanted;    /* how many elements the pool lacked */
 	bool wanted_all;    /* all rows were counted, so a pool larger by that holds them */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
+	uint32_t layout;        /* of buffers and numbers: other ones with every commit */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number; /* of gi_draw calls */

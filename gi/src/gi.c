@@ -606,13 +606,3 @@ gi_result gi_commit(gi_context *gi)
 	gi_memory_from(before);
 	return result;
 }
-
-gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)
-{
-	if (!gi || !out)
-		return gi_fail_null(gi, "gi_get_buffers: out");
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_get_buffers()");
-	*out = (gi_buffers){gi->solver.leaf_radiosity.name, gi->solver.leaf_indirect.name, gi->solver.light.name};
-	return GI_OK;
-}
