@@ -30,18 +30,19 @@ static gi_result add_square(gi_context *gi, float half, float y, float z, gi_mat
 }
 static void draw(uint32_t first_light)
 {
-	const char *const fragment = "#version 450\nin vec3 shown; out vec4 c; void main() { c = shown.xyzz; }";
-	const char *const vertex[3] = {
+	const char *const text[4] = {
 	    "#version 450\n#define GI_LIGHT_UNIT 0\n", gi_glsl("gi_light.glsl"),
 	    "layout(location = 0) in vec3 p; layout(location = 1) in uvec4 light; layout(location = 2) in vec4 weight;"
 	    "layout(location = 0) uniform uint first; out vec3 shown; out gl_PerVertex { vec4 gl_Position; };"
-	    "void main() { shown = gi_light_at_vertex(first, light, weight); gl_Position = vec4(p.xz / 2, 0, 1); }"};
-	const GLuint program = glCreateShaderProgramv(GL_VERTEX_SHADER, 3, vertex);
+	    "void main() { shown = gi_light_at_vertex(first, light, weight); gl_Position = vec4(p.xz / 2, 0, 1); }",
+	    "#version 450\nin vec3 shown; out vec4 c; void main() { c = shown.xyzz; }"};
+	const GLuint program = glCreateShaderProgramv(GL_VERTEX_SHADER, 3, text);
 	GLuint pipeline, array, buffer;
 	glGenProgramPipelines(1, &pipeline);
+	glUseProgram(0); /* the library leaves one of its own bound */
 	glBindProgramPipeline(pipeline);
 	glUseProgramStages(pipeline, GL_VERTEX_SHADER_BIT, program);
-	glUseProgramStages(pipeline, GL_FRAGMENT_SHADER_BIT, glCreateShaderProgramv(GL_FRAGMENT_SHADER, 1, &fragment));
+	glUseProgramStages(pipeline, GL_FRAGMENT_SHADER_BIT, glCreateShaderProgramv(GL_FRAGMENT_SHADER, 1, text + 3));
 	glProgramUniform1ui(program, 0, first_light);
 	glGenVertexArrays(1, &array);
 	glBindVertexArray(array);
@@ -71,9 +72,8 @@ int main(void)
 		return 77;
 	for (int k = 0; k < VERTICES; k++) {
 		const int quad = k / 6, corner = "021123"[k % 6] - '0';
-		mesh.position[k][0] = (float)(quad % SIDE + corner % 2) / 16 - 2;
-		mesh.position[k][2] = (float)(quad / SIDE + corner / 2) / 16 - 2;
-		mesh.position[k][1] = .02f * sinf(9 * mesh.position[k][0]) * sinf(9 * mesh.position[k][2]);
+		const float x = (float)(quad % SIDE + corner % 2) / 16 - 2, z = (float)(quad / SIDE + corner / 2) / 16 - 2;
+		mesh.position[k][0] = x, mesh.position[k][1] = .02f * sinf(9 * x) * sinf(9 * z), mesh.position[k][2] = z;
 	}
 	const gi_material grey = {{.5f, .5f, .5f}, {0, 0, 0}}, lamp = {{0, 0, 0}, {10, 10, 10}};
 	gi_context_def def = gi_context_def_default();

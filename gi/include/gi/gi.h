@@ -225,13 +225,15 @@ typedef struct gi_context_def {
 
 GI_API gi_context_def gi_context_def_default(void);
 
-/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their
+/* Hands the shaders of every scene to the driver and does not wait for them: drivers that compile on threads of their
  * own do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
  * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is
  * NULL.
  *
- * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw
- * for each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its
+ * The rest is compiled when first wanted: what updates take where something moves, once an object is created that is
+ * not GI_MOBILITY_STATIC; what static objects take, and commits that keep rows, by the first such gi_commit; by the
+ * first gi_update with a budget or with estimate_leaves, by gi_draw for each kind of picture (mode, overlay, number of
+ * lamps) and by gi_trace_paths. A driver may also put off its
  * part to the first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading
  * screen. Drivers keep what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
