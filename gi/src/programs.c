@@ -13,13 +13,24 @@ static uint32_t list_programs(gi_context *gi, rows_set set, gpu_program_file lis
 	return count + SOLVER_PROGRAMS;
 }
 
+/* The host hears of the programs that every scene takes; the others are few. */
+static gi_progress_fn *hush(gi_context *gi, rows_set set)
+{
+	gi_progress_fn *progress = gi->gpu.log.progress;
+	if (set != ROWS_ALWAYS)
+		gi->gpu.log.progress = NULL;
+	return progress;
+}
+
 gi_result programs_begin(gi_context *gi, rows_set set)
 {
 	gpu_program_file list[MOST_PROGRAMS];
 	if (gi->programs[set] != PROGRAMS_NONE)
 		return GI_OK;
 	const uint32_t count = list_programs(gi, set, list);
+	gi_progress_fn *progress = hush(gi, set);
 	const gi_result result = gpu_programs_begin(&gi->gpu, list, count);
+	gi->gpu.log.progress = progress;
 	if (result)
 		gpu_programs_free(&gi->gpu, list, count);
 	else
@@ -37,7 +48,9 @@ static gi_result wait_for(gi_context *gi, const bool wanted[ROWS_SETS])
 		gpu_program_file list[MOST_PROGRAMS];
 		if (!wanted[set] || gi->programs[set] == PROGRAMS_READY)
 			continue;
+		gi_progress_fn *progress = hush(gi, set);
 		result = gpu_programs_end(&gi->gpu, list, list_programs(gi, set, list));
+		gi->gpu.log.progress = progress;
 		gi->programs[set] = result ? PROGRAMS_BEGUN : PROGRAMS_READY;
 	}
 	return result;

@@ -57,10 +57,9 @@ static void draw(uint32_t first_light)
 }
 int main(void)
 {
-	static const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT,
-					EGL_NONE},
-			    version[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_NONE},
-			    size[] = {EGL_WIDTH, PIXELS, EGL_HEIGHT, PIXELS, EGL_NONE};
+	const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_NONE},
+		     version[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_NONE},
+		     size[] = {EGL_WIDTH, PIXELS, EGL_HEIGHT, PIXELS, EGL_NONE};
 	const EGLDisplay display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
 	EGLConfig config = NULL;
 	EGLint count;
@@ -72,8 +71,9 @@ int main(void)
 		return 77;
 	for (int k = 0; k < VERTICES; k++) {
 		const int quad = k / 6, corner = "021123"[k % 6] - '0';
-		const float x = (float)(quad % SIDE + corner % 2) / 16 - 2, z = (float)(quad / SIDE + corner / 2) / 16 - 2;
-		mesh.position[k][0] = x, mesh.position[k][1] = .02f * sinf(9 * x) * sinf(9 * z), mesh.position[k][2] = z;
+		const float x = (float)(quad % SIDE + corner % 2) / 16, z = (float)(quad / SIDE + corner / 2) / 16;
+		mesh.position[k][0] = x - 2, mesh.position[k][2] = z - 2;
+		mesh.position[k][1] = .02f * sinf(9 * x) * sinf(9 * z);
 	}
 	const gi_material grey = {{.5f, .5f, .5f}, {0, 0, 0}}, lamp = {{0, 0, 0}, {10, 10, 10}};
 	gi_context_def def = gi_context_def_default();
