@@ -235,7 +235,7 @@ static void forget_dead_objects(gi_context *gi)
 
 gi_result commit_objects(gi_context *gi)
 {
-	gi_result result = programs_end(gi);
+	gi_result result = programs_for_commit(gi);
 	if (result)
 		return result;
 	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
@@ -247,6 +247,7 @@ gi_result commit_objects(gi_context *gi)
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
 	diffusion_invalidate(gi);
+	gi->layout++;
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;

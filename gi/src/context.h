@@ -44,17 +44,19 @@ struct gi_context {
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;
-	bool compiled;      /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
-	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
-	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
-	bool truncated;     /* a report said that a pool was full: the rows are not whole */
-	uint64_t wanted;    /* how many elements the pool lacked */
-	bool wanted_all;    /* all rows were counted, so a pool larger by that holds them */
+	bool solve_changed;                  /* gi_set_solve: the next update solves by other rules */
+	bool light_changed;                  /* gi_set_sky and others: likewise, and by other light */
+	bool truncated;                      /* a report said that a pool was full: the rows are not whole */
+	uint64_t wanted;                     /* how many elements the pool lacked */
+	bool wanted_all;                     /* all rows were counted, so a pool larger by that holds them */
 	uint64_t frame_number, issued_frame; /* last gi_update; last one that issued work */
 	uint64_t commit_frame;               /* last gi_update before the last commit */
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number; /* of gi_draw calls */
 	gi_report report;
+	uint32_t layout; /* of buffers and numbers: another one with every commit */
+	/* The programs of rows and solve, set by set (programs.c). */
+	enum { PROGRAMS_NONE, PROGRAMS_BEGUN, PROGRAMS_READY } programs[ROWS_SETS];
 	/* What the CPU knows of frames not reported yet, by frame number modulo the ring. */
 	struct {
 		uint64_t frame;

@@ -6,6 +6,7 @@
 #include "context.h"
 #include "emitters.h"
 #include "host_memory.h"
+#include "programs.h"
 #include "specular.h"
 
 #include <math.h>
@@ -196,7 +197,9 @@ static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi->gpu.tag = gi->frame_number;
-	gi_result result = c.rows || c.light ? specular_update(gi) : GI_OK;
+	gi_result result = c.rows ? programs_for_rows(gi) : GI_OK;
+	if (!result && (c.rows || c.light))
+		result = specular_update(gi);
 	if (result)
 		return result;
 	if (c.rows) {

@@ -136,7 +136,7 @@ static gi_result start_context(gi_context *gi)
 {
 	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
-		result = programs_begin(gi);
+		result = programs_begin(gi, ROWS_ALWAYS);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(gi_state), NULL);
 	if (!result)
@@ -321,7 +321,7 @@ gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
 
 static void begin_anew(gi_context *gi)
 {
-	gi->compiled = true;
+	programs_reloaded(gi);
 	gi->rows.rebuild = gi->light_changed = gi->solver.cold = true;
 	gi->rows.fitted = false;
 	shade_invalidate(gi);
@@ -344,6 +344,15 @@ gi_result gi_reload_shaders(gi_context *gi)
 
 /* ---- objects ---- */
 
+/* What may move takes programs of its own, which the driver compiles while the host goes on. Where it could not be
+ * asked, or one is missing, the commit sees to it. */
+static void expect_motion(gi_context *gi, gi_object object)
+{
+	const bool moves = handles_find(gi, object)->mobility != GI_MOBILITY_STATIC;
+	if (moves && gi->programs[ROWS_MOTION] == PROGRAMS_NONE && gpu_is_current(&gi->gpu))
+		programs_begin(gi, ROWS_MOTION);
+}
+
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
 	if (out)
@@ -354,6 +363,8 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = handles_create(gi, def, out);
+	if (!result)
+		expect_motion(gi, *out);
 	gi_memory_from(before);
 	return result;
 }
@@ -384,6 +395,8 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = handles_create_prepared(gi, *prepared, out);
+	if (!result)
+		expect_motion(gi, *out);
 	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
@@ -611,14 +624,4 @@ gi_result gi_commit(gi_context *gi)
 	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;
-}
-
-gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)
-{
-	if (!gi || !out)
-		return gi_fail_null(gi, "gi_get_buffers: out");
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_get_buffers()");
-	*out = (gi_buffers){gi->solver.leaf_radiosity.name, gi->solver.leaf_indirect.name, gi->solver.light.name};
-	return GI_OK;
 }

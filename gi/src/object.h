@@ -32,6 +32,7 @@ typedef struct object_record {
 	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
 	char *name;
 	gi_pose pose;
+	float scale[3]; /* of the definition: the hierarchy has it applied */
 	gi_material *materials;
 	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
 	gi_subsurface_links subsurface; /* of a translucent object */

@@ -174,9 +174,7 @@ static gi_result prepare(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (shade->built)
 		return GI_OK;
-	gi_result result = build_mesh(gi, shade);
-	if (!result)
-		result = shadow_create(gi, &shade->shadow);
+	const gi_result result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
 	else
@@ -444,6 +442,21 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	return GI_OK;
 }
 
+/* Without lamps nothing of it is made. */
+static gi_result update_shadows(gi_context *gi)
+{
+	gi_shadow *shadow = &gi->shade->shadow;
+	if (!gi->lamps.count) {
+		shadow->lamp_count = 0;
+		return GI_OK;
+	}
+	const gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
+	if (!result)
+		return shadow_update(gi, shadow);
+	shadow_invalidate(gi, shadow);
+	return result;
+}
+
 static gi_result draw(gi_context *gi, const gi_view *view)
 {
 	gi_result result = prepare(gi);
@@ -454,7 +467,7 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 	bind_scene(gi);
 	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = shadow_update(gi, &gi->shade->shadow);
+		result = update_shadows(gi);
 	if (!result)
 		result = draw_picture(gi, view, &state);
 	gpu_draw_end(&gi->gpu, &state);

@@ -225,13 +225,15 @@ typedef struct gi_context_def {
 
 GI_API gi_context_def gi_context_def_default(void);
 
-/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their
+/* Hands the shaders of every scene to the driver and does not wait for them: drivers that compile on threads of their
  * own do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
  * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is
  * NULL.
  *
- * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw
- * for each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its
+ * The rest is compiled when first wanted: what updates take where something moves, once an object is created that is
+ * not GI_MOBILITY_STATIC; what static objects take, and commits that keep rows, by the first such gi_commit; by the
+ * first gi_update with a budget or with estimate_leaves, by gi_draw for each kind of picture (mode, overlay, number of
+ * lamps) and by gi_trace_paths. A driver may also put off its
  * part to the first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading
  * screen. Drivers keep what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
@@ -410,6 +412,13 @@ typedef struct gi_object_def {
 	uint32_t draw_vertex_count;
 	const uint32_t *draw_indices; /* draw_index_count, three a triangle */
 	uint32_t draw_index_count;
+
+	/* Neighbouring leaves share light at their common corners where their normals differ by less than this,
+	 * degrees; 0..180, default 0: 40, or 70 with a detailed mesh, whose cage has edges that it has not */
+	float light_edge;
+	/* For hosts that draw it themselves (gi_map_vertices): gi_draw leaves it out, and nothing is built or kept for
+	 * that. It gives, takes and blocks light like any other. Default false */
+	bool undrawn;
 
 	uint32_t internal;
 } gi_object_def;
@@ -732,16 +741,76 @@ GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
  * direction: any length but 0. On the CPU, some 10 ns a leaf of the objects whose ball the ray meets. */
 GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float direction[3], uint32_t *leaf);
 
-/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that
- * commits by itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
+/* ---- light for a host's own meshes and shaders ------------------------------------------------------------------- */
+
+/* A host that draws its own meshes takes the light of the leaves from buffers, in its own shaders:
+ *
+ *     once a mesh:       gi_map_vertices(gi, object, ...) and its result into a vertex buffer or buffer texture
+ *     after an update:   gi_get_buffers(); where `layout` is another than before, gi_get_object_range() of each object
+ *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance (rho H + E) / pi
+ *
+ * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all but
+ * that of the lamps that gi_draw lights per pixel. gi_object_def.undrawn spares what only gi_draw takes. */
+
+/* Where a vertex has its light from: corners that leaves share (light vertices), counted from the first one of its
+ * object. 32 bytes: as vertex attributes an integer and a float one of four, as a buffer texture two texels of
+ * GL_RGBA32UI. */
+typedef struct gi_vertex_light {
+	uint32_t light[4];
+	float weight[4]; /* >= 0, sum 1 */
+} gi_vertex_light;
+
+/* Finds for each of `count` points of a host's mesh the closest point of the object's leaves, of those whose normal is
+ * within 90 degrees of the point's own while there is one near, and what the light vertices round it count there. The
+ * mesh may be as fine as wanted, and stand off its cage. positions: 3 * count, metres, in the space of
+ * gi_object_def.positions, scale not applied. normals: 3 * count, of any length, or NULL: none. out: count.
+ *
+ * What comes out holds for as long as the object lives, over commits, moves and updates; an object that was destroyed
+ * and created again is to be mapped again. CPU work, no OpenGL: 100,000 points take about a second, the same points
+ * give the same bits. GI_ERROR_INVALID_ARGUMENT where a number is not finite. On failure out is undefined. */
+GI_API gi_result gi_map_vertices(const gi_context *gi, gi_object object, const float *positions, const float *normals,
+				 uint32_t count, gi_vertex_light *out);
+/* The same of an object that was prepared, on any thread. Messages go to `message` with `user`; NULL: to stderr. */
+GI_API gi_result gi_map_prepared_vertices(const gi_prepared_object *prepared, const float *positions,
+					  const float *normals, uint32_t count, gi_vertex_light *out,
+					  gi_message_fn *message, void *user);
+
+/* OpenGL names of what updates write, an element a vec4. They may be read at any time in the context that updates are
+ * issued in, and are to be written by the library alone. No barrier is needed before they are read as storage blocks,
+ * buffer textures, uniform blocks, by copies or glGetBufferSubData; as vertex attributes glMemoryBarrier(
+ * GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT), into pixels GL_PIXEL_BUFFER_BARRIER_BIT after gi_update. In another context
+ * that shares objects: after a fence, and bound again there.
+ *
+ * The textures are the same bytes as GL_TEXTURE_BUFFER of GL_RGBA32UI, for usamplerBuffer and uintBitsToFloat
+ * (gi_light.glsl): software renderers read them several times faster than storage blocks. */
 typedef struct gi_buffers {
-	uint32_t leaf_radiosity; /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
-	/* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
+	uint32_t leaf_radiosity; /* per leaf: B rgb, W/m2, w 0; what follows leaf_count elements is the solver's */
+	/* per leaf: irradiance H from everything but what gi_draw lights per pixel (pixel_lamps), rgb, W/m2 */
 	uint32_t leaf_indirect;
-	uint32_t light_indirect; /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
+	uint32_t light_indirect; /* per light vertex: the same, interpolated to the corners of the leaves */
+	uint32_t leaf_radiosity_texture, leaf_indirect_texture, light_indirect_texture;
+	uint32_t leaf_count, light_count; /* elements */
+	/* Another number than before: there was a gi_commit, or a gi_update that committed by itself (gi_mobility).
+	 * Names, counts and the ranges of all objects are to be asked for again; those of before are gone. */
+	uint32_t layout;
 } gi_buffers;
 
+/* Costs nothing: may be called every frame. GI_ERROR_NOT_COMMITTED before the first gi_commit. */
 GI_API gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
+
+/* Where an object's elements stand in those buffers: what gi_map_vertices counts from first_light on, and leaves in the
+ * order of gi_read_leaves. They stay until gi_buffers.layout changes. */
+typedef struct gi_object_range {
+	uint32_t first_leaf, leaf_count;
+	uint32_t first_light, light_count;
+} gi_object_range;
+
+/* GI_ERROR_NOT_COMMITTED for an object that no gi_commit has taken in yet. */
+GI_API gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_object_range *out);
+
+/* Text of a file of GLSL for hosts' shaders, NULL: there is none of that name. They are installed too, in
+ * share/gi/glsl (CMake: gi_GLSL_DIR, pkg-config: glsldir). "gi_light.glsl": the light of leaves and light vertices. */
+GI_API const char *gi_glsl(const char *name);
 
 /* ---- read-back (waits for the GPU) ------------------------------------------------------------------------------- */
 
