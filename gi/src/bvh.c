@@ -342,7 +342,8 @@ void gi_bvh_refit(const gi_hierarchy *h, gi_bvh *bvh)
 		bvh->primitives[k] = primitive_of(h, h->leaf_node[gi_bits_from_float(bvh->primitives[k].a.w)]);
 	for (uint32_t node = bvh->node_count; node-- > 0;) {
 		const uint32_t primitive = gi_bits_from_float(bvh->nodes[node].upper.w);
-		const gi_box box = primitive == GI_NONE ? box_of_children(bvh, node) : box_of(&bvh->primitives[primitive]);
+		const gi_box box =
+		    primitive == GI_NONE ? box_of_children(bvh, node) : box_of(&bvh->primitives[primitive]);
 		store_box(&box, 0, &bvh->nodes[node]);
 		all = box;
 	}

@@ -37,15 +37,14 @@ typedef struct gi_deform {
 	uint32_t *faces; /* of each leaf: number of the definition's face */
 	bool two_sided;
 	gi_shape next, now;
-	gi_vec4 *vertices, *trial; /* of the leaves, by `next`, and by what is tried */
-	double (*cage)[3];         /* the cage that was evaluated last */
+	gi_vec4 *vertices, *trial;        /* of the leaves, by `next`, and by what is tried */
+	double (*cage)[3];                /* the cage that was evaluated last */
 	double (*draw)[3], (*normals)[3]; /* likewise of a mesh that is drawn, and sums of its normals */
 	bool drawn_is_late;               /* what is drawn is not by `now` */
 	void *scratch;                    /* as large as any array that is uploaded (reshape.c) */
 } gi_deform;
 
-/* Of a definition that has passed its checks, of `leaf_count` leaves; takes the stencils of `refined->points`. NULL: out
- * of memory. */
+/* Of a definition that has passed its checks; takes the stencils of `refined->points`. NULL: out of memory. */
 gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const gi_hierarchy *hierarchy);
 
 /* Takes the stencils of what is drawn. `finer`: it is not the leaves' own surface. */

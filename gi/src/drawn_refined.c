@@ -325,8 +325,8 @@ static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t le
 	enough = enough && faces;
 	if (enough) {
 		const bool finer = fine->level_count > leaf_level + 1;
-		const bool all = s->h->deforms ? find_faceted(s->h, fine, finer, flat)
-					       : find_flat(s->h, fine, faces, flat, area);
+		const bool all =
+		    s->h->deforms ? find_faceted(s->h, fine, finer, flat) : find_flat(s->h, fine, faces, flat, area);
 		draw_surface(s, fine, finer, faces, flat, all);
 		s->out->vertices = shrink(s->out->vertices, s->out->vertex_count, sizeof *s->out->vertices);
 		s->out->indices = shrink(s->out->indices, s->out->index_count, sizeof *s->out->indices);

@@ -245,8 +245,7 @@ static bool hangs_alike(const drawn_builder *s, uint32_t vertex)
 {
 	const gi_draw_bond *bonds = s->out->bonds;
 	return !bonds || (bonds[vertex].place == s->bond.place && bonds[vertex].facing == s->bond.facing &&
-			  bonds[vertex].face == s->bond.face &&
-			  (s->bond.facing != GI_NONE || s->bond.face != GI_NONE));
+			  bonds[vertex].face == s->bond.face && (s->bond.facing != GI_NONE || s->bond.face != GI_NONE));
 }
 
 uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)

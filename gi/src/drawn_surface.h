@@ -37,7 +37,7 @@ typedef struct gi_drawn_surface {
 	gi_draw_vertex *vertices;
 	uint32_t index_count; /* three a triangle, counter-clockwise */
 	uint32_t *indices;
-	gi_draw_bond *bonds;   /* of each vertex; NULL: it stays as it is, or is a mesh's */
+	gi_draw_bond *bonds;  /* of each vertex; NULL: it stays as it is, or is a mesh's */
 	uint32_t (*faces)[4]; /* corners of the surface that is drawn, where there are bonds */
 } gi_drawn_surface;
 

@@ -24,14 +24,14 @@ typedef struct object_record {
 	bool moved;          /* since the last update */
 	bool relit; /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
-	bool hidden;  /* by the host */
-	bool arrives; /* it came or is shown again, since the last update: it has no rows yet */
-	bool came;    /* since the last update: no row has seen it anywhere */
+	bool hidden;   /* by the host */
+	bool arrives;  /* it came or is shown again, since the last update: it has no rows yet */
+	bool came;     /* since the last update: no row has seen it anywhere */
 	bool reshapes; /* it has another shape from the next update on */
 	bool reshaped; /* since the last update */
 	gi_mobility mobility;
-	bool grouped;                        /* one of the static objects that are one source (statics.h) */
-	bool was_grouped;                    /* before the last commit */
+	bool grouped;     /* one of the static objects that are one source (statics.h) */
+	bool was_grouped; /* before the last commit */
 	/* Numbers of the row updates that last saw it so (gi_rows). */
 	uint32_t moved_update, relit_update, reshaped_update;
 	char *name;

@@ -4,8 +4,8 @@
 
 #include "gi/gi.h"
 
-/* Brings objects to the shapes that were set since the last update, and uploads them. Poses, trees over objects and rows
- * are not its concern: the object moved, too. */
+/* Brings objects to the shapes that were set since the last update, and uploads them. Poses, trees over objects and
+ * rows are not its concern: the object moved, too. */
 void reshape_objects(gi_context *gi);
 
 #endif

@@ -93,8 +93,7 @@ static void number_changes(gi_context *gi)
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
 		o->reshaped_update = o->reshaped ? update : o->reshaped_update;
-		s->object_data[slot].changed =
-		    (gi_uvec4){o->moved_update, o->relit_update, o->reshaped_update, 0};
+		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, o->reshaped_update, 0};
 		s->object_data[slot].extra.w = 0;
 	}
 	if (s->statics_slot != GI_NONE)

@@ -1,5 +1,5 @@
-/* The public functions about shapes that change (deform.h): arguments are checked here, objects take what was set in the
- * next update or commit (reshape.c, scene_upload.c).
+/* The public functions about shapes that change (deform.h): arguments are checked here, objects take what was set in
+ * the next update or commit (reshape.c, scene_upload.c).
  */
 #include "context.h"
 #include "handles.h"
@@ -92,7 +92,8 @@ gi_result gi_set_joints(gi_context *gi, gi_object object, const float *matrices,
 	gi_result result = find(gi, object, name, &o);
 	if (!result && (!count || count != o->deform->joint_count))
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "gi_set_joints: object '%s' has %u joints, not %u", o->name, o->deform->joint_count, count);
+			       "gi_set_joints: object '%s' has %u joints, not %u", o->name, o->deform->joint_count,
+			       count);
 	if (!result)
 		result = check_finite(gi, o, name, matrices, 16 * (size_t)count);
 	if (result || is_same(matrices, o->deform->next.joints, 16 * (size_t)count))

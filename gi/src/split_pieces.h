@@ -52,8 +52,8 @@ typedef struct split_node {
 typedef struct splitter {
 	const gi_split_def *def;
 	gi_vec3d *points;
-	gi_stencils *stencils;   /* of them; NULL: not wanted */
-	uint32_t *component; /* of each point: points of one place are one where faces are joined */
+	gi_stencils *stencils; /* of them; NULL: not wanted */
+	uint32_t *component;   /* of each point: points of one place are one where faces are joined */
 	uint32_t point_count, point_room;
 	uint32_t *table, table_room; /* hash of points */
 	split_node *nodes;

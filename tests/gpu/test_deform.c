@@ -1,5 +1,5 @@
-/* Moving skin: rows of shapes that change are those of a rebuild and of a context that knew no other shape, bit for bit;
- * what is drawn follows; shapes that cannot be lit are refused and change nothing.
+/* Moving skin: rows of shapes that change are those of a rebuild and of a context that knew no other shape, bit for
+ * bit.
  */
 #include "snapshot.h"
 

@@ -48,8 +48,8 @@ static void expect_same_normals(const gi_refined *sums, const gi_refined *anew, 
 		double a[3], b[3];
 		gi_stencils_evaluate(&sums->tangents[0], k, cage, a);
 		gi_stencils_evaluate(&sums->tangents[1], k, cage, b);
-		const gi_vec3d n = gi_vec3d_unit(
-		    gi_vec3d_cross((gi_vec3d){a[0], a[1], a[2]}, (gi_vec3d){b[0], b[1], b[2]}));
+		const gi_vec3d n =
+		    gi_vec3d_unit(gi_vec3d_cross((gi_vec3d){a[0], a[1], a[2]}, (gi_vec3d){b[0], b[1], b[2]}));
 		CHECK_NEAR(n.x, anew->normals[k][0], ROUNDING);
 		CHECK_NEAR(n.y, anew->normals[k][1], ROUNDING);
 		CHECK_NEAR(n.z, anew->normals[k][2], ROUNDING);
@@ -68,10 +68,10 @@ static void make_grid(test_cage *t, gi_refine_scheme scheme)
 static const struct {
 	make_cage *make;
 	gi_refine_scheme scheme;
-} CAGES[] = {{cage_cube, GI_REFINE_BILINEAR},        {cage_prism, GI_REFINE_BILINEAR},
-	     {cage_octahedron, GI_REFINE_BILINEAR},  {cage_cube, GI_REFINE_CATMULL_CLARK},
-	     {cage_prism, GI_REFINE_CATMULL_CLARK},  {cage_octahedron, GI_REFINE_LOOP},
-	     {cage_tetrahedron, GI_REFINE_LOOP},     {make_grid, GI_REFINE_CATMULL_CLARK}};
+} CAGES[] = {{cage_cube, GI_REFINE_BILINEAR},       {cage_prism, GI_REFINE_BILINEAR},
+	     {cage_octahedron, GI_REFINE_BILINEAR}, {cage_cube, GI_REFINE_CATMULL_CLARK},
+	     {cage_prism, GI_REFINE_CATMULL_CLARK}, {cage_octahedron, GI_REFINE_LOOP},
+	     {cage_tetrahedron, GI_REFINE_LOOP},    {make_grid, GI_REFINE_CATMULL_CLARK}};
 
 static void sums_are_what_refining_gives(void **state)
 {

@@ -507,21 +507,21 @@ GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_
 
 /* ---- moving skin ------------------------------------------------------------------------------------------------- */
 
-/* Shapes of an object that was created with gi_object_def.deforms: a figure that walks, a flag, what grows. Values, free
- * to change every frame, that take effect in the next gi_update, in the order
+/* Shapes of an object that was created with gi_object_def.deforms: a figure that walks, a flag, what grows. Values,
+ * free to change every frame, that take effect in the next gi_update:
  *
- *     world = pose * scale * joints (positions)
+ *     world = pose (scale (joints (positions)))
  *
- * Which leaves there are, how they hang together and how emitters rank (gi_object_def, Rules) stays what the
- * definition's positions made it: give those of the pose in which faces are most alike in size, a figure's bind pose.
- * Everything else follows, by OpenSubdiv's masks on the cage; rows are those of a context in which an object of the same
- * definition was given the same shape at once, bit for bit. It costs what a move of the object costs, and all pairs of
- * leaves within the object anew; and flat parts of it cost rays more, for what may bend is a primitive a leaf. A shape
- * turned inside out is lit from where its fronts are then.
+ * Which leaves there are, how they hang together, how fine they are drawn and cut as emitters, and which of surfaces in
+ * one place is seen (Rules) stays what the definition's positions made it: they should be those of a pose in which
+ * nothing is squeezed, a figure's bind pose. All else is a function of the shape, by OpenSubdiv's masks on the cage:
+ * rows are those of a context in which an object of that definition had this shape from the first, bit for bit. It
+ * costs what a move costs, and all pairs of leaves of the object anew; rays meet it leaf by leaf, however flat it is.
+ * Turned inside out it is lit on the side its normals point to then.
  *
- * GI_ERROR_INVALID_GEOMETRY, with the shape as it was: a number that is not finite, a vertex farther than 1e9 m from the
- * object's origin, a leaf of less than 1e-24 m2, with the number of its face. GI_ERROR_INVALID_ARGUMENT: the object was
- * created without deforms. */
+ * GI_ERROR_INVALID_GEOMETRY, with the shape as it was: a number that is not finite, a vertex farther than 1e9 m from
+ * the object's origin, a leaf of less than 1e-24 m2 (the line names its face). GI_ERROR_INVALID_ARGUMENT: the object
+ * was created without deforms. */
 
 /* Of the cage: 3 * vertex_count of the definition. */
 GI_API gi_result gi_set_positions(gi_context *gi, gi_object object, const float *positions);
