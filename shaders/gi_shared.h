@@ -147,7 +147,8 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1;
  *       0: none
- *   changed.x update that last moved it    changed.y update that last lit or put it out
+ *   changed.x update that last moved it    changed.y update that last lit or put it out    changed.z update that last
+ *       gave it another shape: that moved it, too
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
  * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.

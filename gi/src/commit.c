@@ -220,6 +220,7 @@ static void note_changes(gi_context *gi)
 		o->came = kept && (o->came || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
+		o->reshaped = kept && o->reshaped;
 		o->material_changed = kept && (o->material_changed || came);
 	}
 }

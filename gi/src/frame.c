@@ -7,6 +7,7 @@
 #include "emitters.h"
 #include "host_memory.h"
 #include "programs.h"
+#include "reshape.h"
 #include "specular.h"
 
 #include <math.h>
@@ -165,7 +166,7 @@ static void changes_done(gi_context *gi)
 	gi->solve_changed = gi->light_changed = false;
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		object_record *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
+		o->moved = o->relit = o->material_changed = o->arrives = o->came = o->reshaped = false;
 	}
 }
 
@@ -197,6 +198,7 @@ static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi->gpu.tag = gi->frame_number;
+	reshape_objects(gi);
 	gi_result result = c.rows ? programs_for_rows(gi) : GI_OK;
 	if (!result && (c.rows || c.light))
 		result = specular_update(gi);

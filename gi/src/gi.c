@@ -493,7 +493,10 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
-	o->mobility = mobility;
+	if (o->deform && mobility == GI_MOBILITY_STATIC)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s' deforms: it is movable, never static", o->name);
+	o->mobility = o->deform ? GI_MOBILITY_MOVABLE : mobility;
 	return GI_OK;
 }
 

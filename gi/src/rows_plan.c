@@ -37,6 +37,12 @@ static bool slot_relit(const gi_context *gi, uint32_t slot)
 	return gi->scene.object_data[slot].changed.y > gi->rows.current;
 }
 
+/* The same of having another shape. */
+static bool slot_reshaped(const gi_context *gi, uint32_t slot)
+{
+	return gi->scene.object_data[slot].changed.z > gi->rows.current;
+}
+
 /* Is there one in [first, end)? */
 static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, uint32_t end)
 {
@@ -86,7 +92,8 @@ static void number_changes(gi_context *gi)
 		object_record *o = &s->objects[s->slots[slot]];
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
-		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		o->reshaped_update = o->reshaped ? update : o->reshaped_update;
+		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, o->reshaped_update, 0};
 		s->object_data[slot].extra.w = 0;
 	}
 	if (s->statics_slot != GI_NONE)
@@ -98,7 +105,9 @@ static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t sour
 {
 	if (gi->rows.rebuild || slot_relit(gi, source))
 		return true;
-	return receiver != source && (rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source));
+	if (receiver == source)
+		return slot_reshaped(gi, source);
+	return rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source);
 }
 
 static bool plan_poses(gi_context *gi, rows_plan *p)

@@ -165,6 +165,14 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 
 /* ---- life ---- */
 
+/* Shapes that changed, which nobody looked at so far. */
+static void refit_drawn(gi_context *gi)
+{
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
+		if (scene_object_in(&gi->scene, slot))
+			object_refit_drawn(scene_object_in(&gi->scene, slot));
+}
+
 static gi_result prepare(gi_context *gi)
 {
 	if (!gi->shade)
@@ -174,6 +182,7 @@ static gi_result prepare(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (shade->built)
 		return GI_OK;
+	refit_drawn(gi);
 	const gi_result result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);

@@ -312,7 +312,7 @@ typedef struct gi_subsurface {
 	float index;         /* of refraction, over that outside; 1..2.5, marble 1.5, milk and skin 1.3 */
 } gi_subsurface;
 
-/* World from object: rotate, then translate. A scale belongs to gi_object_def. */
+/* World from object: rotate, then translate. A scale belongs to gi_object_def, or gi_set_scale. */
 typedef struct gi_pose {
 	float position[3]; /* metres, each within 1e9 of 0 */
 	float rotation[4]; /* quaternion x y z w; normalised by the library, must not be zero */
@@ -419,6 +419,15 @@ typedef struct gi_object_def {
 	/* For hosts that draw it themselves (gi_map_vertices): gi_draw leaves it out, and nothing is built or kept for
 	 * that. It gives, takes and blocks light like any other. Default false */
 	bool undrawn;
+	/* Its shape may change: gi_set_positions, gi_set_joints, gi_set_scale ("moving skin" below). It is movable
+	 * whatever mobility says, GI_MOBILITY_STATIC is an error; no subsurface. Default false */
+	bool deforms;
+	/* Four joints of each vertex of the cage, and likewise of the mesh that is drawn, for gi_set_joints: 4 *
+	 * vertex_count numbers below joint_count and their weights, >= 0 and of any sum, by which they are divided. A
+	 * vertex whose weights are all 0 follows no joint. NULL, the default: none does */
+	const uint32_t *joints, *draw_joints;
+	const float *joint_weights, *draw_joint_weights;
+	uint32_t joint_count;
 
 	uint32_t internal;
 } gi_object_def;
@@ -504,6 +513,36 @@ GI_API uint32_t gi_material_count(const gi_context *gi, gi_object object); /* 0 
 GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
 GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
 GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
+
+/* ---- moving skin ------------------------------------------------------------------------------------------------- */
+
+/* Shapes of an object that was created with gi_object_def.deforms: a figure that walks, a flag, what grows. Values,
+ * free to change every frame, that take effect in the next gi_update:
+ *
+ *     world = pose (scale (joints (positions)))
+ *
+ * Which leaves there are, how they hang together, how fine they are drawn and cut as emitters, and which of surfaces in
+ * one place is seen (Rules) stays what the definition's positions made it: they should be those of a pose in which
+ * nothing is squeezed, a figure's bind pose. All else is a function of the shape, by OpenSubdiv's masks on the cage:
+ * rows are those of a context in which an object of that definition had this shape from the first, bit for bit. It
+ * costs what a move costs, and all pairs of leaves of the object anew; rays meet it leaf by leaf, however flat it is.
+ * Turned inside out it is lit on the side its normals point to then.
+ *
+ * GI_ERROR_INVALID_GEOMETRY, with the shape as it was: a number that is not finite, a vertex farther than 1e9 m from
+ * the object's origin, a leaf of less than 1e-24 m2 (the line names its face). GI_ERROR_INVALID_ARGUMENT: the object
+ * was created without deforms. */
+
+/* Of the cage: 3 * vertex_count of the definition. */
+GI_API gi_result gi_set_positions(gi_context *gi, gi_object object, const float *positions);
+/* Of the mesh that is drawn in the cage's place: 3 * draw_vertex_count. It does not follow the cage by itself; where
+ * both have joints those move both. */
+GI_API gi_result gi_set_draw_positions(gi_context *gi, gi_object object, const float *positions);
+/* Linear blend skinning: each vertex goes to the mean of where its joints take it, by weight. matrices: count (that of
+ * the definition) times 16, column-major, object space from that of the positions: of glTF the inverse of the mesh's
+ * place times the joint's place times its inverse bind matrix. All are the identity until they are set. */
+GI_API gi_result gi_set_joints(gi_context *gi, gi_object object, const float *matrices, uint32_t count);
+/* Instead of gi_object_def.scale, each > 0 and as different as wanted. */
+GI_API gi_result gi_set_scale(gi_context *gi, gi_object object, const float scale[3]);
 
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it
  * takes no gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is
