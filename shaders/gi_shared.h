@@ -194,6 +194,7 @@ GI_STRUCT(gi_material_data) {
  *
  *   //--------------- 16B ---------------
  *   counts: leaves, nodes, object slots, vertices
+ *   rows: leaves and receivers, which have numbers behind those of leaves (receivers.h); 0; 0; 0
  *   limits: entry pool, queue, most samples of a near leaf, of an emitter
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
@@ -227,6 +228,7 @@ GI_STRUCT(gi_material_data) {
  */
 GI_STRUCT(gi_frame) {
 	GI_UVEC4 counts;
+	GI_UVEC4 rows;
 	GI_UVEC4 limits;
 	GI_VEC4 tolerance;
 	GI_UVEC4 work;

@@ -6,6 +6,7 @@
 #include "handles.h"
 #include "host_memory.h"
 #include "programs.h"
+#include "receive.h"
 #include "sky.h"
 #include "specular.h"
 #include "statics.h"
@@ -217,6 +218,8 @@ void gi_context_destroy(gi_context *gi)
 	caustics_free(gi);
 	specular_free(gi);
 	diffusion_free(gi);
+	receive_free(gi);
+	receiver_sets_free(gi);
 	specular_rows_free(gi);
 	estimate_free(gi);
 	scene_free(gi);

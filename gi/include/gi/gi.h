@@ -640,6 +640,7 @@ typedef enum gi_pass {
 	GI_PASS_CAUSTICS, /* photons through mirrors and glass */
 	GI_PASS_SOLVE,    /* sweeps */
 	GI_PASS_LIGHT,    /* indirect irradiance of what is drawn */
+	GI_PASS_RECEIVE,  /* light of receivers */
 	GI_PASS_ESTIMATE, /* how far off the rows are (def.estimate_leaves) */
 	GI_PASS_SHADOW,   /* shadow maps (gi_draw) */
 	GI_PASS_DRAW,     /* the picture (gi_draw) */
@@ -850,6 +851,88 @@ GI_API gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_
 /* Text of a file of GLSL for hosts' shaders, NULL: there is none of that name. They are installed too, in
  * share/gi/glsl (CMake: gi_GLSL_DIR, pkg-config: glsldir). "gi_light.glsl": the light of leaves and light vertices. */
 GI_API const char *gi_glsl(const char *name);
+
+/* ---- receivers --------------------------------------------------------------------------------------------------- */
+
+/* Points that light falls on and that give none: vertices or lightmap texels of the host's own meshes, probes for
+ * characters, particles and fog. Each has a row as a leaf has one, follows what moves as leaves do, and is no part of
+ * the solve: with receivers and without, leaves have the same light to the bit. Their light is in a GPU buffer, which
+ * every gi_update brings up to date.
+ *
+ *     gi_receivers_def def = gi_receivers_def_default();
+ *     def.positions = ...; def.normals = ...; def.count = ...;
+ *     gi_create_receivers(gi, &def, &texels);  gi_commit(gi);
+ *     every frame:  gi_update(gi, NULL);  gi_get_receiver_buffer(gi, texels, &light);  the host's shaders read it
+ */
+typedef struct gi_receivers {
+	uint32_t index1; /* zero is none */
+	uint32_t generation;
+	uint32_t context;
+} gi_receivers;
+
+typedef struct gi_receivers_def {
+	/* 3 * count, metres, each within 1e9 of 0. With an object: in its space, times its scale; else of `pose` */
+	const float *positions;
+	/* 3 * count, of any length but 0, which light falls on the side of; NULL: none, and then harmonics are needed */
+	const float *normals;
+	uint32_t count; /* from 1 */
+	/* 0, the default: irradiance along the normal. 1 or 2: spherical harmonics of the irradiance along all normals,
+	 * up to that band, 4 or 9 coefficients a colour: where there is no normal, or a normal map follows. A receiver
+	 * is then a point that sees all round, 20 to 60 % more entries than one with a normal */
+	uint32_t harmonics;
+	/* Side of the square across the normal that light is taken the mean over, a lightmap's texel, metres; default
+	 * 0: about a point, a 4096th of its coordinates wide. Nothing to harmonics */
+	float size;
+	/* How far points are moved along their normals before anything else, metres, at most 1e9; default 0. A point in
+	 * the plane of a surface, within about 1e-6 of its coordinates, receives what falls on either side of that,
+	 * by its normal. One that is deeper sees the surface's inside, which is black, or nothing: vertices of a mesh
+	 * finer than its cage need an offset of as much as the two are apart, texels of walls none. */
+	float offset;
+	gi_object object; /* that they are fixed to; default zero: none. Where it is destroyed they stay */
+	gi_pose pose;     /* of those of no object; default none */
+	uint32_t internal;
+} gi_receivers_def;
+
+GI_API gi_receivers_def gi_receivers_def_default(void);
+
+/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too. On
+ * failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
+GI_API gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out);
+
+/* The next gi_commit gives their place away; until then the buffer is as it is. */
+GI_API gi_result gi_destroy_receivers(gi_context *gi, gi_receivers receivers);
+GI_API bool gi_receivers_are_valid(const gi_context *gi, gi_receivers receivers);
+
+/* Free to change every frame; in the next gi_update all of their rows are made anew, and nothing else. */
+GI_API gi_result gi_set_receivers_pose(gi_context *gi, gi_receivers receivers, gi_pose pose);
+/* As many points as the definition has; NULL: those that are there. */
+GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const float *positions, const float *normals);
+
+/* Where the light of a set is: vec4 [first, first + stride * count) of an OpenGL buffer, std430, point after point. The
+ * name and the range are valid until the first gi_update after the next gi_commit, of after one that commits by itself
+ * (gi_mobility); gi_get_report().frame tells nothing new of them. GI_ERROR_NOT_COMMITTED before the first gi_update
+ * after the gi_commit that took the set in.
+ *
+ *   stride 1: irradiance rgb, W/m2; w the share of what the point sees that light can come from: 0 within a solid
+ *   stride 4, 9: c_lm rgb in the order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2); w of the first as
+ *       above. E(n) = sum of c_lm Y_lm(n), W/m2, Y_lm real and normalised: 0.282095, 0.488603 (y z x), 1.092548 (xy yz),
+ *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
+ *       Representation for Irradiance Environment Maps, 2001). World axes.
+ *
+ * All light counts, emitters' too, whatever gi_draw lights per pixel. The library writes the buffer by a compute shader
+ * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
+ * otherwise glMemoryBarrier with the bit for that. It must not write it. */
+typedef struct gi_receiver_buffer {
+	uint32_t buffer;
+	uint32_t first, count, stride;
+} gi_receiver_buffer;
+
+GI_API gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, gi_receiver_buffer *out);
+
+/* Copies up to `capacity` vec4 of it: for tests; waits for the GPU. *count: how many there are, 0 on error. light may be
+ * NULL to ask for the count. */
+GI_API gi_result gi_read_receivers(gi_context *gi, gi_receivers receivers, float *light, uint32_t capacity,
+				   uint32_t *count);
 
 /* ---- read-back (waits for the GPU) ------------------------------------------------------------------------------- */
 
