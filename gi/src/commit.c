@@ -246,6 +246,7 @@ gi_result commit_objects(gi_context *gi)
 	estimate_invalidate(gi);
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 	diffusion_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
