@@ -521,7 +521,7 @@ GI_API gi_result gi_commit(gi_context *gi);
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
 /* Lights without a surface: a point that shines all round or into a cone, and a sun. They light leaves by rays that are
- * remembered: 16 of each leaf and light, from points spread over the leaf, so that an edge of sunlight on it is where it
+ * remembered: 16 of each leaf and light, from points spread over the leaf, so that edges of sunlight are where they
  * should be. Rays are traced again for leaves that something moved before, or that moved, and for all of them where the
  * light moved; a light at rest costs nothing, and a new colour a solve, no rays. All of that is done by the next
  * gi_update, whatever its budget: at most 16 rays a leaf and light (gi_report.light_rays).
