@@ -274,6 +274,7 @@ gi_result commit_objects(gi_context *gi)
 	estimate_invalidate(gi);
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 	diffusion_invalidate(gi);
 	gi->layout++;
 	receive_invalidate(gi);

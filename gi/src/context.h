@@ -10,7 +10,9 @@
 #include "estimate.h"
 #include "gpu.h"
 #include "lamp.h"
+#include "light_list.h"
 #include "paths.h"
+#include "punctual.h"
 #include "receive.h"
 #include "receiver_sets.h"
 #include "rows.h"
@@ -43,6 +45,8 @@ struct gi_context {
 	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
 	gi_arena light_arena;            /* scratch of every frame: the emitters that send photons */
 	gi_caustics *caustics;           /* made by the same, where something emits */
+	gi_light_list light_list;        /* lights without a surface */
+	gi_punctual *punctual;           /* what they bring to leaves; made by the first update with any */
 	gi_diffusion *diffusion;         /* made by the first update of a scene with translucent objects */
 	CONTEXT_BUFFERS(BUFFER_MEMBER)
 	gpu_readback readback;

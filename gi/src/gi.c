@@ -216,6 +216,8 @@ void gi_context_destroy(gi_context *gi)
 	shade_free(gi);
 	paths_free(gi);
 	caustics_free(gi);
+	punctual_free(gi);
+	light_list_free(&gi->light_list);
 	specular_free(gi);
 	diffusion_free(gi);
 	receive_free(gi);
@@ -329,6 +331,7 @@ static void begin_anew(gi_context *gi)
 	gi->rows.fitted = false;
 	shade_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 }
 
 gi_result gi_reload_shaders(gi_context *gi)

@@ -383,11 +383,17 @@ static gi_vec4 higher_of(gi_vec4 a, gi_vec4 b)
 	return (gi_vec4){fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z), fmaxf(a.w, b.w)};
 }
 
+/* As large as may be subtracted from. */
+static const float BRIGHTEST = 3e38f;
+
 /* The sky has rho 0: its E / (1 - rho) is E. */
 static gi_vec4 ceiling_of(const gi_context *gi)
 {
 	const float *sky = gi->def.sky_exitance;
 	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
+	/* How much lights bring to a leaf the GPU alone knows: it bounds what is first reflected (emitted.glsl). */
+	if (light_list_shines(&gi->light_list))
+		ceiling = (gi_vec4){BRIGHTEST, BRIGHTEST, BRIGHTEST, 1};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].committed)
 			ceiling = higher_of(ceiling, gi->scene.objects[k].ceiling);

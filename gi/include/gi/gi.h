@@ -567,6 +567,74 @@ GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobi
  * compile. */
 GI_API gi_result gi_commit(gi_context *gi);
 
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* Lights without a surface: a point that shines all round or into a cone, and a sun. They light leaves by rays that are
+ * remembered: 16 of each leaf and light, from points spread over the leaf, so that edges of sunlight are where they
+ * should be. Rays are traced again for leaves that something moved before, or that moved, and for all of them where the
+ * light moved; a light at rest costs nothing, and a new colour a solve, no rays. All of that is done by the next
+ * gi_update, whatever its budget: at most 16 rays a leaf and light (gi_report.light_rays).
+ *
+ * What they light reflects it as ever: B, rows, bounds and gi_trace_paths have their light. Mirrors and glass are
+ * opaque to them: they hide what is behind, and no light of these lights goes on by way of them, but it does once
+ * it was reflected by something else. Below surfaces (gi_subsurface) it is scattered as other light. */
+typedef struct gi_light {
+	uint32_t index1; /* by value; zero is no light. Stale ones and those of other contexts are detected */
+	uint32_t generation;
+	uint32_t context;
+} gi_light;
+
+typedef enum gi_light_type {
+	GI_LIGHT_POINT,       /* E = I cos / d^2 */
+	GI_LIGHT_SPOT,        /* the same within a cone */
+	GI_LIGHT_DIRECTIONAL, /* a sun, at no place: E = E_sun cos */
+} gi_light_type;
+
+/* Who adds the direct light of a light to pictures. Its reflections are in them in any case. */
+typedef enum gi_light_shown {
+	GI_LIGHT_BY_PIXELS, /* gi_draw, pixel by pixel with shadow maps (default) */
+	GI_LIGHT_BY_LEAVES, /* the leaves: as coarse as they are, at no cost a pixel */
+	GI_LIGHT_BY_HOST,   /* the host: neither gi_draw nor the indirect light of gi_get_buffers has it */
+} gi_light_shown;
+
+/* Most lights at a time, switched off ones too. */
+#define GI_MOST_LIGHTS 256
+
+/* Falloffs are those of glTF's KHR_lights_punctual. */
+typedef struct gi_light_def {
+	gi_light_type type; /* default GI_LIGHT_POINT */
+	/* Linear RGB, each 0..1e12. Point and spot: radiant intensity, W/sr: what a lamp of P watts all round has is
+	 * P / (4 pi); directional: irradiance of a surface that faces it, W/m2. default 1 1 1 */
+	float intensity[3];
+	float position[3];  /* metres, world, each within 1e9 of 0; not of a directional one; default 0 0 0 */
+	float direction[3]; /* world, in which it shines; spot and directional; any length but 0; default 0 0 -1 */
+	/* Spot: radians from the axis to where light begins to fall off, and to where there is none:
+	 * clamp((cos - cos outer) / (cos inner - cos outer))^2. 0 <= inner < outer <= pi/2; default 0 and pi/4 */
+	float inner_angle, outer_angle;
+	/* Point and spot: > 0: what lights is multiplied by max(0, 1 - (d / range)^4), nothing from d = range on,
+	 * metres; 0, the default: 1 / d^2 alone */
+	float range;
+	/* Point and spot: shadows are as soft as those of a ball of this radius, metres; what arrives is that of a
+	 * point all the same. Nothing should be nearer than that, or it hides a part. >= 0, default 0 */
+	float radius;
+	/* Directional: radius of its disc in the sky, radians; the sun's is 0.00465. [0, 0.5], default 0 */
+	float angular_radius;
+	gi_light_shown shown; /* default GI_LIGHT_BY_PIXELS */
+	bool enabled;         /* default true; off and on again costs rays only where something moved meanwhile */
+	uint32_t internal;
+} gi_light_def;
+
+GI_API gi_light_def gi_light_def_default(void);
+
+/* They take effect in the next gi_update; no gi_commit is needed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT
+ * where a value is out of its range, or there are GI_MOST_LIGHTS. */
+GI_API gi_result gi_create_light(gi_context *gi, const gi_light_def *def, gi_light *out);
+/* All values, as often as wanted: `def` from gi_get_light or gi_light_def_default. */
+GI_API gi_result gi_set_light(gi_context *gi, gi_light light, const gi_light_def *def);
+GI_API gi_result gi_get_light(const gi_context *gi, gi_light light, gi_light_def *out);
+GI_API gi_result gi_destroy_light(gi_context *gi, gi_light light);
+GI_API bool gi_light_is_valid(const gi_context *gi, gi_light light);
+
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* What an update may cost, or how exact it has to be. All zero: exact, every row is that of a rebuild, bit for bit.
@@ -638,6 +706,7 @@ typedef enum gi_pass {
 	GI_PASS_TRACE,    /* visibility rays */
 	GI_PASS_CLOSE,    /* row sums */
 	GI_PASS_CAUSTICS, /* photons through mirrors and glass */
+	GI_PASS_LIGHTS,   /* rays to lights without a surface */
 	GI_PASS_SOLVE,    /* sweeps */
 	GI_PASS_LIGHT,    /* indirect irradiance of what is drawn */
 	GI_PASS_RECEIVE,  /* light of receivers */
@@ -664,6 +733,7 @@ typedef struct gi_report {
 	/* Rows of which something that is seen is other than it was: summed and closed again */
 	uint64_t closed_rows;
 	uint64_t rays;
+	uint64_t light_rays; /* of those, to lights without a surface (gi_light) */
 
 	uint64_t waiting_rows; /* under a budget: not refreshed although something of them may have changed */
 	/* Their entries that may have; of rows not assessed, how many of theirs bring light */
