@@ -648,11 +648,13 @@ GI_STRUCT(gi_punctual_light) {
 #define GI_PUNCTUAL_DIRECTIONAL 4u
 #define GI_PUNCTUAL_MOVED 8u        /* all its rays are to be traced anew */
 #define GI_PUNCTUAL_BY_LEAVES 16u   /* pictures have its direct light through the leaves */
+#define GI_PUNCTUAL_BY_HOST 32u     /* the host draws its direct light: receivers have none of it */
 
 /* What the light of intensity 1 brings to a leaf, were its rays to be traced first. */
 #define GI_PUNCTUAL_UNKNOWN (-1.0f)
 
-/* Of a leaf, vec4: irradiance from all of them, W/m2; that of it which pictures have through the leaves. */
+/* Of a leaf, vec4: irradiance from all of them, W/m2; that of it which pictures have through the leaves. Of a receiver
+ * the first is that of those which no host draws. */
 #define GI_PUNCTUAL_ALL 0u
 #define GI_PUNCTUAL_SHOWN 1u
 #define GI_PUNCTUAL_PARTS 2u

@@ -233,6 +233,8 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	}
 	if (!result && anew)
 		result = light_beside_rows(gi, budget);
+	else if (!result && c.receivers)
+		result = punctual_update(gi);
 	if (result)
 		return result;
 	if (c.rows || c.receivers)

@@ -989,7 +989,8 @@ GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const 
  *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
  *       Representation for Irradiance Environment Maps, 2001). World axes.
  *
- * All light counts, emitters' too, whatever gi_draw lights per pixel. The library writes the buffer by a compute shader
+ * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for lights
+ * that the host draws itself, GI_LIGHT_BY_HOST. The library writes the buffer by a compute shader
  * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
  * otherwise glMemoryBarrier with the bit for that. It must not write it. */
 typedef struct gi_receiver_buffer {
