@@ -169,14 +169,15 @@ static float pass_sum(const gi_report *report, const gi_pass *passes, size_t cou
 
 void budget_learn(gi_context *gi)
 {
-	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT, GI_PASS_RECEIVE};
+	static const gi_pass fixed[] = {GI_PASS_POSE,  GI_PASS_CHOOSE, GI_PASS_LIGHTS,
+					GI_PASS_SOLVE, GI_PASS_LIGHT,  GI_PASS_RECEIVE};
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
 	gi_budget_state *r = &gi->budget;
 	if (!gi->def.profile || report->frame == r->learned)
 		return;
 	r->learned = report->frame;
-	gi_spent spent = {.rays = report->rays,
+	gi_spent spent = {.rays = report->rays - report->light_rays,
 			  .rows = report->assessed_rows,
 			  .sweeps = report->sweeps,
 			  .late = r->late,

@@ -247,6 +247,7 @@ static void note_changes(gi_context *gi)
 		o->came = kept && (o->came || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
+		o->reshaped = kept && o->reshaped;
 		o->material_changed = kept && (o->material_changed || came);
 	}
 }
@@ -262,7 +263,7 @@ static void forget_dead_objects(gi_context *gi)
 
 gi_result commit_objects(gi_context *gi)
 {
-	gi_result result = programs_end(gi);
+	gi_result result = programs_for_commit(gi);
 	if (result)
 		return result;
 	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
@@ -273,7 +274,9 @@ gi_result commit_objects(gi_context *gi)
 	estimate_invalidate(gi);
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 	diffusion_invalidate(gi);
+	gi->layout++;
 	receive_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {

@@ -10,7 +10,9 @@
 #include "estimate.h"
 #include "gpu.h"
 #include "lamp.h"
+#include "light_list.h"
 #include "paths.h"
+#include "punctual.h"
 #include "receive.h"
 #include "receiver_sets.h"
 #include "rows.h"
@@ -43,12 +45,13 @@ struct gi_context {
 	gi_specular_rows *specular_rows; /* likewise; there as long as some row may have links through them */
 	gi_arena light_arena;            /* scratch of every frame: the emitters that send photons */
 	gi_caustics *caustics;           /* made by the same, where something emits */
+	gi_light_list light_list;        /* lights without a surface */
+	gi_punctual *punctual;           /* what they bring to leaves; made by the first update with any */
 	gi_diffusion *diffusion;         /* made by the first update of a scene with translucent objects */
 	CONTEXT_BUFFERS(BUFFER_MEMBER)
 	gpu_readback readback;
 	gpu_timer timers[GI_PASS_COUNT];
 	gi_frame frame;
-	bool compiled;      /* the programs of every frame: begun by gi_context_create, asked for by gi_commit */
 	bool solve_changed; /* gi_set_solve: the next update solves by other rules */
 	bool light_changed; /* gi_set_sky and others: likewise, and by other light */
 	bool truncated;     /* a report said that a pool was full: the rows are not whole */
@@ -60,6 +63,9 @@ struct gi_context {
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number; /* of gi_draw calls */
 	gi_report report;
+	uint32_t layout; /* of buffers and numbers: another one with every commit */
+	/* The programs of rows and solve, set by set (programs.c). */
+	enum { PROGRAMS_NONE, PROGRAMS_BEGUN, PROGRAMS_READY } programs[ROWS_SETS];
 	/* What the CPU knows of frames not reported yet, by frame number modulo the ring. */
 	struct {
 		uint64_t frame;

@@ -6,6 +6,8 @@
 #include "context.h"
 #include "emitters.h"
 #include "host_memory.h"
+#include "programs.h"
+#include "reshape.h"
 #include "receive.h"
 #include "receiver_sets.h"
 #include "specular.h"
@@ -45,6 +47,7 @@ static void fill_report(gi_context *gi, const gi_state *state, uint64_t frame)
 	r->dirty_rows = state->counts.dirty_rows;
 	r->closed_rows = state->counts.changed_rows;
 	r->rays = state->counts.rays;
+	r->light_rays = state->counts.light_rays;
 	r->sweeps = gi->issued[ring].solved ? state->solve.sweeps : 0;
 	r->jacobi_sweeps = state->solve.jacobi_sweeps;
 	r->method = method_of(state);
@@ -150,7 +153,8 @@ static changes changed_objects(gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed || gi->light_changed || caustics_are_late(gi);
+	c->light =
+	    c->light || gi->solve_changed || gi->light_changed || gi->light_list.changed || caustics_are_late(gi);
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
@@ -165,9 +169,10 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 static void changes_done(gi_context *gi)
 {
 	gi->solve_changed = gi->light_changed = false;
+	light_list_seen(&gi->light_list);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		object_record *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
+		o->moved = o->relit = o->material_changed = o->arrives = o->came = o->reshaped = false;
 	}
 	receiver_sets_done(gi);
 }
@@ -182,15 +187,18 @@ static void forget_what_was_shown(gi_context *gi)
 	gi->scene.shown_changed = false;
 }
 
-/* Through mirrors and glass, and below surfaces. Rows know by now what changed: where it fails the next update must
- * begin it again. */
-static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
+/* Through mirrors and glass, below surfaces, and from lights without a surface. Rows know by now what changed: where it
+ * fails the next update must begin it again. */
+static gi_result light_beside_rows(gi_context *gi, const gi_budget *budget)
 {
 	gi_result result = diffusion_update(gi);
 	if (!result)
 		result = caustics_update(gi, budget);
+	if (!result)
+		result = punctual_update(gi);
 	if (result) {
 		caustics_invalidate(gi);
+		punctual_invalidate(gi);
 		gi->light_changed = true;
 	}
 	return result;
@@ -206,8 +214,11 @@ static bool solve_goes_on(const gi_context *gi)
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi->gpu.tag = gi->frame_number;
+	reshape_objects(gi);
 	const bool anew = c.rows || c.light, solves = anew || solve_goes_on(gi);
-	gi_result result = anew ? specular_update(gi) : GI_OK;
+	gi_result result = c.rows || c.receivers ? programs_for_rows(gi) : GI_OK;
+	if (!result && anew)
+		result = specular_update(gi);
 	if (!result)
 		result = receive_prepare(gi);
 	if (result)
@@ -221,7 +232,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		rows_clear_counts(gi);
 	}
 	if (!result && anew)
-		result = light_by_media(gi, budget);
+		result = light_beside_rows(gi, budget);
 	if (result)
 		return result;
 	if (c.rows || c.receivers)
@@ -267,6 +278,7 @@ static gi_report at_rest(const gi_context *gi)
 	r.frame = gi->frame_number;
 	r.outcome = GI_OUTCOME_AT_REST;
 	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.closed_rows = r.rays = 0;
+	r.light_rays = 0;
 	r.sweeps = r.dispatches = 0;
 	r.sampling_rays = 0;
 	memset(r.pass_ms, 0, sizeof r.pass_ms);

@@ -33,18 +33,31 @@
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 128;
 
-void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
+uint32_t rows_programs(gi_rows *r, rows_set set, gpu_program_file list[ROWS_PROGRAMS])
 {
-	const gpu_program_file programs[ROWS_PROGRAMS] = {
-	    {"pose.comp", &r->pose_program},         {"cut.comp", &r->cut_program},
-	    {"factor.comp", &r->factor_program},     {"flag.comp", &r->flag_program},
-	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
-	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
-	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
-	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
-	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program},
-	    {"covered.comp", &r->covered_program}};
-	memcpy(list, programs, sizeof programs);
+	const struct {
+		rows_set set;
+		gpu_program_file program;
+	} programs[] = {{ROWS_ALWAYS, {"pose.comp", &r->pose_program}},
+			{ROWS_ALWAYS, {"cut.comp", &r->cut_program}},
+			{ROWS_ALWAYS, {"factor.comp", &r->factor_program}},
+			{ROWS_ALWAYS, {"trace.comp", &r->trace_program}},
+			{ROWS_ALWAYS, {"close.comp", &r->close_program}},
+			{ROWS_ALWAYS, {"recycle.comp", &r->recycle_program}},
+			{ROWS_ALWAYS, {"prepare.comp", &r->prepare_program}},
+			{ROWS_ALWAYS, {"changed.comp", &r->changed_program}},
+			{ROWS_MOTION, {"concern.comp", &r->concern_program}},
+			{ROWS_MOTION, {"flag.comp", &r->flag_program}},
+			{ROWS_MOTION, {"unmark.comp", &r->unmark_program}},
+			{ROWS_STATICS, {"trace_tops.comp", &r->tops_program}},
+			{ROWS_STATICS_MOTION, {"cut_kept.comp", &r->kept_program}},
+			{ROWS_STATICS_MOTION, {"covered.comp", &r->covered_program}},
+			{ROWS_KEPT, {"renumber.comp", &r->renumber_program}}};
+	uint32_t count = 0;
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
+		if (programs[k].set == set)
+			list[count++] = programs[k].program;
+	return count;
 }
 
 gi_result rows_init(gi_context *gi)

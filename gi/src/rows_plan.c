@@ -38,6 +38,12 @@ static bool slot_relit(const gi_context *gi, uint32_t slot)
 	return gi->scene.object_data[slot].changed.y > gi->rows.current;
 }
 
+/* The same of having another shape. */
+static bool slot_reshaped(const gi_context *gi, uint32_t slot)
+{
+	return gi->scene.object_data[slot].changed.z > gi->rows.current;
+}
+
 /* Is there one in [first, end)? */
 static bool holds_any(const uint32_t *sorted, uint32_t count, uint32_t first, uint32_t end)
 {
@@ -87,7 +93,8 @@ static void number_changes(gi_context *gi)
 		object_record *o = &s->objects[s->slots[slot]];
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
-		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		o->reshaped_update = o->reshaped ? update : o->reshaped_update;
+		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, o->reshaped_update, 0};
 		s->object_data[slot].extra.w = 0;
 	}
 	receiver_sets_number(gi, update);
@@ -100,7 +107,9 @@ static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t sour
 {
 	if (gi->rows.rebuild || slot_relit(gi, source))
 		return true;
-	return receiver != source && (rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source));
+	if (receiver == source)
+		return slot_reshaped(gi, source);
+	return rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source);
 }
 
 static bool plan_poses(gi_context *gi, rows_plan *p)
@@ -374,11 +383,17 @@ static gi_vec4 higher_of(gi_vec4 a, gi_vec4 b)
 	return (gi_vec4){fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z), fmaxf(a.w, b.w)};
 }
 
+/* As large as may be subtracted from. */
+static const float BRIGHTEST = 3e38f;
+
 /* The sky has rho 0: its E / (1 - rho) is E. */
 static gi_vec4 ceiling_of(const gi_context *gi)
 {
 	const float *sky = gi->def.sky_exitance;
 	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
+	/* How much lights bring to a leaf the GPU alone knows: it bounds what is first reflected (emitted.glsl). */
+	if (light_list_shines(&gi->light_list))
+		ceiling = (gi_vec4){BRIGHTEST, BRIGHTEST, BRIGHTEST, 1};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].committed)
 			ceiling = higher_of(ceiling, gi->scene.objects[k].ceiling);

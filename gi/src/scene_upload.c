@@ -6,8 +6,6 @@
  */
 #include "scene_upload.h"
 
-#include "bits.h"
-#include "bvh_pack.h"
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
@@ -15,6 +13,7 @@
 #include "rank.h"
 #include "receiver_sets.h"
 #include "scene_limits.h"
+#include "scene_object.h"
 #include "sky.h"
 #include "statics.h"
 
@@ -185,52 +184,26 @@ static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_b
 		memcpy(g->spread + node_base, h->spread, sizeof *g->spread * h->node_count);
 	memcpy(g->vertices + vertex_base, h->vertices, sizeof *g->vertices * h->vertex_count);
 	for (uint32_t k = 0; k < h->node_count; k++) {
-		gi_node_topology t = h->topology[k];
-		t.range.x += node_base;
-		t.range.y += leaf_base;
-		uint32_t *corners = &t.corners.x;
-		for (int c = 0; c < 4; c++)
-			corners[c] += corners[c] == GI_NONE ? 0 : vertex_base;
+		const gi_node_topology t = scene_topology_of(h, k, (scene_base){node_base, vertex_base, leaf_base});
 		g->next.topology[node_base + k] = t;
 		if (t.range.z > GI_LARGE_NODE_LEAVES)
 			g->large[g->next.large_count++] = node_base + k;
 	}
 }
 
-static float add_bits(float value, uint32_t base)
-{
-	const uint32_t bits = gi_bits_from_float(value);
-	return gi_float_from_bits(bits == GI_NONE ? bits : bits + base);
-}
-
 static void gather_rays(gathered *g, const object_record *o, gi_object_data *data)
 {
-	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
-	for (uint32_t k = 0; k < o->bvh.node_count; k++)
-		g->bvh[o->bvh_base + k] =
-		    gi_pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
-	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
-		gi_primitive p = o->bvh.primitives[k];
-		p.a.w = add_bits(p.a.w, o->leaf_base);
-		g->primitives[o->primitive_base + k] = p;
-	}
+	scene_fill_tree(o, data, g->bvh + o->bvh_base);
+	scene_fill_primitives(o, g->primitives + o->primitive_base);
 }
 
-/* Their areas are summed up along the object, so that rays can end on its leaves by area. */
 static void gather_leaves(gathered *g, const object_record *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	double area = 0;
-	for (uint32_t l = 0; l < h->leaf_count; l++) {
-		const gi_uvec4 corners = h->topology[h->leaf_node[l]].corners;
-		gi_vec4 *quad = g->leaf_quads + 4 * (size_t)(o->leaf_base + l);
-		for (int c = 0; c < 4; c++)
-			quad[c] = h->vertices[(&corners.x)[c]];
-		area += (double)h->geometry[h->leaf_node[l]].moment.w;
-		quad[0].w = (float)area;
+	scene_fill_quads(h, g->leaf_quads + 4 * (size_t)o->leaf_base);
+	for (uint32_t l = 0; l < h->leaf_count; l++)
 		g->leaves[o->leaf_base + l] =
 		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l], 0};
-	}
 }
 
 static void gather_light(gathered *g, const object_record *o, uint32_t link_base)
@@ -505,6 +478,9 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 			      uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (object_is_alive(&s->objects[k]) && s->objects[k].reshapes)
+			object_apply_shape(&s->objects[k]);
 	receiver_sets_changed(gi); /* poses of what they are fixed to */
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
