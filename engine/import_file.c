@@ -37,8 +37,11 @@ void engine_scene_free(engine_scene *scene)
 		engine_mesh_free(&scene->objects[i].mesh);
 		free(scene->objects[i].name);
 	}
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		free(scene->lights[i].name);
 	free(scene->materials);
 	free(scene->objects);
+	free(scene->lights);
 	free_graph(scene->graph);
 	memset(scene, 0, sizeof *scene);
 }

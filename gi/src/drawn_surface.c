@@ -247,8 +247,17 @@ static bool is_same(const drawn_builder *s, const gi_draw_vertex *a, const gi_dr
 	return true;
 }
 
+static bool hangs_alike(const drawn_builder *s, uint32_t vertex)
+{
+	const gi_draw_bond *bonds = s->out->bonds;
+	return !bonds || (bonds[vertex].place == s->bond.place && bonds[vertex].facing == s->bond.facing &&
+			  bonds[vertex].face == s->bond.face && (s->bond.facing != GI_NONE || s->bond.face != GI_NONE));
+}
+
 uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)
 {
+	if (s->out->bonds)
+		s->out->bonds[s->out->vertex_count] = s->bond;
 	s->out->vertices[s->out->vertex_count] = *v;
 	return s->out->vertex_count++;
 }
@@ -256,7 +265,7 @@ uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)
 uint32_t gi_drawn_share_vertex(drawn_builder *s, uint32_t place, const gi_draw_vertex *v)
 {
 	for (uint32_t i = s->first_drawn[place]; i != GI_NONE; i = s->next_drawn[i])
-		if (is_same(s, &s->out->vertices[i], v))
+		if (is_same(s, &s->out->vertices[i], v) && hangs_alike(s, i))
 			return i;
 	const uint32_t added = gi_drawn_add_vertex(s, v);
 	s->next_drawn[added] = s->first_drawn[place];
@@ -280,5 +289,7 @@ void gi_drawn_free(gi_drawn_surface *drawn)
 	gi_free(drawn->corner_light);
 	gi_free(drawn->vertices);
 	gi_free(drawn->indices);
+	gi_free(drawn->bonds);
+	gi_free(drawn->faces);
 	*drawn = (gi_drawn_surface){0};
 }

@@ -26,6 +26,13 @@ typedef struct gi_draw_vertex {
 	float weight[4];   /* >= 0, sum 1 */
 } gi_draw_vertex;
 
+/* What a drawn vertex of a shape that changes hangs on (gi_hierarchy.deforms). */
+typedef struct gi_draw_bond {
+	uint32_t place;  /* vertex of the surface that is drawn; GI_NONE: the middle of its leaf */
+	uint32_t facing; /* vertex whose limit normal it has; GI_NONE: none */
+	uint32_t face;   /* then face of the surface that is drawn, whose normal it has; GI_NONE: its leaf's */
+} gi_draw_bond;
+
 typedef struct gi_drawn_surface {
 	uint32_t light_count;
 	uint32_t *light_first;  /* light_count + 1 offsets into the two arrays below */
@@ -36,6 +43,8 @@ typedef struct gi_drawn_surface {
 	gi_draw_vertex *vertices;
 	uint32_t index_count; /* three a triangle, counter-clockwise */
 	uint32_t *indices;
+	gi_draw_bond *bonds;  /* of each vertex; NULL: it stays as it is, or is a mesh's */
+	uint32_t (*faces)[4]; /* corners of the surface that is drawn, where there are bonds */
 } gi_drawn_surface;
 
 /* Draws the surface itself. `fine` is the same cage refined `extra` >= 0 levels further than the hierarchy's (NULL:
@@ -55,6 +64,15 @@ bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coar
  * take about a second. */
 bool gi_drawn_from_mesh(const gi_hierarchy *hierarchy, const float *positions, uint32_t vertex_count,
 			const uint32_t *indices, uint32_t index_count, double least_cosine, gi_drawn_surface *out);
+
+/* Of a shape that changes, whose hierarchy is refitted: positions and normals anew. `points` and `tangents`: of the
+ * surface that is drawn, as sums of the cage; points of none: the hierarchy's vertices. */
+void gi_drawn_refit(const gi_hierarchy *hierarchy, const gi_stencils *points, const gi_stencils tangents[2],
+		    const double (*cage)[3], gi_drawn_surface *drawn);
+
+/* The same of a mesh, of its vertex positions in the rest frame; normals: room for as many. */
+void gi_drawn_refit_mesh(const gi_hierarchy *hierarchy, const double (*positions)[3], double (*normals)[3],
+			 gi_drawn_surface *drawn);
 
 void gi_drawn_free(gi_drawn_surface *drawn);
 

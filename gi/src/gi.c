@@ -6,6 +6,7 @@
 #include "handles.h"
 #include "host_memory.h"
 #include "programs.h"
+#include "receive.h"
 #include "sky.h"
 #include "specular.h"
 #include "statics.h"
@@ -215,8 +216,12 @@ void gi_context_destroy(gi_context *gi)
 	shade_free(gi);
 	paths_free(gi);
 	caustics_free(gi);
+	punctual_free(gi);
+	light_list_free(&gi->light_list);
 	specular_free(gi);
 	diffusion_free(gi);
+	receive_free(gi);
+	receiver_sets_free(gi);
 	specular_rows_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
@@ -326,6 +331,7 @@ static void begin_anew(gi_context *gi)
 	gi->rows.fitted = false;
 	shade_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 }
 
 gi_result gi_reload_shaders(gi_context *gi)
@@ -493,7 +499,10 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
-	o->mobility = mobility;
+	if (o->deform && mobility == GI_MOBILITY_STATIC)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s' deforms: it is movable, never static", o->name);
+	o->mobility = o->deform ? GI_MOBILITY_MOVABLE : mobility;
 	return GI_OK;
 }
 
@@ -517,6 +526,12 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 		return stale(gi, "gi_get_pose");
 	*out = o->pose;
 	return GI_OK;
+}
+
+uint32_t gi_material_count(const gi_context *gi, gi_object object)
+{
+	const object_record *o = gi ? handles_find(gi, object) : NULL;
+	return o ? o->material_count : 0;
 }
 
 gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out)

@@ -35,6 +35,7 @@ void object_free(object_record *o)
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
 	gi_drawn_free(&o->drawn);
+	gi_deform_free(o->deform);
 	*o = (object_record){.generation = o->generation,
 			     .leaf_id = o->leaf_id,
 			     .node_id = o->node_id,
@@ -100,12 +101,14 @@ static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *ca
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
 	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, least_cosine(def), &o->drawn);
+	if (ok && o->deform)
+		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
 	return ok;
 }
 
 /* What is drawn finer than it is lit yields to what memory there is. */
-static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
+static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi_refined *coarse, uint32_t levels,
 			object_record *o)
 {
 	if (def->undrawn)
@@ -124,7 +127,10 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, co
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
 		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	return gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
+	if (ok && o->deform)
+		gi_deform_take_drawn(o->deform, coarse, false);
+	return ok;
 }
 
 static bool is_too_small(const gi_hierarchy *h)
@@ -156,13 +162,6 @@ static bool is_plane(const gi_hierarchy *h)
 			return false;
 	}
 	return true;
-}
-
-/* Two sides that cover each other never show a back. */
-static void hide_backs(gi_hierarchy *h)
-{
-	for (uint32_t n = 0; n < h->node_count; n++)
-		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
 /* A face of n corners becomes n quads, then four each. */
@@ -290,6 +289,24 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 	return result;
 }
 
+/* What comes above and beside the hierarchy. */
+static gi_result build_on_hierarchy(const gi_log *log, const gi_object_def *def, const gi_refine_cage *cage,
+				    const char *name, gi_refined *refined, object_record *o)
+{
+	const gi_result result = def->deforms ? object_make_shape(log, def, name, refined, o) : GI_OK;
+	if (result)
+		return result;
+	if (def->double_sided)
+		object_hide_backs(&o->hierarchy);
+	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
+	if (!o->by_size || !copy_values(o, def, name) || !build_drawn(def, cage, refined, refined->level_count - 1, o))
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	/* What may bend is in no plane, wherever it is now. */
+	o->plane = !def->deforms && is_plane(&o->hierarchy);
+	o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
+	return GI_OK;
+}
+
 static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
 		       object_record *o)
 {
@@ -310,16 +327,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
 				 "object '%s' is too large: it reaches farther than 1e9 m from its origin", name);
 	} else {
-		if (def->double_sided)
-			hide_backs(&o->hierarchy);
-		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
-		if (!o->by_size || !copy_values(o, def, name) ||
-		    !build_drawn(def, cage, &refined, refined.level_count - 1, o))
-			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
-	}
-	if (!result) {
-		o->plane = is_plane(&o->hierarchy);
-		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
+		result = build_on_hierarchy(log, def, cage, name, &refined, o);
 	}
 	gi_refined_free(&refined);
 	return result;
@@ -342,6 +350,8 @@ static gi_result make(const object_builder *b, const gi_object_def *def, const c
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
 		result = build(b, &unique.def, &cage, name, o);
+	for (uint32_t leaf = 0; !result && o->deform && unique.origin && leaf < o->deform->leaf_count; leaf++)
+		o->deform->faces[leaf] = unique.origin[o->deform->faces[leaf]];
 	object_cage_free(&own);
 	gi_unique_faces_free(&unique);
 	return result;
@@ -378,6 +388,6 @@ gi_result object_build(const object_builder *b, const gi_object_def *def, object
 		return result;
 	}
 	out->pose = pose;
-	out->mobility = def->mobility;
+	out->mobility = def->deforms ? GI_MOBILITY_MOVABLE : def->mobility;
 	return GI_OK;
 }

@@ -165,6 +165,14 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 
 /* ---- life ---- */
 
+/* Shapes that changed, which nobody looked at so far. */
+static void refit_drawn(gi_context *gi)
+{
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
+		if (scene_object_in(&gi->scene, slot))
+			object_refit_drawn(scene_object_in(&gi->scene, slot));
+}
+
 static gi_result prepare(gi_context *gi)
 {
 	if (!gi->shade)
@@ -174,6 +182,7 @@ static gi_result prepare(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (shade->built)
 		return GI_OK;
+	refit_drawn(gi);
 	const gi_result result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
@@ -213,7 +222,7 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
 static program surface_program(const gi_context *gi)
@@ -431,7 +440,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
