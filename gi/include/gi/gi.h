@@ -856,8 +856,9 @@ GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float
 /* A host that draws its own meshes takes the light of the leaves from buffers, in its own shaders:
  *
  *     once a mesh:       gi_map_vertices(gi, object, ...) and its result into a vertex buffer or buffer texture
- *     after an update:   gi_get_buffers(); where `layout` is another than before, gi_get_object_range() of each object
- *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance (rho H + E) / pi
+ *     after an update:   gi_get_buffers(); where `layout` is another than before, gi_get_object_range() of each
+ *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance is
+ *                        (rho H + E) / pi
  *
  * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all but
  * that of the lamps that gi_draw lights per pixel. gi_object_def.undrawn spares what only gi_draw takes. */
