@@ -153,6 +153,11 @@
 	/* what enters there, W/m2; the same of v */ \
 	X(PENDING, DIFFUSION_VALUES, values, diffusion_value, vec4, SHADERS, "light below surfaces")
 
+/* gi_receivers, of scenes that have any, in the place of what its dispatches do not read */
+#define RECEIVER_BUFFERS(X) \
+	/* of a set's points, one after the other: irradiance, or coefficients (receive.glsl) */ \
+	X(QUEUE, RECEIVED, light, received_light, vec4, SHADERS, "light of receivers")
+
 /* gi_estimate, in places whose owners its dispatches do not read; it brings those back. */
 #define ESTIMATE_BUFFERS(X) \
 	/* an entry between a point of a leaf and a leaf */ \
@@ -170,7 +175,7 @@
 /* Those in the places of others. */
 #define PLACED_BUFFERS(X) \
 	OLD_ROWS_TABLES(X) MOVE_BUFFERS(X) LOAN_BUFFERS(X) PATH_BUFFERS(X) SMOOTH_BUFFERS(X) CAUSTIC_BUFFERS(X) \
-	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) DIFFUSION_BUFFERS(X) ESTIMATE_BUFFERS(X)
+	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) DIFFUSION_BUFFERS(X) RECEIVER_BUFFERS(X) ESTIMATE_BUFFERS(X)
 /* clang-format on */
 
 #endif

@@ -170,7 +170,7 @@ void main()
 	barrier();
 	if (leaf < frame.counts.x) {
 		uvec4 row = load_row(leaf);
-		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
+		bool stays = all == 0u && load_touched(frame.rows.x + leaf) == 0u;
 		bool heavy = false;
 		vec3 emitted = stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row, heavy);
 #ifdef PUNCTUAL

@@ -147,7 +147,8 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1;
  *       0: none
- *   changed.x update that last moved it    changed.y update that last lit or put it out
+ *   changed.x update that last moved it    changed.y update that last lit or put it out    changed.z update that last
+ *       gave it another shape: that moved it, too
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
  * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
@@ -193,6 +194,7 @@ GI_STRUCT(gi_material_data) {
  *
  *   //--------------- 16B ---------------
  *   counts: leaves, nodes, object slots, vertices
+ *   rows: leaves and receivers, which have numbers behind those of leaves (receivers.h); 0; 0; 0
  *   limits: entry pool, queue, most samples of a near leaf, of an emitter
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
@@ -226,6 +228,7 @@ GI_STRUCT(gi_material_data) {
  */
 GI_STRUCT(gi_frame) {
 	GI_UVEC4 counts;
+	GI_UVEC4 rows;
 	GI_UVEC4 limits;
 	GI_VEC4 tolerance;
 	GI_UVEC4 work;

@@ -24,6 +24,8 @@ struct pair {
 	float area_before, area_all;
 };
 
+// Shaders of scenes with receivers that see all round, points without a normal (receiver_sets.h), define ROUND.
+
 // Shaders for nodes of several objects, whose samples are each on one of them (trace.glsl), define TOPS as 1.
 #ifndef TOPS
 #define TOPS 0
@@ -128,10 +130,18 @@ float transfer(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 							 : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
 	if (!p.same)
 		normal = direction_to_world(p.receiver, normal);
+#ifdef ROUND
+	bool round = p.mine.a == p.mine.b;
+	if (p.sky && round)
+		return 1.0;
+#endif
 	if (p.sky)
 		return max(dot(normal, b.world), 0.0);
 	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
 	vec3 n = p.same ? m : direction_to_world(p.source, m);
 	float leaves_at = dot(normal, d), arrives_at = p.back ? dot(n, d) : -dot(n, d), d2 = dot(d, d);
+#ifdef ROUND
+	leaves_at = round ? sqrt(d2) : leaves_at;
+#endif
 	return leaves_at > 0.0 && arrives_at > 0.0 ? max((leaves_at / d2) * (arrives_at / d2), LEAST_TRANSFER) : 0.0;
 }

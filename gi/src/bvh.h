@@ -15,6 +15,10 @@ typedef struct gi_bvh {
 	gi_primitive *primitives; /* in the order of the BVH's leaves; leaf numbers local to the object */
 } gi_bvh;
 
+/* Of a hierarchy that deforms each leaf is a primitive, for what is flat may bend: gi_bvh_refit brings primitives and
+ * boxes to where the vertices are now, in the tree as it is. */
+void gi_bvh_refit(const gi_hierarchy *hierarchy, gi_bvh *bvh);
+
 /* Binned surface-area heuristic, one primitive a leaf, the larger-area child first. False when memory ran out. */
 bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out);
 

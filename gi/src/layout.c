@@ -16,7 +16,7 @@ ASSERT_TEXELS(gi_bvh_node, 2);
 ASSERT_TEXELS(gi_primitive, 4);
 ASSERT_TEXELS(gi_object_data, 14);
 ASSERT_TEXELS(gi_material_data, 2);
-ASSERT_TEXELS(gi_frame, 18);
+ASSERT_TEXELS(gi_frame, 19);
 ASSERT_TEXELS(gi_pending, 3);
 ASSERT_TEXELS(gi_move, 2);
 ASSERT_TEXELS(gi_path_slot, 5);

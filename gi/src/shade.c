@@ -169,6 +169,14 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 
 /* ---- life ---- */
 
+/* Shapes that changed, which nobody looked at so far. */
+static void refit_drawn(gi_context *gi)
+{
+	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
+		if (scene_object_in(&gi->scene, slot))
+			object_refit_drawn(scene_object_in(&gi->scene, slot));
+}
+
 static gi_result prepare(gi_context *gi)
 {
 	if (!gi->shade)
@@ -178,9 +186,8 @@ static gi_result prepare(gi_context *gi)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (shade->built)
 		return GI_OK;
-	gi_result result = build_mesh(gi, shade);
-	if (!result)
-		result = shadow_create(gi, &shade->shadow);
+	refit_drawn(gi);
+	const gi_result result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
 	else
@@ -221,7 +228,7 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
 static program surface_program(const gi_context *gi)
@@ -333,41 +340,46 @@ static void add_others(gi_context *gi, uint32_t lamps, uint32_t lights, const gi
 }
 
 /* Of a layer, whose surfaces may be hidden anywhere. */
-static void light_layer(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view)
+static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, uint32_t lights, const gi_view *view)
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
-	const screen_rect r = shade->reflections.rect;
 	gpu_target_clear(&gi->gpu, &shade->so_far);
 	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
 	gpu_draw_added(&gi->gpu, true);
 	for (uint32_t k = 0; k < lamps; k++) {
 		gpu_bind_uniform_range(&gi->gpu, GI_UNIFORM_LAMP, &shade->shadow.uniforms, k * sizeof(gi_lamp),
 				       sizeof(gi_lamp));
-		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
-			  r.upper[1]);
+		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r->lower[0], r->lower[1], r->upper[0],
+			  r->upper[1]);
 	}
-	add_lights(gi, lights, view, r);
+	add_lights(gi, lights, view, *r);
 	gpu_draw_unscissored(&gi->gpu);
 	gpu_draw_added(&gi->gpu, false);
+}
+
+static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, uint32_t lights,
+		      const gi_view *view, const gpu_draw_state *state, const int corner[2])
+{
+	gi_shade *shade = gi->shade;
+	gi_reflections *r = &shade->reflections;
+	for (gi_layer layer = 0; layer < (part->glass ? GI_LAYER_COUNT : GI_LAYER_REFRACTED); layer++) {
+		bind_surfaces(gi, &shade->surfaces);
+		reflections_trace(gi, r, &part->rect, layer, view, &shade->screen);
+		bind_surfaces(gi, &r->layer);
+		if (lamps || lights)
+			light_layer(gi, &part->rect, lamps, lights, view);
+		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
+		reflections_add(gi, r, &part->rect, lamps || lights, view, corner, &shade->screen);
+	}
 }
 
 static void draw_reflections(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view,
 			     const gpu_draw_state *state, const int corner[2])
 {
-	gi_shade *shade = gi->shade;
-	gi_reflections *r = &shade->reflections;
-	if (r->rect.upper[0] <= r->rect.lower[0] || r->rect.upper[1] <= r->rect.lower[1])
-		return;
-	for (gi_layer layer = 0; layer < (r->glass ? GI_LAYER_COUNT : GI_LAYER_REFRACTED); layer++) {
-		bind_surfaces(gi, &shade->surfaces);
-		reflections_trace(gi, r, layer, view, &shade->screen);
-		bind_surfaces(gi, &r->layer);
-		if (lamps || lights)
-			light_layer(gi, lamps, lights, view);
-		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
-		reflections_add(gi, r, lamps || lights, view, corner, &shade->screen);
-	}
+	const gi_reflections *r = &gi->shade->reflections;
+	for (uint32_t k = 0; k < r->part_count; k++)
+		draw_part(gi, &r->parts[k], lamps, lights, view, state, corner);
 }
 
 static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps, uint32_t lights)
@@ -455,7 +467,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
@@ -464,6 +476,26 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	if (!view_is_finite(view))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: a matrix is not finite");
 	return GI_OK;
+}
+
+/* Without lamps and lights nothing of it is made. */
+static gi_result update_shadows(gi_context *gi)
+{
+	gi_shadow *shadow = &gi->shade->shadow;
+	uint32_t lights;
+	const bool lit = punctual_light_data(gi, &lights);
+	if (!gi->lamps.count && !lit) {
+		shadow->lamp_count = 0;
+		punctual_shadow_free(gi, &gi->shade->punctual);
+		return GI_OK;
+	}
+	gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
+	if (result) {
+		shadow_invalidate(gi, shadow);
+		return result;
+	}
+	result = shadow_update(gi, shadow);
+	return result ? result : punctual_shadow_update(gi, &gi->shade->punctual, shadow);
 }
 
 static gi_result draw(gi_context *gi, const gi_view *view)
@@ -476,9 +508,7 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 	bind_scene(gi);
 	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = shadow_update(gi, &gi->shade->shadow);
-	if (!result && view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = punctual_shadow_update(gi, &gi->shade->punctual, &gi->shade->shadow);
+		result = update_shadows(gi);
 	if (!result)
 		result = draw_picture(gi, view, &state);
 	gpu_draw_end(&gi->gpu, &state);
