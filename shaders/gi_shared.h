@@ -648,7 +648,7 @@ GI_STRUCT(gi_punctual_light) {
 #define GI_PUNCTUAL_DIRECTIONAL 4u
 #define GI_PUNCTUAL_MOVED 8u        /* all its rays are to be traced anew */
 #define GI_PUNCTUAL_BY_LEAVES 16u   /* pictures have its direct light through the leaves */
-#define GI_PUNCTUAL_BY_HOST 32u     /* the host draws its direct light: receivers have none of it */
+#define GI_PUNCTUAL_BY_PIXELS 32u   /* pixel by pixel; neither: the host adds it, to receivers too */
 
 /* What the light of intensity 1 brings to a leaf, were its rays to be traced first. */
 #define GI_PUNCTUAL_UNKNOWN (-1.0f)

@@ -17,11 +17,12 @@ void main()
 	if (leaf >= rows)
 		return;
 	const uint ON = GI_PUNCTUAL_THERE | GI_PUNCTUAL_ENABLED;
-	uint others = leaf < frame.counts.x ? 0u : GI_PUNCTUAL_BY_HOST;
+	bool receives = leaf >= frame.counts.x;
 	vec3 sum = vec3(0.0), shown = vec3(0.0);
 	for (uint k = 0u; k < light_count; k++) {
 		uint kind = punctual_light_kind(k).x;
-		if ((kind & (ON | others)) != ON)
+		bool shown_by_us = (kind & (GI_PUNCTUAL_BY_LEAVES | GI_PUNCTUAL_BY_PIXELS)) != 0u;
+		if ((kind & ON) != ON || (receives && !shown_by_us))
 			continue;
 		vec3 light = punctual_light_color(k).xyz * load_punctual_share(k * rows + leaf);
 		sum += light;

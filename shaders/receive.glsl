@@ -85,7 +85,7 @@ void add_lights(inout vec3 sum[COEFFICIENTS], uint receiver, vec3 from)
 	const uint ON = GI_PUNCTUAL_THERE | GI_PUNCTUAL_ENABLED;
 	for (uint k = 0u; k < light_count; k++) {
 		uint kind = punctual_light_kind(k).x;
-		if ((kind & (ON | GI_PUNCTUAL_BY_HOST)) != ON)
+		if ((kind & ON) != ON || (kind & (GI_PUNCTUAL_BY_LEAVES | GI_PUNCTUAL_BY_PIXELS)) == 0u)
 			continue;
 		vec3 place = punctual_light_place(k).xyz,
 		     to = (kind & GI_PUNCTUAL_DIRECTIONAL) != 0u ? place : place - from;

@@ -3,10 +3,13 @@
 #include "binding.h"
 #include "context.h"
 #include "host_memory.h"
+#include "shade_shared.h"
 #include "vec3d.h"
 
 #include <math.h>
 #include <string.h>
+
+_Static_assert(GI_MOST_PIXEL_LIGHTS == GI_PIXEL_LIGHTS, "gi.h says how many");
 
 /* Uniforms of punctual_trace.comp; the first and the last are punctual_sum.comp's too. */
 enum { LIGHT_COUNT = 0, SEEN = 1, ALL = 2, ROWS = 3 };
@@ -61,6 +64,13 @@ void punctual_free(gi_context *gi)
 	PUNCTUAL_BUFFERS(BUFFER_FREE)
 	gi_free(owner);
 	gi->punctual = NULL;
+}
+
+/* Not those of a commit since: maps are of the scene as it is. */
+const gi_punctual_light *punctual_light_data(const gi_context *gi, uint32_t *count)
+{
+	*count = gi->punctual && gi->punctual->built ? gi->light_list.count : 0;
+	return *count ? gi->punctual->data : NULL;
 }
 
 void punctual_invalidate(gi_context *gi)
@@ -161,9 +171,18 @@ static gi_punctual_light data_of(const light_record *light, uint32_t place)
 	p.kind.x |= d->enabled ? GI_PUNCTUAL_ENABLED : 0;
 	p.kind.x |= directional ? GI_PUNCTUAL_DIRECTIONAL : 0;
 	p.kind.x |= light->moved ? GI_PUNCTUAL_MOVED : 0;
-	p.kind.x |= d->shown == GI_LIGHT_BY_LEAVES ? GI_PUNCTUAL_BY_LEAVES : 0;
-	p.kind.x |= d->shown == GI_LIGHT_BY_HOST ? GI_PUNCTUAL_BY_HOST : 0;
 	return p;
+}
+
+/* Pictures have so many pixel by pixel at most; the others through the leaves. */
+static uint32_t how_shown(const light_record *light, uint32_t *drawn)
+{
+	if (!light_is_there(light) || light->def.shown == GI_LIGHT_BY_HOST)
+		return 0;
+	if (light->def.shown == GI_LIGHT_BY_LEAVES || *drawn == GI_PIXEL_LIGHTS)
+		return GI_PUNCTUAL_BY_LEAVES;
+	++*drawn;
+	return GI_PUNCTUAL_BY_PIXELS;
 }
 
 /* Is there anything to trace for certain, whatever moved? */
@@ -171,9 +190,11 @@ static bool upload_lights(gi_context *gi)
 {
 	gi_punctual *p = gi->punctual;
 	const gi_light_list *l = &gi->light_list;
+	uint32_t drawn = 0;
 	bool any = false;
 	for (uint32_t k = 0; k < l->count; k++) {
-		const gi_punctual_light now = data_of(&l->list[k], k);
+		gi_punctual_light now = data_of(&l->list[k], k);
+		now.kind.x |= how_shown(&l->list[k], &drawn);
 		/* What was switched off may have missed something. */
 		any = any || l->list[k].moved || (now.kind.x & ~p->data[k].kind.x & GI_PUNCTUAL_ENABLED);
 		p->data[k] = now;

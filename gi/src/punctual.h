@@ -17,6 +17,8 @@ uint32_t punctual_bind(const gi_context *gi);
 const gpu_buffer *punctual_sums(const gi_context *gi);
 /* The lights as shaders have them, by place; for others who trace rays to them. NULL: there are none. */
 const gpu_buffer *punctual_lights(const gi_context *gi, uint32_t *count);
+/* The same for the CPU, as of the last update. */
+const gi_punctual_light *punctual_light_data(const gi_context *gi, uint32_t *count);
 void punctual_invalidate(gi_context *gi); /* after a commit */
 void punctual_free(gi_context *gi);
 

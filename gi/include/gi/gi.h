@@ -592,13 +592,15 @@ typedef enum gi_light_type {
 
 /* Who adds the direct light of a light to pictures. Its reflections are in them in any case. */
 typedef enum gi_light_shown {
-	GI_LIGHT_BY_PIXELS, /* gi_draw, pixel by pixel with shadow maps (default) */
+	/* gi_draw, pixel by pixel with shadow maps (default); GI_MOST_PIXEL_LIGHTS of them, further ones by leaves */
+	GI_LIGHT_BY_PIXELS,
 	GI_LIGHT_BY_LEAVES, /* the leaves: as coarse as they are, at no cost a pixel */
 	GI_LIGHT_BY_HOST,   /* the host: neither gi_draw nor the indirect light of gi_get_buffers has it */
 } gi_light_shown;
 
-/* Most lights at a time, switched off ones too. */
+/* Most lights at a time, switched off ones too; and most that gi_draw shows pixel by pixel. */
 #define GI_MOST_LIGHTS 256
+#define GI_MOST_PIXEL_LIGHTS 16
 
 /* Falloffs are those of glTF's KHR_lights_punctual. */
 typedef struct gi_light_def {
