@@ -14,6 +14,7 @@
 #include "rows.h"
 #include "scene.h"
 #include "shade.h"
+#include "sky.h"
 #include "solver.h"
 #include "specular.h"
 #include "specular_rows.h"
@@ -31,6 +32,7 @@ struct gi_context {
 	gi_arena grouping;     /* the tree of static objects */
 	gi_arena undo;         /* what a commit needs to undo itself where it fails */
 	gi_arena tree_arena;   /* scratch of every frame: building the trees over the objects */
+	gi_sky_state sky;
 	gi_lamps lamps;
 	gi_estimate estimate;
 	gi_shade *shade;                 /* made by the first gi_draw */

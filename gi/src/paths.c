@@ -22,8 +22,12 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 
 enum { MOST_PATHS = 1 << 24 };
 
+enum { WITH_SPECULAR = 1, WITH_SKY_IMAGE = 2, PATH_PROGRAMS = 4 };
+enum { SKY_ROWS = 9 }; /* uniform */
+
 struct gi_paths {
-	uint32_t program, specular_program; /* without mirrors and glass, and with; of the two what was wanted */
+	/* Without mirrors and glass, and with; likewise below a picture of the sky: of the four what was wanted */
+	uint32_t programs[PATH_PROGRAMS];
 	PATH_BUFFERS(BUFFER_MEMBER)
 };
 
@@ -103,24 +107,30 @@ void paths_free(gi_context *gi)
 	gi_paths *owner = gi->paths;
 	if (!owner)
 		return;
-	gpu_program_free(&gi->gpu, &owner->program);
-	gpu_program_free(&gi->gpu, &owner->specular_program);
+	for (int k = 0; k < PATH_PROGRAMS; k++)
+		gpu_program_free(&gi->gpu, &owner->programs[k]);
 	PATH_BUFFERS(BUFFER_FREE)
 	gi_free(owner);
 	gi->paths = NULL;
 }
 
+static int which_program(const gi_context *gi)
+{
+	return (specular_is_ready(gi) ? WITH_SPECULAR : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0);
+}
+
 static uint32_t program_of(const gi_context *gi)
 {
-	return specular_is_ready(gi) ? gi->paths->specular_program : gi->paths->program;
+	return gi->paths->programs[which_program(gi)];
 }
 
 static gi_result make_program(gi_context *gi)
 {
-	gi_paths *p = gi->paths;
-	const gpu_program_file plain = {"paths.comp", &p->program},
-			       specular = {"paths_specular.comp", &p->specular_program};
-	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, specular_is_ready(gi) ? &specular : &plain, 1);
+	static const char *const files[PATH_PROGRAMS] = {"paths.comp", "paths_specular.comp", "paths_sky.comp",
+							 "paths_sky_specular.comp"};
+	const int which = which_program(gi);
+	const gpu_program_file file = {files[which], &gi->paths->programs[which]};
+	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, &file, 1);
 }
 
 /* ---- emitters ---- */
@@ -173,6 +183,8 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	PATH_BUFFERS(BUFFER_BIND)
 	if (specular_is_ready(gi))
 		specular_bind(gi);
+	if (sky_shows_image(gi))
+		sky_bind(gi, program, SKY_ROWS);
 	gpu_set_uint(&gi->gpu, program, 5, seed);
 	gpu_set_uint(&gi->gpu, program, 6, s->light_count);
 	gpu_set_floats(&gi->gpu, program, 7, 4, 1, s->sky_and_lift);
@@ -276,6 +288,8 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	gi_result result = make_paths(gi);
 	if (!result)
 		result = make_program(gi);
+	if (!result && sky_shows_image(gi))
+		result = sky_upload_texels(gi);
 	if (!result)
 		result = trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
 	gi_memory_from(before);

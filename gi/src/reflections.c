@@ -7,10 +7,12 @@
 #include "view.h"
 
 /* Uniforms. */
-enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5 };
+enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5, SKY_ROWS = 6 };
 enum { CORNER = 0, LIT = 1 };
 
-static const char *const TRACES[2] = {"mirror.frag", "mirror_translucent.frag"};
+enum { WITH_TRANSLUCENT = 1, WITH_SKY_IMAGE = 2, TRACE_PROGRAMS = 4 };
+static const char *const TRACES[TRACE_PROGRAMS] = {"mirror.frag", "mirror_translucent.frag", "mirror_sky.frag",
+						   "mirror_sky_translucent.frag"};
 
 /* specular.glsl */
 static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
@@ -34,9 +36,9 @@ static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *vi
 	}
 }
 
-static uint32_t is_translucent(const gi_context *gi)
+static int which_trace(const gi_context *gi)
 {
-	return gi->scene.translucent_leaves > 0;
+	return (gi->scene.translucent_leaves > 0 ? WITH_TRANSLUCENT : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0);
 }
 
 gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
@@ -45,8 +47,10 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
 	static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-	const uint32_t which = is_translucent(gi);
+	const int which = which_trace(gi);
 	gi_result result = gpu_program_want(&gi->gpu, "screen.vert", TRACES[which], &r->trace_program[which]);
+	if (!result && sky_shows_image(gi))
+		result = sky_upload_texels(gi);
 	if (!result)
 		result = gpu_program_want(&gi->gpu, "screen.vert", "mirror_add.frag", &r->add_program);
 	if (!result)
@@ -65,7 +69,7 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen)
 {
 	const gpu *g = &gi->gpu;
-	const uint32_t program = r->trace_program[is_translucent(gi)];
+	const uint32_t program = r->trace_program[which_trace(gi)];
 	const float lift = scene_ray_lift(&gi->scene), farthest = view_farthest(view);
 	float eye[4], sky[4] = {0};
 	scene_sky_exitance(&gi->scene, sky);
@@ -78,7 +82,10 @@ void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const 
 	gpu_set_uint(g, program, WAY, WAYS[layer]);
 	gpu_set_uint(g, program, MODE, (uint32_t)view->mode);
 	gpu_set_floats(g, program, LIFT, 1, 1, &lift);
-	gpu_set_floats(g, program, SKY, 4, 1, sky);
+	if (sky_shows_image(gi))
+		sky_bind(gi, program, SKY_ROWS);
+	else
+		gpu_set_floats(g, program, SKY, 4, 1, sky);
 	gpu_set_floats(g, program, FARTHEST, 1, 1, &farthest);
 	gpu_draw_to_target(g, &r->layer, view_convention(view));
 	gpu_draw_scissor(g, r->rect.lower, r->rect.upper);
@@ -120,7 +127,7 @@ bool reflections_splat(gi_context *gi, gi_reflections *r, const float clip_from_
 
 void reflections_free(gi_context *gi, gi_reflections *r)
 {
-	for (int k = 0; k < 2; k++)
+	for (int k = 0; k < TRACE_PROGRAMS; k++)
 		gpu_program_free(&gi->gpu, &r->trace_program[k]);
 	gpu_program_free(&gi->gpu, &r->add_program);
 	gpu_program_free(&gi->gpu, &r->splat_program);

@@ -1,0 +1,5 @@
+#version 450 core
+// Below a picture of the sky.
+#define SPECULAR 0
+#define SKY_IMAGE 9
+#include "paths.glsl"
