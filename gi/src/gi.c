@@ -550,6 +550,12 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 	return GI_OK;
 }
 
+uint32_t gi_material_count(const gi_context *gi, gi_object object)
+{
+	const object_record *o = gi ? handles_find(gi, object) : NULL;
+	return o ? o->material_count : 0;
+}
+
 gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out)
 {
 	if (!gi || !out)

@@ -17,22 +17,52 @@ static const char *const TRACES[TRACE_PROGRAMS] = {"mirror.frag", "mirror_transl
 /* specular.glsl */
 static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
 
+static bool overlap(const screen_rect *a, const screen_rect *b)
+{
+	return a->lower[0] < b->upper[0] && b->lower[0] < a->upper[0] && a->lower[1] < b->upper[1] &&
+	       b->lower[1] < a->upper[1];
+}
+
+/* A part goes together with those it overlaps, for layers are added to the picture, and with the last where there is
+ * no place. */
+static void add_part(gi_reflections *r, reflections_part part)
+{
+	for (uint32_t k = 0; k < r->part_count;) {
+		const reflections_part *other = &r->parts[k];
+		if (!overlap(&part.rect, &other->rect) &&
+		    (r->part_count < REFLECTIONS_PARTS || k + 1 < r->part_count)) {
+			k++;
+			continue;
+		}
+		for (int axis = 0; axis < 2; axis++) {
+			const int lower = other->rect.lower[axis], upper = other->rect.upper[axis];
+			part.rect.lower[axis] = lower < part.rect.lower[axis] ? lower : part.rect.lower[axis];
+			part.rect.upper[axis] = upper > part.rect.upper[axis] ? upper : part.rect.upper[axis];
+		}
+		part.glass = part.glass || other->glass;
+		r->parts[k] = r->parts[--r->part_count];
+		k = 0; /* it is larger now */
+	}
+	r->parts[r->part_count++] = part;
+}
+
 /* The balls around smooth objects. */
-static void find_rect(const gi_context *gi, gi_reflections *r, const gi_view *view)
+static void find_parts(const gi_context *gi, gi_reflections *r, const gi_view *view)
 {
 	const gi_scene *s = &gi->scene;
 	float window_from_world[16];
 	view_window_from_world(view, window_from_world);
 	const uint32_t size[2] = {view->width, view->height};
-	r->rect = screen_rect_empty();
-	r->glass = false;
+	r->part_count = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		const object_record *o = scene_object_in(s, slot);
 		if (!o || !scene_slot_is_seen(s, slot) || !object_is_smooth(o))
 			continue;
 		const gi_vec4 sphere = s->object_data[slot].sphere;
-		screen_rect_add(&r->rect, window_from_world, size, gi_vec3d_from(sphere), sphere.w);
-		r->glass = r->glass || object_has_glass(o);
+		reflections_part part = {screen_rect_empty(), object_has_glass(o)};
+		screen_rect_add(&part.rect, window_from_world, size, gi_vec3d_from(sphere), sphere.w);
+		if (part.rect.upper[0] > part.rect.lower[0] && part.rect.upper[1] > part.rect.lower[1])
+			add_part(r, part);
 	}
 }
 
@@ -62,11 +92,12 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a photon", attributes, sizeof *corners, 4,
 					 corners, 6, indices);
 	if (!result)
-		find_rect(gi, r, view);
+		find_parts(gi, r, view);
 	return result;
 }
 
-void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const gi_view *view, const gpu_mesh *screen)
+void reflections_trace(gi_context *gi, gi_reflections *r, const screen_rect *rect, gi_layer layer, const gi_view *view,
+		       const gpu_mesh *screen)
 {
 	const gpu *g = &gi->gpu;
 	const uint32_t program = r->trace_program[which_trace(gi)];
@@ -88,19 +119,19 @@ void reflections_trace(gi_context *gi, gi_reflections *r, gi_layer layer, const 
 		gpu_set_floats(g, program, SKY, 4, 1, sky);
 	gpu_set_floats(g, program, FARTHEST, 1, 1, &farthest);
 	gpu_draw_to_target(g, &r->layer, view_convention(view));
-	gpu_draw_scissor(g, r->rect.lower, r->rect.upper);
+	gpu_draw_scissor(g, rect->lower, rect->upper);
 	gpu_mesh_draw(g, screen, program);
 	gpu_draw_unscissored(g);
 }
 
-void reflections_add(gi_context *gi, gi_reflections *r, bool lit, const gi_view *view, const int corner[2],
-		     const gpu_mesh *screen)
+void reflections_add(gi_context *gi, gi_reflections *r, const screen_rect *rect, bool lit, const gi_view *view,
+		     const int corner[2], const gpu_mesh *screen)
 {
 	const gpu *g = &gi->gpu;
 	int lower[2], upper[2];
 	for (int k = 0; k < 2; k++) {
-		lower[k] = corner[k] + r->rect.lower[k];
-		upper[k] = corner[k] + r->rect.upper[k];
+		lower[k] = corner[k] + rect->lower[k];
+		upper[k] = corner[k] + rect->upper[k];
 	}
 	gpu_set_corner(g, r->add_program, CORNER, corner);
 	gpu_set_uint(g, r->add_program, LIT, lit);

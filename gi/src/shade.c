@@ -215,7 +215,7 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
 static program surface_program(const gi_context *gi)
@@ -310,40 +310,45 @@ static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, cons
 }
 
 /* Of a layer, whose surfaces may be hidden anywhere. */
-static void light_layer(gi_context *gi, uint32_t lamps, const gi_view *view)
+static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, const gi_view *view)
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
-	const screen_rect r = shade->reflections.rect;
 	gpu_target_clear(&gi->gpu, &shade->so_far);
 	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
 	gpu_draw_added(&gi->gpu, true);
 	for (uint32_t k = 0; k < lamps; k++) {
 		gpu_bind_uniform_range(&gi->gpu, GI_UNIFORM_LAMP, &shade->shadow.uniforms, k * sizeof(gi_lamp),
 				       sizeof(gi_lamp));
-		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
-			  r.upper[1]);
+		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r->lower[0], r->lower[1], r->upper[0],
+			  r->upper[1]);
 	}
 	gpu_draw_unscissored(&gi->gpu);
 	gpu_draw_added(&gi->gpu, false);
 }
 
-static void draw_reflections(gi_context *gi, uint32_t lamps, const gi_view *view, const gpu_draw_state *state,
-			     const int corner[2])
+static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, const gi_view *view,
+		      const gpu_draw_state *state, const int corner[2])
 {
 	gi_shade *shade = gi->shade;
 	gi_reflections *r = &shade->reflections;
-	if (r->rect.upper[0] <= r->rect.lower[0] || r->rect.upper[1] <= r->rect.lower[1])
-		return;
-	for (gi_layer layer = 0; layer < (r->glass ? GI_LAYER_COUNT : GI_LAYER_REFRACTED); layer++) {
+	for (gi_layer layer = 0; layer < (part->glass ? GI_LAYER_COUNT : GI_LAYER_REFRACTED); layer++) {
 		bind_surfaces(gi, &shade->surfaces);
-		reflections_trace(gi, r, layer, view, &shade->screen);
+		reflections_trace(gi, r, &part->rect, layer, view, &shade->screen);
 		bind_surfaces(gi, &r->layer);
 		if (lamps)
-			light_layer(gi, lamps, view);
+			light_layer(gi, &part->rect, lamps, view);
 		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
-		reflections_add(gi, r, lamps > 0, view, corner, &shade->screen);
+		reflections_add(gi, r, &part->rect, lamps > 0, view, corner, &shade->screen);
 	}
+}
+
+static void draw_reflections(gi_context *gi, uint32_t lamps, const gi_view *view, const gpu_draw_state *state,
+			     const int corner[2])
+{
+	const gi_reflections *r = &gi->shade->reflections;
+	for (uint32_t k = 0; k < r->part_count; k++)
+		draw_part(gi, &r->parts[k], lamps, view, state, corner);
 }
 
 static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
@@ -428,7 +433,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,

@@ -130,7 +130,8 @@ def judge_direct(measures):
 
 def closed_form(outputs):
     text = "\n".join(outputs.values())
-    found = re.search(r"soft shadow: off by ([\d.]+) of the brightest pixel \(RMS\), ([\d.]+) at most", text)
+    found = re.search(r"soft shadow, maps of 512 texels: off by ([\d.]+) of the brightest pixel \(RMS\), "
+                      r"([\d.]+) at most", text)
     return [f"Against a closed form, the soft shadow of a plate under a lamp is off by {100 * float(found[1]):.2f} % "
             f"of the brightest pixel (RMS), {100 * float(found[2]):.1f} % at most (test_draw)."] if found else []
 

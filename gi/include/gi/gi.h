@@ -508,6 +508,7 @@ GI_API bool gi_object_is_valid(const gi_context *gi, gi_object object);
 GI_API gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose);
 GI_API gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out);
 GI_API gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, gi_material value);
+GI_API uint32_t gi_material_count(const gi_context *gi, gi_object object); /* 0 of a stale handle */
 GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
 GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
 GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
@@ -701,6 +702,12 @@ typedef enum gi_overlay {
 	/* Heat maps take the picture's place: display colours in [0,1], linear; show them with an exposure of 1. */
 	GI_OVERLAY_DIRTY,    /* share of each row's entries touched by the last update */
 	GI_OVERLAY_RESIDUAL, /* last |R_k+1 - R_k| of each leaf over the largest R, logarithmic: 1e-8 to 0.1 */
+	/* The nodes gi_view.overlay_depth levels below their objects' roots, each in a colour of its own */
+	GI_OVERLAY_HIERARCHY,
+	/* What the row of the leaf gi_view.overlay_leaf has of all others, which is drawn cyan; dark blue: nothing. */
+	GI_OVERLAY_SENDERS,    /* share of its irradiance that the entry brings, logarithmic: 1e-4 to 1 */
+	GI_OVERLAY_VISIBILITY, /* how much of them it sees, V */
+	GI_OVERLAY_BLOCKERS,   /* share of all its form factors that their object alone hides; 1e-4 to 1, log */
 } gi_overlay;
 
 struct gi_view {
@@ -709,6 +716,8 @@ struct gi_view {
 	uint32_t width, height; /* viewport, pixels; from 1 to what the device draws, 16384 mostly */
 	gi_mode mode;
 	gi_overlay overlay;
+	uint32_t overlay_leaf;  /* as gi_read_leaves counts, gi_pick_leaf; default 0 */
+	uint32_t overlay_depth; /* default 0: objects as a whole; beyond the last level: leaves */
 
 	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked
 	 * at. All false by default. */
@@ -731,6 +740,14 @@ GI_API gi_view gi_view_default(void);
  * drawn again only after something moved. Surfaces go through textures of the viewport's size before they reach the
  * framebuffer: one that is multisampled gets the same value in all samples of a pixel. */
 GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
+
+/* No leaf. */
+#define GI_NO_LEAF 0xFFFFFFFFu
+
+/* The leaf whose front a ray meets first, as gi_read_leaves counts, or GI_NO_LEAF: for tools that show what is under
+ * the cursor. Backs are looked through, as in gi_draw; poses are those of the last gi_update. origin: world;
+ * direction: any length but 0. On the CPU, some 10 ns a leaf of the objects whose ball the ray meets. */
+GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float direction[3], uint32_t *leaf);
 
 /* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that
  * commits by itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
