@@ -48,6 +48,7 @@ typedef struct gi_uvec4 {
 /* Of several static objects (statics.h): in the world's frame, its two children behind it. */
 #define GI_NODE_TOP 128u
 #define GI_NODE_SMOOTH 4096u   /* some leaf below it is a mirror or glass; set by the scene */
+#define GI_NODE_PICTURE 8192u /* a patch of a sky with a picture; where GI_NODE_FINER is set, one of much light */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u

@@ -96,7 +96,7 @@ bool is_settled(findings f, sampling rays)
 // `clear`: a bit for each sample that the bodies at its ends are known not to hide.
 findings trace(pair p, sampling rays, uint clear)
 {
-	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
+	bool emitter = is_bright(p.t.range.w);
 	bool reordered = is_reordered(rays, emitter, p.sky);
 	uint candidates = candidates_of(p, emitter);
 	findings f = findings(0u, 0u, GI_BLOCKER_NONE, GI_NONE);

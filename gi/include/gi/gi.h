@@ -251,6 +251,23 @@ GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t ma
  * coarser. `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
 GI_API gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3]);
 
+/* Light from a picture of the sky, added to sky_exitance. radiance: 3 * width * height floats, linear RGB, W/m2/sr,
+ * each in 0..3e11, copied; NULL: no picture, as at first. Sides are 1..32768 texels. The picture goes all round
+ * (equirectangular): its first row is what lies straight above, along +y, its last one what lies below; columns go once
+ * round from left to right, the middle one towards -z, as a glTF camera looks. A gradient is a picture one texel wide.
+ * rotation: a quaternion x y z w that turns all this, world from picture; NULL: none.
+ *
+ * Rows have the means of some 11 degrees, and where a patch has more than a sixteenth of all the sky's light (a sun),
+ * patches down to 0.18 degrees: edges of its shadows are as sharp as leaves are fine. What gi_draw shows in mirrors and
+ * gi_trace_paths see the picture itself, averaged down to 2048 x 1024 where it is larger. Light below the sun's edge in
+ * a budget's bounds counts as the sun's: stale_bound is large under a bright sun.
+ *
+ * The next gi_update takes a solve and no rays, as for gi_set_sky; where other patches than before become bright, or
+ * the sky begins or ceases to shine, it commits by itself and builds every row. This call takes 50 to 200 ms of
+ * processor time. GI_ERROR_INVALID_ARGUMENT where a value is out of range; needs no OpenGL. */
+GI_API gi_result gi_set_sky_image(gi_context *gi, const float *radiance, uint32_t width, uint32_t height,
+				  const float rotation[4]);
+
 /* Every row anew, as after a gi_commit that keeps none; nothing where the values are those in force. */
 GI_API gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
 			     uint32_t near_samples);
