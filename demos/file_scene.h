@@ -3,6 +3,7 @@
 #define DEMOS_FILE_SCENE_H
 
 #include "camera.h"
+#include "file_shape.h"
 #include "gi/gi.h"
 #include "options.h"
 #include "import_file.h"
@@ -20,6 +21,7 @@ typedef struct file_scene {
 	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */
 	uint32_t cage_faces; /* of the cages of detailed meshes; 0: chosen */
 	gi_object *handles;  /* scene.object_count */
+	file_shape *shapes;  /* likewise */
 	const char **names;
 	float lower[3], upper[3]; /* of everything at rest, world */
 	camera framing;           /* where the file has no camera */

@@ -79,6 +79,7 @@ static bool clean(import_loader *loader, engine_scene_object *object, bool pair_
 void import_release_object(engine_scene_object *object)
 {
 	engine_mesh_free(&object->mesh);
+	import_free_shape(object->shape);
 	free(object->name);
 }
 
@@ -118,6 +119,8 @@ bool import_add_object(import_loader *loader, const import_object_def *def, engi
 				      .scheme = def->scheme,
 				      .levels = def->levels,
 				      .node = def->node,
+				      .deforms = def->shape != NULL,
+				      .shape = def->shape,
 				      .rounding = rounding_of(mesh, def->rounding)};
 	memcpy(object.offset, def->offset, sizeof object.offset);
 	loader->faces_seen += mesh->face_count;
