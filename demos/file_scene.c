@@ -240,8 +240,7 @@ static void warn(const file_scene *f, const char *path)
 		add_told(&sized, object->scale_animated && object->baked, object->name);
 		add_told(&mixed, mixes_sides(&f->scene, object), object->name);
 	}
-	tell(f, path, &sized,
-	     "objects whose transform shears and changes scale keep their shape at rest");
+	tell(f, path, &sized, "objects whose transform shears and changes scale keep their shape at rest");
 	tell(f, path, &mixed, "objects with materials of one side and of two get two for all");
 }
 

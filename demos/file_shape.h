@@ -7,10 +7,10 @@
 #include "import_shape.h"
 
 typedef struct file_shape {
-	bool bends;                    /* by joints or targets */
-	bool scales;                   /* by its pose */
-	engine_followers cage, drawn;  /* of one that bends; drawn: of a mesh that is drawn in the cage's place */
-	float *points;                 /* room for either */
+	bool bends;                   /* by joints or targets */
+	bool scales;                  /* by its pose */
+	engine_followers cage, drawn; /* of one that bends; drawn: of a mesh that is drawn in the cage's place */
+	float *points;                /* room for either */
 } file_shape;
 
 /* Says what changes of an object; `cage` and `drawn` (empty: none) are what the library gets of it. False: out of

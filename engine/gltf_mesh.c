@@ -30,7 +30,7 @@ typedef struct reading {
 	const char *name;
 	engine_mesh *out;    /* its arrays have room for all corners */
 	import_shape *shape; /* likewise; NULL: not wanted */
-	uint32_t left_out; /* triangles */
+	uint32_t left_out;   /* triangles */
 } reading;
 
 /* ---- what there is ----------------------------------------------------------------------------------------------- */

@@ -76,6 +76,21 @@ static bool clean(import_loader *loader, engine_scene_object *object, bool pair_
 	return true;
 }
 
+void import_free_shape(import_shape *shape)
+{
+	if (!shape)
+		return;
+	free(shape->rest);
+	free(shape->bind);
+	free(shape->joints);
+	free(shape->weights);
+	free(shape->deltas);
+	free(shape->nodes);
+	free(shape->inverse);
+	free(shape->matrices);
+	free(shape);
+}
+
 void import_release_object(engine_scene_object *object)
 {
 	engine_mesh_free(&object->mesh);

@@ -12,7 +12,11 @@
 
 import_node import_node_default(void)
 {
-	return (import_node){.parent = -1, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}, .channels = {-1, -1, -1}, .weights_channel = -1};
+	return (import_node){.parent = -1,
+			     .rotation = {0, 0, 0, 1},
+			     .scale = {1, 1, 1},
+			     .channels = {-1, -1, -1},
+			     .weights_channel = -1};
 }
 
 static void normalize4(double q[4])

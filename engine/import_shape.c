@@ -7,21 +7,6 @@
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-void import_free_shape(import_shape *shape)
-{
-	if (!shape)
-		return;
-	free(shape->rest);
-	free(shape->bind);
-	free(shape->joints);
-	free(shape->weights);
-	free(shape->deltas);
-	free(shape->nodes);
-	free(shape->inverse);
-	free(shape->matrices);
-	free(shape);
-}
-
 void engine_followers_free(engine_followers *f)
 {
 	free(f->source);
@@ -101,8 +86,8 @@ static void to_object(const engine_scene_object *object, const double read[3], f
 		p[c] = turned ? -read[c] - object->offset[c] : read[c] - object->offset[c];
 	}
 	for (int row = 0; row < 3; row++)
-		out[row] = (float)(object->baked ? s[3 * row] * p[0] + s[3 * row + 1] * p[1] + s[3 * row + 2] * p[2]
-						 : p[row]);
+		out[row] =
+		    (float)(object->baked ? s[3 * row] * p[0] + s[3 * row + 1] * p[1] + s[3 * row + 2] * p[2] : p[row]);
 }
 
 static bool from_object(const engine_scene_object *object, const float point[3], double out[3])

@@ -45,7 +45,7 @@ typedef struct engine_scene_object {
 	uint32_t node;       /* private, as all that follows */
 	bool mirrored, baked;
 	double offset[3], stretch[9];
-	double rounding; /* metres in object space: how far the file's coordinates may be off */
+	double rounding;            /* metres in object space: how far the file's coordinates may be off */
 	struct import_shape *shape; /* of one that deforms */
 } engine_scene_object;
 

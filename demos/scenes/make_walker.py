@@ -28,7 +28,8 @@ def ring(y, x, z, half_x, half_z, *joints):
 
 def leg(x, thigh, shin):
     return [ring(1.02, 0.9 * x, 0, 0.07, 0.08, 0), ring(0.93, x, 0, 0.09, 0.095, 0, thigh),
-            ring(0.84, x, 0, 0.092, 0.095, thigh), ring(0.68, x, 0, 0.078, 0.08, thigh), ring(0.55, x, 0, 0.064, 0.066, thigh),
+            ring(0.84, x, 0, 0.092, 0.095, thigh), ring(0.68, x, 0, 0.078, 0.08, thigh),
+            ring(0.55, x, 0, 0.064, 0.066, thigh),
             ring(0.5, x, 0, 0.062, 0.064, thigh, shin), ring(0.45, x, 0, 0.06, 0.062, shin),
             ring(0.3, x, -0.01, 0.056, 0.06, shin), ring(0.13, x, 0, 0.045, 0.05, shin),
             ring(0.09, x, 0.05, 0.05, 0.12, shin), ring(0.03, x, 0.06, 0.052, 0.14, shin)]
@@ -36,7 +37,8 @@ def leg(x, thigh, shin):
 
 def arm(x, upper, lower):
     return [ring(1.475, 0.9 * x, 0, 0.045, 0.05, 1, upper), ring(1.42, 0.97 * x, 0, 0.062, 0.066, 1, upper),
-            ring(1.34, x, 0, 0.054, 0.056, upper), ring(1.26, x, 0, 0.046, 0.048, upper), ring(1.16, x, 0, 0.042, 0.044, upper),
+            ring(1.34, x, 0, 0.054, 0.056, upper), ring(1.26, x, 0, 0.046, 0.048, upper),
+            ring(1.16, x, 0, 0.042, 0.044, upper),
             ring(1.12, x, 0, 0.041, 0.043, upper, lower), ring(1.08, x, 0, 0.041, 0.042, lower),
             ring(0.96, x, 0, 0.036, 0.038, lower), ring(0.88, x, 0, 0.032, 0.036, lower),
             ring(0.78, x, 0.01, 0.034, 0.05, lower)]
@@ -69,7 +71,8 @@ def ordered(w, points, quads, material):
     """A primitive whose vertices are the points in their order, as joints and targets are."""
     indices = [q[k] for q in quads for k in (0, 1, 2, 0, 2, 3)]
     low, high = ([f(p[k] for p in points) for k in range(3)] for f in (min, max))
-    return {"attributes": {"POSITION": w.accessor([x for p in points for x in p], 5126, "VEC3", "f", min=low, max=high)},
+    positions = w.accessor([x for p in points for x in p], 5126, "VEC3", "f", min=low, max=high)
+    return {"attributes": {"POSITION": positions},
             "indices": w.accessor(indices, 5123, "SCALAR", "H"), "material": material}
 
 

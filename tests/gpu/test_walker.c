@@ -132,10 +132,9 @@ static double ms_a_step(bool rigid, int frames, gi_report *last)
 		const double time_s = (frame + 3) / 24.0, way = time_s / 6 * 2 * 3.14159265358979, half = way / 2;
 		const double began = processor_ms();
 		if (rigid)
-			assert_gi(gi_set_pose(
-			    gi, f.handles[figure],
-			    (gi_pose){{(float)(.95 * sin(way)), 0, (float)(.95 * cos(way))},
-				      {0, (float)sin(half), 0, (float)cos(half)}}));
+			assert_gi(gi_set_pose(gi, f.handles[figure],
+					      (gi_pose){{(float)(.95 * sin(way)), 0, (float)(.95 * cos(way))},
+							{0, (float)sin(half), 0, (float)cos(half)}}));
 		else
 			assert_gi(file_scene_animate(&f, gi, time_s));
 		*last = harness_update(gi);
@@ -152,10 +151,11 @@ static void what_a_step_costs(void **state)
 	const int frames = harness_is_long() ? 48 : 4;
 	gi_report rigid, walking;
 	const double turned = ms_a_step(true, frames, &rigid), walked = ms_a_step(false, frames, &walking);
-	printf("  processor ms a frame of %u leaves: walking %.1f, as a rigid figure %.1f, ratio %.2f (new entries %u and "
-	       "%u, rays %u and %u)\n",
-	       walking.leaves, walked, turned, walked / turned, (unsigned)walking.new_entries,
-	       (unsigned)rigid.new_entries, (unsigned)walking.rays, (unsigned)rigid.rays);
+	printf(
+	    "  processor ms a frame of %u leaves: walking %.1f, as a rigid figure %.1f, ratio %.2f (new entries %u and "
+	    "%u, rays %u and %u)\n",
+	    walking.leaves, walked, turned, walked / turned, (unsigned)walking.new_entries, (unsigned)rigid.new_entries,
+	    (unsigned)walking.rays, (unsigned)rigid.rays);
 	assert_int_equal(walking.leaves, rigid.leaves);
 	assert_true(walking.new_entries > 0 && rigid.new_entries > 0);
 }
