@@ -39,7 +39,14 @@ add(lines *l, const char *format, ...)
 
 static const char *layer_name(gi_overlay layer)
 {
-	static const char *const names[] = {"", "  wireframe", "  dirty entries", "  residual"};
+	static const char *const names[] = {"",
+					    "  wireframe",
+					    "  dirty entries",
+					    "  residual",
+					    "  hierarchy",
+					    "  what lights a leaf",
+					    "  what a leaf sees",
+					    "  what hides things from a leaf"};
 	return names[layer];
 }
 
@@ -97,6 +104,7 @@ static void add_figures(lines *l, const figures *o)
 	if (r->sampling_estimate > 0)
 		add(l, "estimated error %.2g W/m2 (%.1f %%)", (double)r->sampling_estimate,
 		    100 * (double)r->sampling_relative);
+	add(l, "%s  (N  ,  .)", o->setting);
 	add(l, "%s  memory %.1f MiB  H: keys", report_outcome_name(r->outcome), (double)r->gpu_bytes / (1 << 20));
 	add(l, "%.60s", o->renderer);
 }
@@ -113,7 +121,10 @@ static void add_help(lines *keys, lines *actions, const figures *o)
 	    {"W", "wireframe of the leaves"},
 	    {"D", "heat map of dirty entries"},
 	    {"R", "heat map of the residual"},
+	    {"T  [  ]", "nodes of the hierarchy, coarser, finer"},
+	    {"L  V  K", "the leaf under the cursor: what lights it, what it sees, what hides"},
 	    {"O", "no overlay"},
+	    {"N  ,  .", "next setting, less, more"},
 	    {"B", "build every frame from scratch"},
 	    {"-  =", "darker, brighter"},
 	    {"F5", "read the shaders again"},

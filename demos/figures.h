@@ -13,6 +13,7 @@ typedef struct figures {
 	gi_report report;
 	gi_mode mode;
 	gi_overlay layer;
+	const char *setting; /* that keys turn now, and its value */
 	double fps, update_ms, frame_ms;
 	double budget_ms;  /* of the newest update; 0: exact, or another kind of budget */
 	double target_fps; /* what budgets keep; 0: nothing */

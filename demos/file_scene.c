@@ -192,6 +192,9 @@ void file_scene_view(const file_scene *f, double time_s, camera *out)
 
 static bool has_light(const engine_scene *scene)
 {
+	for (uint32_t k = 0; k < scene->light_count; k++)
+		if (scene->lights[k].intensity[0] + scene->lights[k].intensity[1] + scene->lights[k].intensity[2] > 0)
+			return true;
 	for (uint32_t k = 0; k < scene->material_count; k++) {
 		const float *radiance = scene->materials[k].radiance;
 		if (scene->materials[k].used && radiance[0] + radiance[1] + radiance[2] > 0)
@@ -292,6 +295,7 @@ void file_scene_free(file_scene *f)
 	free(f->shapes);
 	f->shapes = NULL;
 	engine_scene_free(&f->scene);
+	file_lights_free(&f->lights);
 	free(f->handles);
 	free(f->names);
 	f->handles = NULL;
@@ -466,7 +470,9 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		defs[k].deforms = f->shapes[k].bends || f->shapes[k].scales;
 	}
 	if (created) {
-		const gi_result result = create_all(f, gi, defs, moves, message, message_size);
+		gi_result result = create_all(f, gi, defs, moves, message, message_size);
+		if (!result)
+			result = file_lights_create(&f->lights, &f->scene, gi, f->program);
 		if (result && !message[0])
 			snprintf(message, message_size, "%s", gi_result_text(result));
 		created = result == GI_OK;
@@ -509,5 +515,5 @@ gi_result file_scene_animate(file_scene *f, gi_context *gi, double time_s)
 			result = gi_set_pose(gi, f->handles[k], out_of_sight(f));
 		}
 	}
-	return result;
+	return result ? result : file_lights_animate(&f->lights, &f->scene, gi, time_s);
 }

@@ -19,6 +19,7 @@ enum {
 	KEY_FPS,
 	KEY_SIZE,
 	KEY_MODE,
+	KEY_OVERLAY,
 	KEY_CONTEXT,
 	KEY_REBUILD,
 	KEY_ROW_TOLERANCE,
@@ -44,6 +45,7 @@ enum {
 	KEY_REPORT,
 	KEY_FIELD,
 	KEY_FORM_FACTORS,
+	KEY_VIDEO,
 	KEY_OUT,
 };
 
@@ -52,6 +54,10 @@ static const struct argp_option table[] = {
     {"fps", KEY_FPS, "R", 0, "frames a second: of a recorded animation (24), to be kept in a window (30)", 0},
     {"size", KEY_SIZE, "WxH", 0, "pixels of the picture (512x512)", 0},
     {"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
+    {"overlay", KEY_OVERLAY, "NAME[:N]", 0,
+     "wireframe, dirty, residual; hierarchy:N, nodes N levels deep; senders:N, visibility:N, blockers:N, of leaf N as "
+     "--field counts",
+     0},
     {"context", KEY_CONTEXT, "KIND", 0,
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
@@ -94,6 +100,7 @@ static const struct argp_option table[] = {
     {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
     {"linear", KEY_LINEAR, "PATTERN", 0,
      "a PFM each frame: radiance before exposure and tone mapping, W/(m2 sr), e.g. frame_%04d.pfm", 2},
+    {"video", KEY_VIDEO, "FILE", 0, "a film of the pictures, e.g. film.mp4, where the program ffmpeg is installed", 2},
     {"report", KEY_REPORT, "FILE", 0, "a CSV line each frame", 2},
     {"field", KEY_FIELD, "PATTERN", 0, "a PLY of all leaves each frame, e.g. field_%04d.ply", 2},
     {"form-factors", KEY_FORM_FACTORS, "FILE", 0, "a CSV of form factors between the objects, after the last frame", 2},
@@ -177,6 +184,26 @@ static const char *const mode_names[] = {
 const char *options_mode_name(gi_mode mode)
 {
 	return mode_names[mode];
+}
+
+/* A name, and for some a number behind a colon. */
+static void parse_overlay(options *o, const char *text)
+{
+	static const char *const names[] = {"none",      "wireframe", "dirty",      "residual",
+					    "hierarchy", "senders",   "visibility", "blockers"};
+	const size_t length = strcspn(text, ":");
+	for (int k = 0; k <= GI_OVERLAY_BLOCKERS; k++)
+		if (strlen(names[k]) == length && strncmp(names[k], text, length) == 0) {
+			o->overlay = (gi_overlay)k;
+			if (text[length])
+				o->overlay_number =
+				    options_count(o->program, "--overlay", text + length + 1, 0, UINT32_MAX - 1);
+			return;
+		}
+	options_fail(o->program,
+		     "--overlay takes wireframe, dirty, residual, hierarchy, senders, visibility or "
+		     "blockers, not %s",
+		     text);
 }
 
 static void parse_mode(options *o, const char *text)
@@ -300,6 +327,9 @@ static void parse_output(options *o, int key, const char *text)
 	case KEY_FORM_FACTORS:
 		o->form_factors = checked_name(o, "--form-factors", text);
 		break;
+	case KEY_VIDEO:
+		o->video = checked_name(o, "--video", text);
+		break;
 	case KEY_OUT:
 		o->out = checked_name(o, "--out", text);
 		break;
@@ -323,6 +353,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_SIZE:
 		parse_size(o, text);
+		return 0;
+	case KEY_OVERLAY:
+		parse_overlay(o, text);
 		return 0;
 	case KEY_MODE:
 		parse_mode(o, text);

@@ -26,6 +26,8 @@ typedef struct options {
 	double fps;      /* frames a second of a recorded animation, default 24 */
 	int width, height;
 	gi_mode mode;
+	gi_overlay overlay;
+	uint32_t overlay_number; /* of the overlay: a leaf, or a depth */
 	engine_context_kind context;
 	bool rebuild;        /* every frame from scratch */
 	float row_tolerance; /* 0: the library's default, as the next two */
@@ -48,8 +50,9 @@ typedef struct options {
 	bool fine_shadows;     /* cast by what is drawn */
 	uint32_t photons;      /* through each mirror and glass, where photons_given */
 	bool photons_given;    /* else the library's default */
-	const char *images, *linear, *report, *field, *form_factors; /* files to write; NULL: none */
-	const char *out;                                             /* folder for what has no name of its own */
+	/* Files to write; NULL: none */
+	const char *images, *linear, *video, *report, *field, *form_factors;
+	const char *out; /* folder for what has no name of its own */
 } options;
 
 /* To be a child of a program's own parser; its input is an options made by options_default. */

@@ -127,6 +127,8 @@ static bool begin(player *p)
 
 static void end(player *p)
 {
+	char unused[PLAYER_MESSAGE];
+	video_close(&p->video, false, unused, sizeof unused);
 	report_free(&p->report);
 	gi_context_destroy(p->gi);
 	engine_hud_destroy(p->hud);
@@ -162,11 +164,13 @@ static bool light(player *p)
 
 static void show(player *p, const gi_report *report)
 {
+	char setting[128];
 	const figures shown = {.title = p->scene->title,
 			       .renderer = engine_context_describe(p->context),
 			       .report = *report,
 			       .mode = p->mode,
 			       .layer = p->layer,
+			       .setting = player_setting_text(p, setting, sizeof setting),
 			       .fps = p->interval_ms > 0 ? 1e3 / p->interval_ms : 0,
 			       .update_ms = p->update_ms,
 			       .frame_ms = p->frame_ms,
@@ -188,7 +192,7 @@ static void show(player *p, const gi_report *report)
 static bool fit_window(player *p)
 {
 	const int width = engine_context_width(p->context), height = engine_context_height(p->context);
-	if (p->recording || p->o->images || p->o->linear || width < 1 || height < 1)
+	if (p->recording || p->o->images || p->o->linear || p->o->video || width < 1 || height < 1)
 		return true;
 	return engine_target_resize(p->target, width, height, p->message, sizeof p->message);
 }
@@ -324,6 +328,8 @@ int player_run(const options *o, const player_scene *scene)
 	p->o = o;
 	p->scene = scene;
 	p->mode = o->mode;
+	p->layer = o->overlay;
+	p->leaf = p->depth = o->overlay_number;
 	p->rebuild = o->rebuild;
 	p->progress.program = o->program;
 	interrupt_begin(o->program);

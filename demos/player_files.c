@@ -4,6 +4,7 @@
 #include "image.h"
 #include "output.h"
 #include "pfm.h"
+#include "video.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -79,7 +80,8 @@ bool player_check_files(player *p)
 {
 	const options *o = p->o;
 	return can_write_frames(p, o->images) && can_write_frames(p, o->linear) && can_write_frames(p, o->field) &&
-	       can_write(p, o->form_factors) && can_write(p, o->report);
+	       can_write(p, o->form_factors) && can_write(p, o->report) && can_write(p, o->video) &&
+	       (!o->video || video_check(p->message, sizeof p->message));
 }
 
 static bool uses_out(const player *p)
@@ -101,6 +103,9 @@ bool player_open_files(player *p)
 {
 	if (uses_out(p) && (!make_folders(p, p->o->out) || !can_write_in(p, p->o->out)))
 		return false;
+	if (p->o->video &&
+	    !video_open(&p->video, p->o->video, p->o->width, p->o->height, p->o->fps, p->message, sizeof p->message))
+		return false;
 	return report_open(&p->report, report_name(p), p->message, sizeof p->message);
 }
 
@@ -114,7 +119,7 @@ static bool is_gallery_frame(const player *p)
 
 bool player_wants_picture(const player *p)
 {
-	return p->o->images || p->o->linear || is_gallery_frame(p);
+	return p->o->images || p->o->linear || p->o->video || is_gallery_frame(p);
 }
 
 static bool write_picture(player *p, const char *name)
@@ -177,6 +182,10 @@ bool player_write_frame(player *p)
 		written = write_linear(p);
 	if (written && p->o->field)
 		written = write_field(p);
+	if (written && p->o->video) {
+		engine_target_read(p->target, p->pixels);
+		written = video_write(&p->video, p->pixels, p->message, sizeof p->message);
+	}
 	return written;
 }
 
@@ -185,7 +194,8 @@ bool player_write_frame(player *p)
 
 bool player_close_files(player *p)
 {
-	bool written = report_close(&p->report, p->message, sizeof p->message);
+	bool written = report_close(&p->report, p->message, sizeof p->message) &&
+		       video_close(&p->video, true, p->message, sizeof p->message);
 	if (written && p->o->form_factors) {
 		const export_objects objects = p->scene->objects(p->scene->user);
 		written = export_form_factors(p->gi, &objects, p->o->form_factors, p->message, sizeof p->message);
@@ -221,6 +231,8 @@ void player_print_end(const player *p)
 	}
 	if (p->o->linear)
 		print_place("linear pictures", p->o->linear, "");
+	if (p->o->video)
+		print_place("film", p->o->video, "");
 	if (p->o->field)
 		print_place("fields", p->o->field, "");
 	if (p->o->form_factors)

@@ -2,9 +2,13 @@
 #include "wall_clock.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A drag over the whole picture turns the view by so many radians; arrow keys push so many metres a second. */
 static const float DRAG_TURN = 4, PUSH_SPEED = 1.5f;
+
+/* Levels of nodes; no hierarchy has as many. */
+static const uint32_t MOST_DEPTH = 40;
 
 static gi_mode next_mode(gi_mode mode)
 {
@@ -34,6 +38,20 @@ static void press_mode(player *p, int key)
 	}
 }
 
+/* Of the leaf under the cursor; where there is none, the one of before. */
+static void pick(player *p, gi_overlay layer)
+{
+	float direction[3];
+	uint32_t leaf = GI_NO_LEAF;
+	camera_direction(&p->camera, p->cursor[0], p->cursor[1], engine_context_width(p->context),
+			 engine_context_height(p->context), direction);
+	if (gi_pick_leaf(p->gi, p->camera.eye, direction, &leaf) == GI_OK && leaf != GI_NO_LEAF) {
+		p->leaf = leaf;
+		p->layer = layer;
+	}
+}
+
+/* The same key again takes it away, but for those of a leaf, which another leaf may be meant with. */
 static void press_layer(player *p, int key)
 {
 	switch (key) {
@@ -45,6 +63,24 @@ static void press_layer(player *p, int key)
 		break;
 	case 'R':
 		toggle_layer(p, GI_OVERLAY_RESIDUAL);
+		break;
+	case 'T':
+		toggle_layer(p, GI_OVERLAY_HIERARCHY);
+		break;
+	case '[':
+		p->depth -= p->depth > 0;
+		break;
+	case ']':
+		p->depth += p->depth < MOST_DEPTH;
+		break;
+	case 'L':
+		pick(p, GI_OVERLAY_SENDERS);
+		break;
+	case 'V':
+		pick(p, GI_OVERLAY_VISIBILITY);
+		break;
+	case 'K':
+		pick(p, GI_OVERLAY_BLOCKERS);
 		break;
 	case 'O':
 		p->layer = GI_OVERLAY_NONE;
@@ -58,6 +94,16 @@ static void reload_shaders(player *p)
 	const gi_result result = gi_reload_shaders(p->gi);
 	options_say(p->o->program, "%s", result ? p->message : "shaders were read again");
 	p->message[0] = 0;
+}
+
+static void press_setting(player *p, int key)
+{
+	if (key == 'N')
+		p->setting = (player_setting)((p->setting + 1) % PLAYER_SETTING_COUNT);
+	else if ((key == ',' || key == '.') && player_setting_turn(p, key == '.' ? 1 : -1) != GI_OK) {
+		options_say(p->o->program, "%s", p->message);
+		p->message[0] = 0;
+	}
 }
 
 /* What the player has no use for is the scene's. */
@@ -96,6 +142,7 @@ static void press(player *p, int key)
 	default:
 		press_mode(p, key);
 		press_layer(p, key);
+		press_setting(p, key);
 		press_scene(p, key);
 	}
 }
@@ -154,6 +201,7 @@ void player_input(player *p)
 	note_interval(p, now - before);
 	if (!engine_context_has_window(p->context))
 		return;
+	memcpy(p->cursor, in->cursor, sizeof p->cursor);
 	for (int k = 0; k < in->pressed_count; k++)
 		press(p, in->pressed[k]);
 	look(p, in);

@@ -8,8 +8,18 @@
 #include "progress.h"
 #include "report.h"
 #include "tonemap.h"
+#include "video.h"
 
 enum { PLAYER_MESSAGE = 1024, PLAYER_PATH = 4096, PLAYER_GALLERY_STEP = 8 };
+
+/* What keys make larger and smaller. */
+typedef enum player_setting {
+	PLAYER_SETTING_ROW_TOLERANCE,
+	PLAYER_SETTING_SOLVE_TOLERANCE,
+	PLAYER_SETTING_RATE,
+	PLAYER_SETTING_LAMPS,
+	PLAYER_SETTING_COUNT
+} player_setting;
 
 typedef struct player {
 	const options *o;
@@ -32,6 +42,10 @@ typedef struct player {
 	bool camera_taken; /* by the user */
 	gi_mode mode;
 	gi_overlay layer;
+	float cursor[2];      /* pixels from the window's top left corner */
+	uint32_t leaf, depth; /* of overlays: gi_view.overlay_leaf, overlay_depth */
+	player_setting setting;
+	int lamp_steps; /* what shines is brighter by so many steps than the scene has it */
 	bool paused, rebuild, help;
 	float exposure;
 
@@ -45,6 +59,7 @@ typedef struct player {
 	double shown_ms;    /* the whole frame, until it was shown; of a recorded one frame_ms */
 	double interval_ms; /* from frame to frame, smoothed; 0: not known yet */
 	double last_clock_ms;
+	video video;
 	report report;
 	char report_path[PLAYER_PATH];
 	uint32_t pictures;
@@ -65,6 +80,12 @@ void player_budget_note(player *p, const gi_report *report);
 
 /* Keys and mouse since the last frame. */
 void player_input(player *p);
+
+/* Takes the setting in force a step up or down. */
+gi_result player_setting_turn(player *p, int step);
+
+/* Its name, value and place in its range, for the screen. Returns text. */
+const char *player_setting_text(const player *p, char *text, size_t size);
 
 /* Can the files be written that were asked for? First of all, before scenes are built. */
 bool player_check_files(player *p);

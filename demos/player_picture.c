@@ -25,6 +25,8 @@ bool player_draw(player *p, gi_mode mode)
 	gi_view view = player_view(p);
 	view.mode = mode;
 	view.overlay = p->layer;
+	view.overlay_leaf = p->leaf;
+	view.overlay_depth = p->depth;
 	engine_target_begin(p->target);
 	if (!player_succeeded(p, gi_draw(p->gi, &view)))
 		return false;

@@ -4,6 +4,9 @@
 
 #include "gltf_document.h"
 
+/* Appends the lights of the nodes in the scene; animations are read. False: out of memory (reported). */
+bool gltf_read_lights(gltf_document *document, const bool *in_scene);
+
 /* Number of the scene's material for a primitive: read when first used, so that nothing is told of others. False: out
  * of memory (reported).
  */

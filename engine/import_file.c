@@ -36,8 +36,11 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->object_count; i++) {
 		import_release_object(&scene->objects[i]);
 	}
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		free(scene->lights[i].name);
 	free(scene->materials);
 	free(scene->objects);
+	free(scene->lights);
 	free_graph(scene->graph);
 	memset(scene, 0, sizeof *scene);
 }

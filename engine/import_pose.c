@@ -395,3 +395,25 @@ bool engine_scene_camera_at(const engine_scene *scene, double time_s, engine_sce
 	camera->vertical_fov = scene->camera_fov;
 	return true;
 }
+
+/* glTF lights shine along -z. A scale is none of theirs. */
+bool engine_scene_light_at(const engine_scene *scene, uint32_t light, double time_s, float position[3],
+			   float direction[3])
+{
+	if (light >= scene->light_count || isnan(time_s))
+		return false;
+	import_pose_graph(scene->graph, &time_s);
+	const double *m = scene->graph->world + 16 * (size_t)scene->lights[light].node;
+	const double length = sqrt(dot3(m + 8, m + 8));
+	double place[3];
+	bool sound = length > 1e-30 && length < 1e30;
+	for (int c = 0; c < 3; c++) {
+		place[c] = m[12 + c] - scene->origin[c];
+		sound = sound && fabs(place[c]) <= IMPORT_FARTHEST;
+	}
+	for (int c = 0; c < 3 && sound; c++) {
+		position[c] = (float)place[c];
+		direction[c] = (float)(-m[8 + c] / length);
+	}
+	return sound;
+}

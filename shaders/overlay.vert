@@ -1,27 +1,20 @@
 #version 450 core
-// Leaves over the picture or instead of it: their edges as lines, or a heat map with one value a leaf.
+// Leaves over the picture or instead of it: their edges as lines, a heat map with one value a leaf, or the nodes that
+// they belong to.
 #define READ_FRAME
 #define READ_OBJECTS
+#define READ_TOPOLOGY
 #define READ_LEAVES
 #define READ_SEGMENTS
 #define READ_TOUCHED
 #define READ_LEAF_RADIOSITY
 #define READ_STATE
 #include "buffers.glsl"
+#include "sampling.glsl"
+#include "overlay.glsl"
 
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 normal_lift; // of the leaf; w: how far the drawn surface may rise above it
-layout(location = 2) in uint leaf;
-
-layout(location = 0) uniform mat4 clip_from_world;
-layout(location = 1) uniform uint overlay;  // gi_overlay of gi.h
-layout(location = 2) uniform vec4 eye;      // w 0: a direction
-layout(location = 3) uniform uint at_rest;  // the last update touched nothing
-
-layout(location = 0) flat out float heat;
-layout(location = 1) out vec2 facing_and_light;
-
-const uint OVERLAY_WIREFRAME = 1u, OVERLAY_DIRTY = 2u;
+layout(location = 3) uniform uint at_rest; // the last update touched nothing
+layout(location = 4) uniform uint depth;   // of the nodes that are shown, levels below their objects' roots
 
 // The residual's scale: from 10^-8 of the largest light reflected to a tenth of it.
 const float RESIDUAL_DECADES = 7.0, RESIDUAL_TOP = -1.0;
@@ -33,7 +26,7 @@ float dirty_share()
 	uint entries = 0u;
 	for (uint s = frame.swept.z; s < frame.counts.z; s++)
 		entries += load_segment(segment_of(leaf, s)).y & GI_BLOCK_COUNT_MASK;
-	return clamp(float(load_touched(leaf)) / float(max(entries, 1u)), 0.0, 1.0);
+	return float(load_touched(leaf)) / float(max(entries, 1u));
 }
 
 float residual_decade()
@@ -44,20 +37,32 @@ float residual_decade()
 	float step = max(change.x, max(change.y, change.z));
 	if (!(step > 0.0 && largest > 0.0))
 		return 0.0;
-	return clamp((log2(step / largest) * 0.30103 - RESIDUAL_TOP) / RESIDUAL_DECADES + 1.0, 0.0, 1.0);
+	return (log2(step / largest) * 0.30103 - RESIDUAL_TOP) / RESIDUAL_DECADES + 1.0;
 }
 
-void main()
+// The leaf's ancestor so many levels below the root, or the leaf itself where there are fewer.
+uint ancestor()
 {
-	uint slot = load_leaf(leaf).y;
-	vec3 p = world_from_rest(slot, position), n = world_direction_from_rest(slot, normal_lift.xyz);
-	vec3 to_eye = normalize(eye.xyz - p * eye.w);
-	float facing = dot(n, to_eye);
-	heat = 0.0;
-	facing_and_light = vec2(facing, 0.55 + 0.45 * max(facing, 0.0));
-	if (overlay == OVERLAY_WIREFRAME)
-		p += to_eye * normal_lift.w;
-	else
-		heat = overlay == OVERLAY_DIRTY ? dirty_share() : residual_decade();
-	gl_Position = clip_from_world * vec4(p, 1.0);
+	uvec4 mine = load_leaf(leaf);
+	uint node = object_nodes(mine.y).x;
+	for (uint k = 0u; k < depth && node != mine.x; k++) {
+		node++;
+		while (topology_range(node).x <= mine.x)
+			node = topology_range(node).x;
+	}
+	return node;
+}
+
+vec3 node_colour(uint node)
+{
+	uint h = hash(node);
+	float hue = unit_float(h), value = 0.35 + 0.65 * unit_float(hash(h));
+	return value * (0.5 + 0.5 * cos(6.2831853 * (hue + vec3(0.0, 1.0, 2.0) / 3.0)));
+}
+
+vec3 leaf_colour()
+{
+	if (overlay == OVERLAY_HIERARCHY)
+		return node_colour(ancestor());
+	return heat_colour(overlay == OVERLAY_DIRTY ? dirty_share() : residual_decade());
 }

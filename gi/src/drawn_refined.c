@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Light is not shared across an edge where the leaves' normals differ by more than 40 degrees. */
-#define EDGE_COSINE 0.766
 /* A leaf is drawn flat when the finer surface stays this near its plane (in radii) and keeps its area, and limit
  * normals stay this near its own: less than shading could show. */
 #define FLAT_DISTANCE 1e-4
@@ -316,9 +314,9 @@ static void *shrink(void *memory, size_t count, size_t size)
 	return smaller ? smaller : memory;
 }
 
-static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t leaf_level)
+static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t leaf_level, double least_cosine)
 {
-	bool enough = gi_drawn_make_lights(s, EDGE_COSINE) && allocate_drawing(s, fine);
+	bool enough = gi_drawn_make_lights(s, least_cosine) && allocate_drawing(s, fine);
 	fine_face *faces = enough ? finest_faces(s->h, fine, leaf_level) : NULL;
 	bool *flat = gi_drawn_allocate(s->h->leaf_count, sizeof *flat, &enough);
 	double *area = gi_drawn_allocate(s->h->leaf_count, sizeof *area, &enough);
@@ -342,7 +340,7 @@ static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t le
 /* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the
  * caller's `extra` can be one too many. */
 bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			gi_drawn_surface *out)
+			double least_cosine, gi_drawn_surface *out)
 {
 	(void)extra;
 	*out = (gi_drawn_surface){0};
@@ -353,7 +351,19 @@ bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse,
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
 	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
-	const bool done = draw_from_cage(&s, fine, leaf_level);
+	const bool done = draw_from_cage(&s, fine, leaf_level, least_cosine);
+	gi_drawn_free_builder(&s);
+	if (!done)
+		gi_drawn_free(out);
+	return done;
+}
+
+bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,
+			   gi_drawn_surface *out)
+{
+	*out = (gi_drawn_surface){0};
+	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
+	const bool done = gi_drawn_make_lights(&s, least_cosine);
 	gi_drawn_free_builder(&s);
 	if (!done)
 		gi_drawn_free(out);

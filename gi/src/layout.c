@@ -16,13 +16,14 @@ ASSERT_TEXELS(gi_bvh_node, 2);
 ASSERT_TEXELS(gi_primitive, 4);
 ASSERT_TEXELS(gi_object_data, 14);
 ASSERT_TEXELS(gi_material_data, 2);
-ASSERT_TEXELS(gi_frame, 18);
+ASSERT_TEXELS(gi_frame, 19);
 ASSERT_TEXELS(gi_pending, 3);
 ASSERT_TEXELS(gi_move, 2);
 ASSERT_TEXELS(gi_path_slot, 5);
 ASSERT_TEXELS(gi_smooth_material, 2);
 ASSERT_TEXELS(gi_caustic_pair, 3);
 ASSERT_TEXELS(gi_photon, 2);
+ASSERT_TEXELS(gi_punctual_light, 5);
 ASSERT_TEXELS(gi_estimate_leaf, 3);
 ASSERT_TEXELS(gi_lamp, 9 + 4 + GI_LAMP_SAMPLE_MAX + 3);
 /* Parts of the state are whole texels, one after the other: so they lie in storage and uniform blocks as in C. */

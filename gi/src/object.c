@@ -20,6 +20,8 @@ enum { NAME_BYTES = 128 };
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
 
+static const double DEGREE = 3.14159265358979323846 / 180;
+
 /* ---- building ---- */
 
 void object_free(object_record *o)
@@ -65,6 +67,7 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 	else
 		o->materials[0] = OBJECT_GREY;
 	o->pose = def->pose;
+	memcpy(o->scale, def->scale, sizeof o->scale);
 	if (def->subsurface && !gi_subsurface_build(&o->hierarchy, def->subsurface, &o->subsurface))
 		return false;
 	for (uint32_t m = 0; m < o->material_count; m++)
@@ -82,14 +85,22 @@ static uint32_t draw_levels(const gi_object_def *def, const object_record *o, ui
 	return extra;
 }
 
-static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
-			      object_record *o)
+/* Of normals across an edge over which light is shared. */
+static double least_cosine(const gi_object_def *def)
+{
+	if (def->light_edge > 0)
+		return cos((double)def->light_edge * DEGREE);
+	return def->draw_index_count ? GI_LIGHT_CAGE_EDGE_COSINE : GI_LIGHT_EDGE_COSINE;
+}
+
+static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse,
+			      uint32_t levels, uint32_t extra, object_record *o)
 {
 	gi_refined fine;
 	char message[256];
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
@@ -100,6 +111,8 @@ static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coar
 static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi_refined *coarse, uint32_t levels,
 			object_record *o)
 {
+	if (def->undrawn)
+		return gi_drawn_from_nothing(&o->hierarchy, coarse, least_cosine(def), &o->drawn);
 	if (def->draw_index_count) {
 		float *scaled = gi_malloc(sizeof(float) * 3 * def->draw_vertex_count);
 		if (!scaled)
@@ -107,14 +120,14 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi
 		for (size_t k = 0; k < 3 * (size_t)def->draw_vertex_count; k++)
 			scaled[k] = def->draw_positions[k] * def->scale[k % 3];
 		const bool ok = gi_drawn_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
-						   def->draw_index_count, &o->drawn);
+						   def->draw_index_count, least_cosine(def), &o->drawn);
 		gi_free(scaled);
 		return ok;
 	}
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
-		if (build_finer_drawn(cage, coarse, levels, extra, o))
+		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, coarse, false);
 	return ok;

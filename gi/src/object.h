@@ -36,6 +36,7 @@ typedef struct object_record {
 	uint32_t moved_update, relit_update, reshaped_update;
 	char *name;
 	gi_pose pose;
+	float scale[3]; /* of the definition: the hierarchy has it applied */
 	gi_material *materials;
 	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
 	gi_subsurface_links subsurface; /* of a translucent object */
@@ -101,6 +102,8 @@ bool object_is_alive(const object_record *object);
 bool object_is_seen(const object_record *object);
 uint32_t object_flags(const object_record *object); /* GI_OBJECT_ */
 void object_place(object_record *object, gi_object_data *data);
+/* Rows of world_from_object. */
+void object_place_rows(const gi_pose *pose, gi_object_data *data);
 void object_leave_trail(object_record *object); /* before it is placed elsewhere */
 void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */

@@ -68,6 +68,8 @@ static const char *broken_geometry(const gi_object_def *def)
 	for (int k = 0; k < 3; k++)
 		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
 			return "scale must be finite and above zero";
+	if (!(def->light_edge >= 0.0f && def->light_edge <= 180.0f))
+		return "light_edge is outside [0, 180] degrees";
 	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
 		if (def->face_materials[k] >= (def->material_count ? def->material_count : 1))
 			return "a face's material number is not below material_count";

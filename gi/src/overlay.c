@@ -68,32 +68,54 @@ static gi_result build(gi_context *gi, gi_overlays *overlays)
 	gi_free(vertices);
 	gi_free(faces);
 	gi_free(edges);
-	if (!result)
-		result = gpu_program_want(&gi->gpu, "overlay.vert", "overlay.frag", &overlays->program);
 	return result;
+}
+
+/* Uniforms. */
+enum { CLIP_FROM_WORLD = 0, OVERLAY = 1, EYE = 2, AT_REST = 3, DEPTH = 4, PICKED = 3 };
+
+static gi_result want_program(gi_context *gi, gi_overlays *overlays, gi_overlay overlay, uint32_t *program)
+{
+	const bool row = overlay >= GI_OVERLAY_SENDERS;
+	uint32_t *wanted = row ? &overlays->row_program : &overlays->program;
+	const gi_result result =
+	    gpu_program_want(&gi->gpu, row ? "overlay_row.vert" : "overlay.vert", "overlay.frag", wanted);
+	*program = *wanted;
+	return result;
+}
+
+static void set_uniforms(gi_context *gi, uint32_t program, const gi_view *view, const float clip_from_world[16])
+{
+	float eye[4];
+	view_eye(view, eye);
+	gpu_set_matrices(&gi->gpu, program, CLIP_FROM_WORLD, 1, clip_from_world);
+	gpu_set_uint(&gi->gpu, program, OVERLAY, (uint32_t)view->overlay);
+	gpu_set_floats(&gi->gpu, program, EYE, 4, 1, eye);
+	if (view->overlay >= GI_OVERLAY_SENDERS) {
+		gpu_set_uint(&gi->gpu, program, PICKED, view->overlay_leaf);
+		return;
+	}
+	gpu_set_uint(&gi->gpu, program, AT_REST, gi->issued_frame != gi->frame_number);
+	gpu_set_uint(&gi->gpu, program, DEPTH, view->overlay_depth);
 }
 
 gi_result overlay_draw(gi_context *gi, gi_overlays *overlays, const gi_view *view, const float clip_from_world[16])
 {
-	if (!overlays->edges.array || !overlays->program) {
-		gi_result result = build(gi, overlays);
-		if (result)
-			return result;
-	}
+	uint32_t program = 0;
+	gi_result result = overlays->edges.array ? GI_OK : build(gi, overlays);
+	if (!result)
+		result = want_program(gi, overlays, view->overlay, &program);
+	if (result)
+		return result;
 	const gpu_convention convention = view_convention(view);
-	float eye[4];
-	view_eye(view, eye);
 	bind_rows(gi);
-	gpu_set_matrices(&gi->gpu, overlays->program, 0, 1, clip_from_world);
-	gpu_set_uint(&gi->gpu, overlays->program, 1, (uint32_t)view->overlay);
-	gpu_set_floats(&gi->gpu, overlays->program, 2, 4, 1, eye);
-	gpu_set_uint(&gi->gpu, overlays->program, 3, gi->issued_frame != gi->frame_number);
+	set_uniforms(gi, program, view, clip_from_world);
 	if (view->overlay != GI_OVERLAY_WIREFRAME) {
-		gpu_mesh_draw(&gi->gpu, &overlays->faces, overlays->program);
+		gpu_mesh_draw(&gi->gpu, &overlays->faces, program);
 		return GI_OK;
 	}
 	gpu_draw_multiplied(&gi->gpu, true, convention);
-	gpu_mesh_draw_lines(&gi->gpu, &overlays->edges, overlays->program);
+	gpu_mesh_draw_lines(&gi->gpu, &overlays->edges, program);
 	gpu_draw_multiplied(&gi->gpu, false, convention);
 	return GI_OK;
 }
@@ -108,4 +130,5 @@ void overlay_free(gi_context *gi, gi_overlays *overlays)
 {
 	overlay_invalidate(gi, overlays);
 	gpu_program_free(&gi->gpu, &overlays->program);
+	gpu_program_free(&gi->gpu, &overlays->row_program);
 }

@@ -7,7 +7,8 @@
 struct gi_context;
 
 typedef struct gi_overlays {
-	uint32_t program;
+	uint32_t program;      /* of what is known of each leaf by itself */
+	uint32_t row_program;  /* of what the row of one leaf has of it */
 	gpu_mesh faces, edges; /* two triangles a leaf, and the lines around it */
 } gi_overlays;
 

@@ -23,7 +23,9 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 enum { MOST_PATHS = 1 << 24 };
 
 struct gi_paths {
-	uint32_t program, specular_program; /* without mirrors and glass, and with; of the two what was wanted */
+	/* Without and with mirrors and glass, each without and with lights that have no surface; those that were
+	 * wanted */
+	uint32_t programs[2][2];
 	PATH_BUFFERS(BUFFER_MEMBER)
 };
 
@@ -103,24 +105,34 @@ void paths_free(gi_context *gi)
 	gi_paths *owner = gi->paths;
 	if (!owner)
 		return;
-	gpu_program_free(&gi->gpu, &owner->program);
-	gpu_program_free(&gi->gpu, &owner->specular_program);
+	for (int k = 0; k < 4; k++)
+		gpu_program_free(&gi->gpu, &owner->programs[k / 2][k % 2]);
 	PATH_BUFFERS(BUFFER_FREE)
 	gi_free(owner);
 	gi->paths = NULL;
 }
 
+static uint32_t *program_place(const gi_context *gi, const char **file)
+{
+	static const char *const files[2][2] = {{"paths.comp", "paths_punctual.comp"},
+						{"paths_specular.comp", "paths_specular_punctual.comp"}};
+	uint32_t lights;
+	const bool specular = specular_is_ready(gi), punctual = punctual_lights(gi, &lights);
+	*file = files[specular][punctual];
+	return &gi->paths->programs[specular][punctual];
+}
+
 static uint32_t program_of(const gi_context *gi)
 {
-	return specular_is_ready(gi) ? gi->paths->specular_program : gi->paths->program;
+	const char *file;
+	return *program_place(gi, &file);
 }
 
 static gi_result make_program(gi_context *gi)
 {
-	gi_paths *p = gi->paths;
-	const gpu_program_file plain = {"paths.comp", &p->program},
-			       specular = {"paths_specular.comp", &p->specular_program};
-	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, specular_is_ready(gi) ? &specular : &plain, 1);
+	gpu_program_file wanted;
+	wanted.program = program_place(gi, &wanted.file);
+	return *wanted.program ? GI_OK : gpu_programs_compute(&gi->gpu, &wanted, 1);
 }
 
 /* ---- emitters ---- */
@@ -173,6 +185,12 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	PATH_BUFFERS(BUFFER_BIND)
 	if (specular_is_ready(gi))
 		specular_bind(gi);
+	uint32_t lights;
+	const gpu_buffer *punctual = punctual_lights(gi, &lights);
+	if (punctual) {
+		gpu_bind(&gi->gpu, GI_BIND_PUNCTUAL_LIGHTS, punctual);
+		gpu_set_uint(&gi->gpu, program, 9, lights);
+	}
 	gpu_set_uint(&gi->gpu, program, 5, seed);
 	gpu_set_uint(&gi->gpu, program, 6, s->light_count);
 	gpu_set_floats(&gi->gpu, program, 7, 4, 1, s->sky_and_lift);

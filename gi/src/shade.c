@@ -183,9 +183,7 @@ static gi_result prepare(gi_context *gi)
 	if (shade->built)
 		return GI_OK;
 	refit_drawn(gi);
-	gi_result result = build_mesh(gi, shade);
-	if (!result)
-		result = shadow_create(gi, &shade->shadow);
+	const gi_result result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
 	else
@@ -224,7 +222,7 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay == GI_OVERLAY_DIRTY || view->overlay == GI_OVERLAY_RESIDUAL;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
 static program surface_program(const gi_context *gi)
@@ -442,7 +440,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RESIDUAL)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
@@ -451,6 +449,21 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	if (!view_is_finite(view))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: a matrix is not finite");
 	return GI_OK;
+}
+
+/* Without lamps nothing of it is made. */
+static gi_result update_shadows(gi_context *gi)
+{
+	gi_shadow *shadow = &gi->shade->shadow;
+	if (!gi->lamps.count) {
+		shadow->lamp_count = 0;
+		return GI_OK;
+	}
+	const gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
+	if (!result)
+		return shadow_update(gi, shadow);
+	shadow_invalidate(gi, shadow);
+	return result;
 }
 
 static gi_result draw(gi_context *gi, const gi_view *view)
@@ -463,7 +476,7 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 	bind_scene(gi);
 	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = shadow_update(gi, &gi->shade->shadow);
+		result = update_shadows(gi);
 	if (!result)
 		result = draw_picture(gi, view, &state);
 	gpu_draw_end(&gi->gpu, &state);

@@ -370,6 +370,7 @@ class Programs(unittest.TestCase):
     def test_bad_options(self):
         for arguments in (["--nonsense"], ["--frames"], ["--frames", "0"], ["--frames", "1e99"], ["--fps", "-1"],
                           ["--fps", "nan"], ["--size", "0x5"], ["--size", "5"], ["--size", "5x5x"], ["--mode", "all"],
+                          ["--overlay", "all"], ["--overlay", "senders:x"],
                           ["--context", "x"], ["--row-tolerance", "2"], ["--row-tolerance", "1e-9"],
                           ["--row-tolerance", "1e-6"],
                           ["--leaf-size", "0"], ["--leaf-size", "1e-50"], ["--solve-tolerance", "1e-40"],

@@ -1,4 +1,5 @@
-"""The balls of two_balls under mouse and keys: they follow the drag, G makes them mirror or glass. Needs an X server.
+"""A window under mouse and keys: balls follow the drag, G makes them mirror or glass, overlays, settings. Needs an X
+server.
 
     test_two_balls.py FOLDER_OF_PROGRAMS
 """
@@ -55,7 +56,13 @@ def main():
             assert rest() == seen, "nothing was done and the picture changed"
             for what, act in (("the glass ball is a mirror", lambda: press(display, window, ord("g"))),
                               ("the mirror is glass", lambda: [press(display, window, k) for k in (TAB, ord("g"))]),
-                              ("a ball is dragged", lambda: drag(display, window, RIGHT_BUTTON, (80, 100), (60, 104)))):
+                              ("a ball is dragged", lambda: drag(display, window, RIGHT_BUTTON, (80, 100), (60, 104))),
+                              ("what lights the leaf under the cursor", lambda: press(display, window, ord("l"))),
+                              ("what it sees", lambda: press(display, window, ord("v"))),
+                              ("the hierarchy", lambda: press(display, window, ord("t"))),
+                              ("finer nodes of it", lambda: [press(display, window, ord("]")) for _ in range(4)]),
+                              ("no overlay", lambda: press(display, window, ord("o"))),
+                              ("brighter lamps", lambda: [press(display, window, ord(k)) for k in "nnn."])):
                 act()
                 now = rest()
                 assert now != seen, what

@@ -551,12 +551,91 @@ static void test_overlays(void **state)
 	for (int k = 0; k < SIZE * SIZE * 4; k++)
 		assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
 	assert_true(pixel(&over, 2, 2)[0] > 0.3f);
-	view.overlay = GI_OVERLAY_RESIDUAL;
-	draw(gi, &over, &view);
-	for (int k = 0; k < SIZE * SIZE * 4; k++)
-		assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
+	for (view.overlay = GI_OVERLAY_RESIDUAL; view.overlay <= GI_OVERLAY_BLOCKERS; view.overlay++) {
+		draw(gi, &over, &view);
+		for (int k = 0; k < SIZE * SIZE * 4; k++)
+			assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
+	}
 	free_target(&plain);
 	free_target(&over);
+	gi_context_destroy(gi);
+}
+
+/* A floor of four leaves a side and a lamp above it, which a plate hides from half of the floor. */
+static gi_context *half_lit_floor(void)
+{
+	gi_context_def def = harness_def();
+	gi_context *gi = harness_context(&def);
+	add_floor(gi, 0.8f, 4);
+	add_lamp(gi, 10, 2);
+	engine_mesh mesh;
+	assert_true(shape_box((const float[]){-4, 1, -4}, (const float[]){0, 1.01f, 4}, 1, false, &mesh));
+	harness_add(gi, &(harness_object){.name = "plate"}, &mesh);
+	commit(gi);
+	return gi;
+}
+
+static const float OVER_FLOOR[3] = {0.9f, 0.5f, 0.9f};
+
+static void test_pick(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context *gi = half_lit_floor();
+	uint32_t leaf, count;
+	gi_leaf leaves[256];
+	assert_gi(gi_read_leaves(gi, leaves, 256, &count));
+	assert_gi(gi_pick_leaf(gi, OVER_FLOOR, (const float[]){0, -2, 0}, &leaf));
+	assert_true(leaf < count && count <= 256);
+	for (int axis = 0; axis < 3; axis++) {
+		float lower = INFINITY, upper = -INFINITY;
+		for (int k = 0; k < 4; k++) {
+			lower = fminf(lower, leaves[leaf].corners[k][axis]);
+			upper = fmaxf(upper, leaves[leaf].corners[k][axis]);
+		}
+		const float at = axis == 1 ? 0 : OVER_FLOOR[axis];
+		assert_true(lower <= at && at <= upper && upper - lower < 1.01f);
+	}
+	assert_gi(gi_pick_leaf(gi, (const float[]){0.1f, 0.5f, 0.1f}, (const float[]){0, 1, 0}, &leaf));
+	assert_true(leaf < count && leaves[leaf].exitance[0] > 0);
+	/* Past all, and the lamp from behind. */
+	assert_gi(gi_pick_leaf(gi, OVER_FLOOR, (const float[]){0, 1, 1}, &leaf));
+	assert_int_equal(leaf, GI_NO_LEAF);
+	assert_gi(gi_pick_leaf(gi, (const float[]){0.1f, 9, 0.1f}, (const float[]){0, -1, 0}, &leaf));
+	assert_true(leaf < count && leaves[leaf].exitance[0] == 0);
+	assert_int_equal(gi_pick_leaf(gi, OVER_FLOOR, (const float[]){0, 0, 0}, &leaf), GI_ERROR_INVALID_ARGUMENT);
+	gi_context_destroy(gi);
+}
+
+/* Is the pixel's colour that of a picked leaf: more blue than red? Of heat maps none is that bright and blue. */
+static bool is_picked(const float *colour)
+{
+	return colour[1] > 0.3f && colour[2] > 3 * colour[0];
+}
+
+/* Colours of the row of a leaf on the lit side, seen from above: itself, what it sees of the others. */
+static void test_row_overlays(void **state)
+{
+	(void)state;
+	harness_require_context();
+	gi_context *gi = half_lit_floor();
+	target t = make_target();
+	gi_view view = look_down(2, 5);
+	view.clip_from_view[10] = -1 / 0.5f; /* from under the plate */
+	assert_gi(gi_pick_leaf(gi, OVER_FLOOR, (const float[]){0, -1, 0}, &view.overlay_leaf));
+	for (view.overlay = GI_OVERLAY_SENDERS; view.overlay <= GI_OVERLAY_BLOCKERS; view.overlay++) {
+		draw(gi, &t, &view);
+		int picked = 0;
+		for (int k = 0; k < SIZE * SIZE; k++)
+			picked += is_picked(t.pixels + 4 * k);
+		assert_in_range(picked, SIZE * SIZE / 32, SIZE * SIZE / 8); /* one of sixteen */
+	}
+	view.overlay = GI_OVERLAY_SENDERS;
+	view.overlay_leaf = GI_NO_LEAF; /* there is none: nothing is picked, nothing is known */
+	draw(gi, &t, &view);
+	for (int k = 0; k < SIZE * SIZE; k++)
+		assert_false(is_picked(t.pixels + 4 * k));
+	free_target(&t);
 	gi_context_destroy(gi);
 }
 
@@ -781,6 +860,8 @@ int main(void)
 	    cmocka_unit_test(test_glass),
 	    cmocka_unit_test(test_translucent),
 	    cmocka_unit_test(test_overlays),
+	    cmocka_unit_test(test_pick),
+	    cmocka_unit_test(test_row_overlays),
 	    cmocka_unit_test(test_closed_door_keeps_light_out),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);

@@ -182,11 +182,14 @@ static void do_everything(gi_context *gi)
 	const gi_object more = add(gi, "another lamp", 1.5f, false, 30);
 	assert_gi(gi_set_specular(gi, more, 0, (gi_specular){.transmittance = {.5f, .5f, .5f}, .index = 1.5f}));
 	assert_gi(gi_commit(gi));
+	const gi_light_def def = gi_light_def_default();
+	gi_light light;
+	assert_gi(gi_create_light(gi, &def, &light));
 	harness_update(gi);
 	assert_gi(gi_set_pose(gi, more, (gi_pose){{.5f, .25f, 0}, {0, 0, 0, 1}}));
 	assert_gi(gi_update(gi, &(gi_budget){.rays = 100}));
 	harness_update(gi);
-	for (gi_overlay overlay = GI_OVERLAY_NONE; overlay <= GI_OVERLAY_RESIDUAL; overlay++)
+	for (gi_overlay overlay = GI_OVERLAY_NONE; overlay <= GI_OVERLAY_BLOCKERS; overlay++)
 		draw(gi, overlay);
 	float irradiance[3 * 64];
 	uint32_t count;

@@ -216,7 +216,7 @@ static void expect_pictures(const subject *s, const char *name)
 		expect(gi_draw(s->gi, &view), drawn);
 	}
 	view.mode = GI_MODE_GLOBAL;
-	for (int overlay = GI_OVERLAY_WIREFRAME; overlay <= GI_OVERLAY_RESIDUAL; overlay++) {
+	for (int overlay = GI_OVERLAY_WIREFRAME; overlay <= GI_OVERLAY_BLOCKERS; overlay++) {
 		view.overlay = (gi_overlay)overlay;
 		expect(gi_draw(s->gi, &view), drawn);
 	}

@@ -627,14 +627,6 @@ static void what_is_not_read_is_told(void **state)
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"
 		    "\"KHR_texture_transform\":{\"scale\":[2,2]}}}}"),
 	    2, "textures of base colours are not read, their factors are (\"paint\")");
-	check_kind(
-	    "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}},\"name\":\"bulb\"},{"
-	    "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":{\"KHR_lights_punctual\":{"
-	    "\"lights\":"
-	    "[{\"type\":\"point\"}]}}," MESHES,
-	    1,
-	    "KHR_lights_punctual are not read; give lamps an area and an emissive "
-	    "material (2, first: \"bulb\")");
 	check_told(finish("\"nodes\":[{\"camera\":0}],\"cameras\":[{\"perspective\":{\"yfov\":1}}]"),
 		   "the file holds no faces");
 }

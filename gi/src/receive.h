@@ -1,0 +1,25 @@
+/* The light of receivers, from their rows (receiver_sets.h). */
+#ifndef GI_RECEIVE_H
+#define GI_RECEIVE_H
+
+#include "buffers.h"
+#include "gpu.h"
+
+typedef struct gi_receive {
+	uint32_t program, harmonics_program;
+	bool round; /* some see all round: rows are made by programs that know such */
+	uint32_t factor_program, trace_program, tops_program;
+	RECEIVER_BUFFERS(BUFFER_MEMBER) /* of all sets, one after the other */
+	bool written;                   /* since the last commit */
+} gi_receive;
+
+/* Makes what the scene's receivers take, or lets go of it where there are none. */
+gi_result receive_prepare(gi_context *gi);
+/* In place of those of rows, where some receivers see all round. */
+uint32_t receive_factor_program(const gi_context *gi);
+uint32_t receive_trace_program(const gi_context *gi, bool tops);
+void receive_update(gi_context *gi);     /* after the solve */
+void receive_invalidate(gi_context *gi); /* receivers have other places */
+void receive_free(gi_context *gi);
+
+#endif
