@@ -243,7 +243,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		solver_update(gi, anew, budget);
 	if (gi->budget.in_force)
 		budget_bound(gi);
-	receive_update(gi);
+	receive_update(gi, punctual_bind(gi));
 	result = solves ? estimate_update(gi) : GI_OK;
 	if (result)
 		return result;

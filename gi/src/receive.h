@@ -27,7 +27,8 @@ gi_result receive_prepare(gi_context *gi);
 /* In place of those of rows, where some receivers see all round. */
 uint32_t receive_factor_program(const gi_context *gi);
 uint32_t receive_trace_program(const gi_context *gi, bool tops);
-void receive_update(gi_context *gi);     /* after the solve */
+/* After the solve. lights: how many without a surface are bound (punctual_bind). */
+void receive_update(gi_context *gi, uint32_t lights);
 void receive_invalidate(gi_context *gi); /* receivers have other places */
 void receive_free(gi_context *gi);
 
