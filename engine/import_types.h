@@ -77,12 +77,12 @@ typedef struct engine_scene {
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
 	engine_scene_light *lights;
 	uint32_t light_count;
-	double duration_s;     /* last key of the animations, 0 without */
-	bool has_camera;       /* the first perspective camera of the scene */
-	double origin[3];      /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
-	char warning[4096];    /* one line about what was dropped or ignored, "" when nothing was */
-	uint32_t camera_node;  /* private */
-	float camera_fov;      /* private */
+	double duration_s;    /* last key of the animations, 0 without */
+	bool has_camera;      /* the first perspective camera of the scene */
+	double origin[3];     /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
+	char warning[4096];   /* one line about what was dropped or ignored, "" when nothing was */
+	uint32_t camera_node; /* private */
+	float camera_fov;     /* private */
 	struct engine_scene_graph *graph; /* private: nodes and animation */
 } engine_scene;
 

@@ -4,6 +4,7 @@
 
 #include "buffers.h"
 #include "gpu.h"
+#include "receiver_sets.h"
 
 typedef struct gi_receive {
 	uint32_t program, harmonics_program;
@@ -20,6 +21,8 @@ uint32_t receive_factor_program(const gi_context *gi);
 uint32_t receive_trace_program(const gi_context *gi, bool tops);
 void receive_update(gi_context *gi);     /* after the solve */
 void receive_invalidate(gi_context *gi); /* receivers have other places */
+/* Where a set's light is; NULL: no update wrote it yet. */
+const receiver_place *receive_place(const gi_context *gi, const receiver_set *set);
 void receive_free(gi_context *gi);
 
 #endif
