@@ -724,7 +724,7 @@ typedef struct gi_report {
 	gi_outcome outcome;
 
 	uint32_t objects, leaves, nodes; /* nodes: leaves and their ancestors */
-	uint64_t entries;                /* in all rows, hidden ones too */
+	uint64_t entries;                /* in all rows, receivers' too, hidden ones too */
 	uint64_t links;                  /* entries the solve reads: not hidden, not black */
 	uint64_t new_entries;            /* cut anew this frame */
 	uint64_t flagged_entries;        /* at rest, but retested since a mover may have changed them */
@@ -965,8 +965,8 @@ typedef struct gi_receivers_def {
 
 GI_API gi_receivers_def gi_receivers_def_default(void);
 
-/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too. On
- * failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
+/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too; under
+ * a budget those that came are dark until their rows were refreshed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
 GI_API gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out);
 
 /* The next gi_commit gives their place away; until then the buffer is as it is. */
