@@ -128,7 +128,7 @@ gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_object_
 
 const char *gi_glsl(const char *name)
 {
-	static const char *const files[] = {"gi_light.glsl"};
+	static const char *const files[] = {"gi_light.glsl", "gi_probe.glsl"};
 	for (size_t k = 0; name && k < sizeof files / sizeof *files; k++)
 		for (const gi_shader_source *s = gi_shader_sources; strcmp(name, files[k]) == 0 && s->name; s++)
 			if (strcmp(s->name, name) == 0)

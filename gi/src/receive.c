@@ -113,6 +113,12 @@ void receive_invalidate(gi_context *gi)
 		gi->receive->written = false;
 }
 
+const receiver_place *receive_place(const gi_context *gi, const receiver_set *set)
+{
+	const bool written = set->committed && gi->receive && gi->receive->written;
+	return written ? &gi->scene.sets[set->place] : NULL;
+}
+
 void receive_free(gi_context *gi)
 {
 	gi_receive *owner = gi->receive;
