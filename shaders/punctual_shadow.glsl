@@ -2,9 +2,11 @@
 //
 // Percentage-closer soft shadows (Fernando, 2005): looks around the point's place in the map say how far off what hides
 // the light is, and with that how wide the penumbra is that further looks average over. Texels are compared with the
-// plane of the point's own surface, or it would hide itself where looks are wide. A look sees the light where all four
-// texels about it do: what hides it is wider by half a texel, so that no light comes in along the edges of a room whose
-// walls have no thickness.
+// plane of the point's own surface, or it would hide itself where looks are wide.
+//
+// No light comes in along the edges of a room whose walls have no thickness: a look sees the light where all four texels
+// about it do, so that no look does from behind an edge; and of looks no wider than texels, half of which may lie beyond
+// the edge of what is next to the point, half have to see it before any light arrives.
 
 layout(std140, binding = GI_UNIFORM_LAMP) uniform view_block { gi_punctual_view view; };
 layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values;
@@ -12,7 +14,7 @@ layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values;
 const uint SEARCHES = 16u, LOOKS = 32u;
 
 // Looks of a light of no size reach so far, texels: enough to hide the texels.
-const float SHARP = 1.0;
+const float SHARP = 1.25;
 
 // A point is moved along its normal by so many texels, times the sine to the light, and towards it by so many.
 const float NORMAL_TEXELS = 1.0, DEPTH_TEXELS = 0.1;
@@ -146,5 +148,6 @@ float punctual_visibility(vec3 p, vec3 n, float cosine, bool wanted)
 		vec2 aside = reach * on_spiral(k, LOOKS);
 		lit += sees_light(at, aside) ? 1.0 : 0.0;
 	}
-	return looks ? lit / float(LOOKS) : 1.0;
+	float beyond = 0.5 * SHARP / (view.map.w * reach);
+	return looks ? max(lit / float(LOOKS) - beyond, 0.0) / (1.0 - beyond) : 1.0;
 }
