@@ -76,7 +76,8 @@ static gi_object add_square(gi_context *gi, float y, float side, uint32_t cells,
 	engine_mesh mesh;
 	assert_true(shape_quad((float[]){-side / 2, y, -side / 2}, (float[]){0, 0, side}, (float[]){side, 0, 0}, cells,
 			       cells, &mesh));
-	return harness_add(gi, &(harness_object){.name = "square", .rho = {.5f, .5f, .5f}, .double_sided = both}, &mesh);
+	const harness_object like = {.name = "square", .rho = {.5f, .5f, .5f}, .double_sided = both};
+	return harness_add(gi, &like, &mesh);
 }
 
 static gi_light add_light(gi_context *gi, const gi_light_def *def)
@@ -127,14 +128,14 @@ static void expect_shadow(const target *t, double half, const gi_light_def *d, d
 			place_of(x, y, half, at);
 			const double wanted = light_at(d, at[0], at[1], above) * .5 / PI;
 			const double inside = .3 - fmax(fabs(above[0]), fabs(above[1]));
-			const double found = t->pixels[y][x][0];
+			const double found = t->pixels[y][x][0], due = inside > 0 ? 0 : wanted;
 			if (fabs(inside) < blur)
 				continue;
 			lit += inside < 0 && wanted > 0;
 			dark += inside > 0;
-			if (!(fabs(found - (inside > 0 ? 0 : wanted)) <= 2e-3 * d->intensity[0]))
-				fail_msg("type %d, radius %g, (%.3f, %.3f): %g, not %g", (int)d->type, (double)d->radius,
-					 at[0], at[1], found, inside > 0 ? 0 : wanted);
+			if (!(fabs(found - due) <= 2e-3 * d->intensity[0]))
+				fail_msg("type %d, radius %g, (%.3f, %.3f): %g, not %g", (int)d->type,
+					 (double)d->radius, at[0], at[1], found, due);
 		}
 	assert_true(lit > 1000 && dark > 500);
 }
