@@ -8,8 +8,9 @@
 //   GI_LIGHT_STORAGE n        light_indirect is bound to storage block n (GLSL 4.30)
 //   neither                   light_indirect_texture is bound to the unit that the host gives the sampler uniform
 //                             gi_light_texels
-//   GI_MAP_UNIT n             the host's array of gi_vertex_light is a GL_RGBA32UI buffer texture bound to unit n, where
-//                             it is no vertex attribute; GI_MAP likewise to the unit of the uniform gi_map_texels
+//   GI_MAP_UNIT n             the host's array of gi_vertex_light is a GL_RGBA32UI buffer texture bound to unit n,
+//                             where it is no vertex attribute; GI_MAP likewise to the unit of the uniform
+//                             gi_map_texels
 //   GI_LEAF_UNIT n            leaf_indirect_texture is bound to unit n, for gi_light_at_leaf; GI_LEAF likewise to the
 //                             unit of the uniform gi_leaf_texels
 //

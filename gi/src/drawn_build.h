@@ -53,8 +53,8 @@ bool gi_drawn_make_lights(drawn_builder *s, double least_cosine);
 void gi_drawn_free_builder(drawn_builder *s);
 void gi_drawn_add_triangle(gi_drawn_surface *out, uint32_t a, uint32_t b, uint32_t c);
 uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v);
-/* The light at a point of a leaf, four light vertices with their weights. In order of light vertex and without zeros, so
- * that the two leaves of a smooth edge give their common points the same. */
+/* The light at a point of a leaf, four light vertices with their weights. In order of light vertex and without zeros,
+ * so that the two leaves of a smooth edge give their common points the same. */
 void gi_drawn_light_at(const gi_drawn_surface *drawn, uint32_t leaf, const float weight[4], uint32_t light[4],
 		       float light_weight[4]);
 void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v);

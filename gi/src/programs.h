@@ -1,5 +1,5 @@
-/* The programs of rows and solve, compiled when a scene takes them. Others are compiled when first wanted, by the modules
- * that run them. */
+/* The programs of rows and solve, compiled when a scene takes them. Others are compiled when first wanted, by the
+ * modules that run them. */
 #ifndef GI_PROGRAMS_H
 #define GI_PROGRAMS_H
 

@@ -13,7 +13,7 @@ static const uint32_t MOST_POINTS = GI_ENTRY_LEAF_MASK;
 
 gi_receivers_def gi_receivers_def_default(void)
 {
-	return (gi_receivers_def){.pose = gi_pose_identity(), .internal = RECEIVERS_COOKIE};
+	return (gi_receivers_def){.pose.rotation = {0, 0, 0, 1}, .internal = RECEIVERS_COOKIE};
 }
 
 static gi_result stale(const gi_context *gi, const char *function)

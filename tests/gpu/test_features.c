@@ -28,6 +28,10 @@ typedef enum feature {
 	ESTIMATE,
 	PIXEL_LAMPS,
 	PICTURE,
+	RECEIVERS,
+	HARMONICS,
+	LIGHTS,
+	DEFORMING,
 	FEATURES
 } feature;
 
@@ -53,6 +57,10 @@ static const struct {
     [PIXEL_LAMPS] = {"no lamps per pixel",
 		     {"light_more", "light_last", "shadow.frag", "shadow casters", "lamps", "occluder masks"}},
     [PICTURE] = {"no drawing", {"surface.frag", "drawn surfaces", "surfaces", "whole picture"}},
+    [RECEIVERS] = {"no receivers", {"receive.comp", "light of receivers"}},
+    [HARMONICS] = {"no harmonics", {"receive_harmonics.comp", "trace_round.comp", "factor_round.comp"}},
+    [LIGHTS] = {"no lights but emitters", {"punctual", "lights without a surface", "lights: "}},
+    [DEFORMING] = {"nothing deforms", {NULL}},
 };
 
 /* ---- OpenGL's objects by name ---- */
@@ -181,12 +189,39 @@ static void make_objects(scene *s)
 	assert_true(shape_box((float[]){-.2f, -.2f, -.2f}, (float[]){.2f, .2f, .2f}, 1, false, &mesh));
 	def.specular = has(s, SPECULAR) ? &mirror : NULL;
 	def.pose.position[1] = .5f;
+	def.deforms = has(s, DEFORMING);
 	s->mover = add(s, "mover", &mesh, has(s, MOTION) ? GI_MOBILITY_MOVABLE : GI_MOBILITY_STATIC, def);
 	def.specular = NULL;
+	def.deforms = false;
 	assert_true(shape_sphere(.3f, 2, &mesh));
 	def.subsurface = has(s, SUBSURFACE) ? &marble : NULL;
 	def.pose.position[0] = 1;
 	add(s, "ball", &mesh, still, def);
+}
+
+static void make_receivers(const scene *s)
+{
+	static const float points[6] = {-1, 1, 0, 1, 1, .5f}, normals[6] = {0, 1, 0, 0, 1, 0};
+	gi_receivers_def def = gi_receivers_def_default();
+	gi_receivers receivers;
+	def.positions = points;
+	def.normals = normals;
+	def.count = 2;
+	if (has(s, RECEIVERS))
+		assert_gi(gi_create_receivers(s->gi, &def, &receivers));
+	def.harmonics = 1;
+	if (has(s, HARMONICS))
+		assert_gi(gi_create_receivers(s->gi, &def, &receivers));
+}
+
+static void make_light(const scene *s)
+{
+	gi_light_def def = gi_light_def_default();
+	gi_light light;
+	def.position[1] = 2;
+	def.shown = has(s, PIXEL_LAMPS) ? GI_LIGHT_BY_PIXELS : GI_LIGHT_BY_LEAVES;
+	if (has(s, LIGHTS))
+		assert_gi(gi_create_light(s->gi, &def, &light));
 }
 
 static void draw(const scene *s)
@@ -227,6 +262,8 @@ static void play(scene *s, counts *out)
 			assert_gi(gi_set_pose(s->gi, s->mover, (gi_pose){{at, .5f, at}, {0, 0, 0, 1}}));
 		else
 			assert_gi(gi_set_material(s->gi, s->floor, 0, (gi_material){.rho = {at, .5f, .5f}}));
+		if (has(s, DEFORMING))
+			assert_gi(gi_set_scale(s->gi, s->mover, (float[]){1 + at, 1, 1}));
 		if (has(s, BUDGET))
 			assert_gi(gi_update(s->gi, &(gi_budget){.rays = 200}));
 		else
@@ -250,6 +287,8 @@ static counts count_scene(uint32_t features_on)
 	note_hosts();
 	s.gi = open_context(features_on);
 	make_objects(&s);
+	make_receivers(&s);
+	make_light(&s);
 	assert_gi(gi_commit(s.gi));
 	harness_update(s.gi);
 	if (has(&s, KEPT_ROWS)) {
@@ -290,8 +329,10 @@ static void print_row(const char *name, const counts *c)
  * mirrors, lamps light pixels. */
 static uint32_t without(feature f)
 {
-	static const uint32_t takes[FEATURES] = {
-	    [MOTION] = OF(KEPT_ROWS), [SPECULAR] = OF(CAUSTICS), [PICTURE] = OF(PIXEL_LAMPS)};
+	static const uint32_t takes[FEATURES] = {[MOTION] = OF(KEPT_ROWS) | OF(DEFORMING),
+						 [SPECULAR] = OF(CAUSTICS),
+						 [PICTURE] = OF(PIXEL_LAMPS),
+						 [RECEIVERS] = OF(HARMONICS)};
 	return ALL & ~OF(f) & ~takes[f];
 }
 
@@ -319,7 +360,7 @@ static void what_is_not_used_is_not_there(void **state)
 	print_row("everything", &everything);
 	expect_present(&everything);
 	for (feature f = 0; f < FEATURES; f++) {
-		if (!harness_is_long() && f != MOTION && f != SPECULAR && f != PICTURE)
+		if (!harness_is_long() && f != MOTION && f != PICTURE)
 			continue;
 		const counts c = count_scene(without(f));
 		print_row(features[f].without, &c);
