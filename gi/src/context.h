@@ -59,7 +59,7 @@ struct gi_context {
 	bool wanted_all;    /* all rows were counted, so a pool larger by that holds them */
 	/* Last gi_update; last one that issued work; last one that solved. */
 	uint64_t frame_number, issued_frame, solved_frame;
-	uint64_t commit_frame;               /* last gi_update before the last commit */
+	uint64_t commit_frame;   /* last gi_update before the last commit */
 	uint64_t rows_frame;     /* last one before a commit that made all rows anew: reports up to it are of others */
 	uint64_t picture_number; /* of gi_draw calls */
 	gi_report report;
