@@ -31,8 +31,8 @@ typedef struct file_ray_light {
 typedef struct file_rays {
 	file_triangle *triangles;
 	uint32_t count;
-	double *powers;          /* count: sums of power up to and with each triangle */
-	file_ray_light *lights;  /* those without a surface */
+	double *powers;         /* count: sums of power up to and with each triangle */
+	file_ray_light *lights; /* those without a surface */
 	uint32_t light_count;
 	double power;            /* of all lamps and lights */
 	float middle[3], radius; /* of a sphere about all */

@@ -4,6 +4,7 @@
 
 #include "camera.h"
 #include "file_lights.h"
+#include "file_shape.h"
 #include "gi/gi.h"
 #include "options.h"
 #include "import_file.h"
@@ -21,6 +22,7 @@ typedef struct file_scene {
 	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */
 	uint32_t cage_faces; /* of the cages of detailed meshes; 0: chosen */
 	gi_object *handles;  /* scene.object_count */
+	file_shape *shapes;  /* likewise */
 	const char **names;
 	file_lights lights;
 	float lower[3], upper[3]; /* of everything at rest, world */

@@ -86,7 +86,7 @@ int main(int argc, char **argv)
 	o->out = "out/gi_play";
 	options_parse(&parser, argc, argv, &play);
 	play.file = (file_scene){.program = o->program,
-				 .lit = o->sky > 0,
+				 .lit = o->sky > 0 || o->sky_file,
 				 .two_sided = o->two_sided,
 				 .leaf_size = o->leaf_size,
 				 .leaves = o->leaves,

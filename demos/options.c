@@ -61,7 +61,7 @@ static const struct argp_option table[] = {
     {"context", KEY_CONTEXT, "KIND", 0,
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
-    {"sky", KEY_SKY, "E", 0, "light from a white sky, exitance in W/m2 (0)", 0},
+    {"sky", KEY_SKY, "E|FILE", 0, "light from a white sky, exitance in W/m2 (0), or from a picture, .hdr or .pfm", 0},
     {"shaders", KEY_SHADERS, "FOLDER", 0, "the library's shaders from there; F5 in a window reads them again", 0},
     {"two-sided", KEY_TWO_SIDED, "WHICH", OPTION_ARG_OPTIONAL,
      "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where "
@@ -249,6 +249,14 @@ static const char *checked_name(const options *o, const char *option, const char
 	return text;
 }
 
+/* A number, or the name of a file. */
+static void parse_sky(options *o, char *text)
+{
+	double value;
+	o->sky_file = parse_number(text, &value) ? NULL : checked_name(o, "--sky", text);
+	o->sky = o->sky_file ? 0 : not_negative(o, "--sky", text, 1e9);
+}
+
 static void parse_fineness(options *o, int key, const char *text)
 {
 	switch (key) {
@@ -367,7 +375,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		o->exposure = positive(o, "--exposure", text, 1e9);
 		return 0;
 	case KEY_SKY:
-		o->sky = not_negative(o, "--sky", text, 1e9);
+		parse_sky(o, text);
 		return 0;
 	case KEY_SHADERS:
 		o->shaders = text;

@@ -32,13 +32,14 @@ typedef struct options {
 	bool rebuild;        /* every frame from scratch */
 	float row_tolerance; /* 0: the library's default, as the next two */
 	float solve_tolerance;
-	float leaf_size;     /* 0: the levels that scene or program give, or what is chosen */
-	uint32_t leaves;     /* about how many are chosen where nothing gives levels; 0: what suits the renderer */
-	uint32_t estimate;   /* leaves that estimate the error of the rows, where estimate_given; 0: none */
-	bool estimate_given; /* else some where pictures are recorded */
-	uint32_t cage_faces; /* of the cage that lights a detailed mesh; 0: the program's default */
-	float sky;           /* exitance of a white sky, W/m2; 0: black */
-	const char *shaders; /* folder; NULL: those built in */
+	float leaf_size;      /* 0: the levels that scene or program give, or what is chosen */
+	uint32_t leaves;      /* about how many are chosen where nothing gives levels; 0: what suits the renderer */
+	uint32_t estimate;    /* leaves that estimate the error of the rows, where estimate_given; 0: none */
+	bool estimate_given;  /* else some where pictures are recorded */
+	uint32_t cage_faces;  /* of the cage that lights a detailed mesh; 0: the program's default */
+	float sky;            /* exitance of a white sky, W/m2; 0: black */
+	const char *sky_file; /* a picture of it; NULL: none */
+	const char *shaders;  /* folder; NULL: those built in */
 	options_sides two_sided;
 	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */
 	gi_budget budget;      /* of every update, where budget_given; all zero: exact */

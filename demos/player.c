@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "player_internal.h"
 
+#include "hdr.h"
 #include "interrupt.h"
 #include "figures.h"
 #include "wall_clock.h"
@@ -79,7 +80,28 @@ static bool open_gi(player *p)
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;
 	}
+	if (p->o->sky_file)
+		def.sky = GI_SKY_ON;
 	return player_succeeded(p, gi_context_create(&def, &p->gi));
+}
+
+static bool open_sky(player *p)
+{
+	if (!p->o->sky_file)
+		return true;
+	int width, height;
+	size_t mended;
+	float *rgb;
+	if (!engine_panorama_read(p->o->sky_file, &width, &height, &rgb, &mended, p->message, sizeof p->message))
+		return false;
+	if (mended)
+		options_say(p->o->program, "%s: %zu pixels are no radiance of 0 to 3e11 and are taken as the nearest",
+			    p->o->sky_file, mended);
+	p->backdrop = engine_backdrop_create(rgb, width, height, p->message, sizeof p->message);
+	const bool opened =
+	    p->backdrop && player_succeeded(p, gi_set_sky_image(p->gi, rgb, (uint32_t)width, (uint32_t)height, NULL));
+	free(rgb);
+	return opened;
 }
 
 static bool open_picture(player *p)
@@ -116,7 +138,7 @@ static bool begin(player *p)
 	p->progress.context = p->context;
 	p->progress.hud = p->hud;
 	choose_frames(p);
-	if (!open_gi(p))
+	if (!open_gi(p) || !open_sky(p))
 		return false;
 	if (!p->scene->create(p->scene->user, p->gi, p->message, sizeof p->message) ||
 	    !player_succeeded(p, gi_commit(p->gi)))
@@ -131,6 +153,7 @@ static void end(player *p)
 	video_close(&p->video, false, unused, sizeof unused);
 	report_free(&p->report);
 	gi_context_destroy(p->gi);
+	engine_backdrop_destroy(p->backdrop);
 	engine_hud_destroy(p->hud);
 	engine_target_destroy(p->target);
 	engine_context_destroy(p->context);

@@ -2,6 +2,7 @@
 #ifndef DEMOS_PLAYER_INTERNAL_H
 #define DEMOS_PLAYER_INTERNAL_H
 
+#include "backdrop.h"
 #include "frame_budget.h"
 #include "hud.h"
 #include "player.h"
@@ -29,9 +30,10 @@ typedef struct player {
 	engine_target *target;
 	engine_hud *hud; /* NULL without a window */
 	gi_context *gi;
-	uint8_t *pixels;   /* of a picture on its way to a file */
-	float *radiance;   /* the same of a linear one; NULL: none is written */
-	progress progress; /* until the first picture */
+	engine_backdrop *backdrop; /* a picture of the sky; NULL: none */
+	uint8_t *pixels;           /* of a picture on its way to a file */
+	float *radiance;           /* the same of a linear one; NULL: none is written */
+	progress progress;         /* until the first picture */
 
 	bool recording;
 	uint32_t frames; /* 0: endless */

@@ -30,6 +30,8 @@ bool player_draw(player *p, gi_mode mode)
 	engine_target_begin(p->target);
 	if (!player_succeeded(p, gi_draw(p->gi, &view)))
 		return false;
+	if (p->backdrop && mode == GI_MODE_GLOBAL)
+		engine_backdrop_draw(p->backdrop, view.view_from_world, view.clip_from_view);
 	engine_target_tonemap(p->target, p->exposure);
 	return true;
 }

@@ -267,8 +267,12 @@ static bool is_one_of(const char *name, const char *const *list, size_t count)
 }
 
 static const char *const known_extensions[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",         "KHR_materials_transmission",          "KHR_materials_ior",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_transmission",
+    "KHR_materials_ior",
     "KHR_texture_transform", /* a mean has no place */
     "KHR_lights_punctual",
 };

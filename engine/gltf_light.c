@@ -113,7 +113,8 @@ static bool read_node(gltf_document *document, const light_table *table, uint32_
 		return true;
 	if (!gltf_number(extension, "light", &number) || !(number >= 0 && number < table->count) ||
 	    number != floor(number)) {
-		import_note(document->loader, document->node_names[n], "lights that the file does not hold are left out");
+		import_note(document->loader, document->node_names[n],
+			    "lights that the file does not hold are left out");
 		return true;
 	}
 	const uint32_t k = (uint32_t)number;

@@ -34,8 +34,7 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->material_count; i++)
 		free(scene->materials[i].name);
 	for (uint32_t i = 0; i < scene->object_count; i++) {
-		engine_mesh_free(&scene->objects[i].mesh);
-		free(scene->objects[i].name);
+		import_release_object(&scene->objects[i]);
 	}
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		free(scene->lights[i].name);

@@ -41,10 +41,12 @@ typedef struct engine_scene_object {
 	bool animated;       /* its pose depends on time */
 	bool scale_animated; /* even the scale does: not a rigid motion */
 	bool vanishes;       /* its scale is 0 at times, when engine_scene_pose() has no pose */
+	bool deforms;        /* its vertices move with joints or morph targets (import_shape.h) */
 	uint32_t node;       /* private, as all that follows */
 	bool mirrored, baked;
 	double offset[3], stretch[9];
-	double rounding; /* metres in object space: how far the file's coordinates may be off */
+	double rounding;            /* metres in object space: how far the file's coordinates may be off */
+	struct import_shape *shape; /* of one that deforms */
 } engine_scene_object;
 
 typedef enum engine_light_type { ENGINE_LIGHT_POINT, ENGINE_LIGHT_SPOT, ENGINE_LIGHT_DIRECTIONAL } engine_light_type;
@@ -77,12 +79,12 @@ typedef struct engine_scene {
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
 	engine_scene_light *lights;
 	uint32_t light_count;
-	double duration_s;     /* last key of the animations, 0 without */
-	bool has_camera;       /* the first perspective camera of the scene */
-	double origin[3];      /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
-	char warning[4096];    /* one line about what was dropped or ignored, "" when nothing was */
-	uint32_t camera_node;  /* private */
-	float camera_fov;      /* private */
+	double duration_s;    /* last key of the animations, 0 without */
+	bool has_camera;      /* the first perspective camera of the scene */
+	double origin[3];     /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
+	char warning[4096];   /* one line about what was dropped or ignored, "" when nothing was */
+	uint32_t camera_node; /* private */
+	float camera_fov;     /* private */
 	struct engine_scene_graph *graph; /* private: nodes and animation */
 } engine_scene;
 

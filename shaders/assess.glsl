@@ -132,10 +132,8 @@ source_part load_source(uint object)
 {
 	uint root = object_nodes(object).x, flags = topology_range(root).w;
 	bool emits = (flags & GI_NODE_EMITTER) != 0u;
-	vec3 b = load_radiosity(root).xyz;
-	if ((object_bvh(object).z & GI_OBJECT_SKY) != 0u)
-		return source_part(object, range(b, emits ? vec3(0.0) : b), b, emits, !emits, false);
-	source_part from = source_part(object, NOTHING, vec3(0.0), emits, false, false);
+	bool sky = (object_bvh(object).z & GI_OBJECT_SKY) != 0u;
+	source_part from = source_part(object, NOTHING, vec3(0.0), emits, sky, false);
 	for (uint c = 0u; c < 3u; c++) {
 		uint at = GI_LIGHT_BOUND_WORDS * object + c;
 		from.others.most[c] = uintBitsToFloat(load_light_bound(at + GI_LIGHT_BOUND_OTHERS));

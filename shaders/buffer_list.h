@@ -108,6 +108,11 @@
 	/* GI_SOBOL_DIMENSIONS * 32, bits reversed */ \
 	X(ENTRY_POOL, PATH_SOBOL, sobol, sobol, uint, HOST, "paths: Sobol numbers")
 
+/* gi_sky_state: of a sky with a picture, for shaders that look it up (sky_image.glsl). Of a texel: bits of exitance,
+ * W/m2, and of all light up to it the share in 2^-32 */
+#define SKY_BUFFERS(X) \
+	X(RUNS, SKY_TEXELS, texels, sky_texel, uvec4, HOST, "texels of the sky")
+
 /* gi_smooth: mirrors and glass, of scenes that have any, in places of what their dispatches do not read */
 #define SMOOTH_BUFFERS(X) \
 	/* a primitive: at its corners (smooth.h) */ \
@@ -175,7 +180,8 @@
 /* Those in the places of others. */
 #define PLACED_BUFFERS(X) \
 	OLD_ROWS_TABLES(X) MOVE_BUFFERS(X) LOAN_BUFFERS(X) PATH_BUFFERS(X) SMOOTH_BUFFERS(X) CAUSTIC_BUFFERS(X) \
-	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) DIFFUSION_BUFFERS(X) RECEIVER_BUFFERS(X) ESTIMATE_BUFFERS(X)
+	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) SKY_BUFFERS(X) DIFFUSION_BUFFERS(X) RECEIVER_BUFFERS(X) \
+	ESTIMATE_BUFFERS(X)
 /* clang-format on */
 
 #endif

@@ -68,7 +68,9 @@ uint classify_sky(shape p, gi_node_geometry g, uint flags)
 	if (height <= 0.0)
 		return CUT_SKIP;
 	float estimate = g.moment.w * min(1.0, height) / PI;
-	return (flags & GI_NODE_LEAF) == 0u && estimate > frame.tolerance.z ? CUT_REFINE : CUT_TAKE;
+	// Down to what is small and bright, however little it subtends.
+	bool refine = estimate > frame.tolerance.z || (flags & (GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
+	return (flags & GI_NODE_LEAF) == 0u && refine ? CUT_REFINE : CUT_TAKE;
 }
 
 // The object whose frame a node's spread is in; that of tops is the world, as their source's.

@@ -47,7 +47,7 @@ float factor_from(pair p, vec3 x, vec3 n)
 	vec3 to = 0.25 * (v[0] + v[1] + v[2] + v[3]);
 	float far = length(to),
 	      radius = max(max(distance(v[0], to), distance(v[1], to)), max(distance(v[2], to), distance(v[3], to)));
-	if (p.sky || radius >= POINT_SOURCE * (far - radius))
+	if (radius >= POINT_SOURCE * (far - radius))
 		return polygon_factor(v, n);
 	vec3 area = 0.5 * cross(v[2] - v[0], v[3] - v[1]);
 	return disc_factor(to, n, -dot(area, to) / far);

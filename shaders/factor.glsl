@@ -174,6 +174,8 @@ float round_factor_from(receiver r, source s, vec3 x)
 		vec3 to = s.g.sphere.xyz - x;
 		return round_disc_factor(to, s.contour ? -dot(s.g.moment.xyz, normalize(to)) * s.unit * s.unit : s.shown);
 	}
+	if (s.sky && s.g.sphere.w < POINT_SOURCE)
+		return s.g.moment.w / (4.0 * PI);
 	vec3 origin = s.sky ? vec3(0.0) : x;
 	vec3 a = s.unit * corner_of(s.t.corners.x, s.same) - origin, b = s.unit * corner_of(s.t.corners.y, s.same) - origin,
 	     c = s.unit * corner_of(s.t.corners.z, s.same) - origin, d = s.unit * corner_of(s.t.corners.w, s.same) - origin;
@@ -192,6 +194,8 @@ float factor_from(receiver r, source s, vec3 x, vec3 n, bool abc)
 		vec3 to = s.g.sphere.xyz - x;
 		return disc_factor(to, n, s.contour ? -dot(s.g.moment.xyz, normalize(to)) * s.unit * s.unit : s.shown);
 	}
+	if (s.sky && s.g.sphere.w < POINT_SOURCE)
+		return max(dot(n, s.g.sphere.xyz), 0.0) * s.g.moment.w / PI;
 	vec3 origin = s.sky ? vec3(0.0) : x;
 	vec3 v[4]; // what a folded leaf sees of itself is the other half
 	if (s.self)

@@ -48,6 +48,7 @@ typedef struct gi_uvec4 {
 /* Of several static objects (statics.h): in the world's frame, its two children behind it. */
 #define GI_NODE_TOP 128u
 #define GI_NODE_SMOOTH 4096u   /* some leaf below it is a mirror or glass; set by the scene */
+#define GI_NODE_PICTURE 8192u /* a patch of a sky with a picture; where GI_NODE_FINER is set, one of much light */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u
@@ -648,11 +649,13 @@ GI_STRUCT(gi_punctual_light) {
 #define GI_PUNCTUAL_DIRECTIONAL 4u
 #define GI_PUNCTUAL_MOVED 8u        /* all its rays are to be traced anew */
 #define GI_PUNCTUAL_BY_LEAVES 16u   /* pictures have its direct light through the leaves */
+#define GI_PUNCTUAL_BY_PIXELS 32u   /* pixel by pixel; neither: the host adds it, to receivers too */
 
 /* What the light of intensity 1 brings to a leaf, were its rays to be traced first. */
 #define GI_PUNCTUAL_UNKNOWN (-1.0f)
 
-/* Of a leaf, vec4: irradiance from all of them, W/m2; that of it which pictures have through the leaves. */
+/* Of a leaf, vec4: irradiance from all of them, W/m2; that of it which pictures have through the leaves. Of a receiver
+ * the first is that of those which no host draws. */
 #define GI_PUNCTUAL_ALL 0u
 #define GI_PUNCTUAL_SHOWN 1u
 #define GI_PUNCTUAL_PARTS 2u

@@ -45,8 +45,9 @@ void main()
 	for (uint leaf = nodes.z + local; leaf < nodes.w; leaf += GI_GROUP_SIZE)
 		include(e, load_leaf_radiosity(leaf).xyz,
 			(topology_range(load_leaf(leaf).x).w & GI_NODE_EMITTER) != 0u);
-	if (there && local == 0u && (object_bvh(object).z & GI_OBJECT_SKY) != 0u)
-		include(e, load_radiosity(nodes.x).xyz, (topology_range(nodes.x).w & GI_NODE_EMITTER) != 0u);
+	bool sky = there && (object_bvh(object).z & GI_OBJECT_SKY) != 0u;
+	for (uint node = nodes.x + local; sky && node < nodes.y; node += GI_GROUP_SIZE)
+		include(e, load_radiosity(node).xyz, false);
 	if (there)
 		share(e);
 	barrier();

@@ -14,6 +14,9 @@
 #define READ_SMOOTH
 #define READ_SMOOTH_MATERIALS
 #define READ_CORNER_LIGHTS
+#ifdef SKY_IMAGE
+#define READ_SKY_TEXELS
+#endif
 #include "buffers.glsl"
 #include "shade_shared.h"
 #include "shade_modes.glsl"
@@ -28,7 +31,11 @@ layout(location = 0) uniform vec4 eye;        // w 0: the way to it
 layout(location = 1) uniform uint way;        // at the first surface
 layout(location = 2) uniform uint mode;
 layout(location = 3) uniform float lift;
+#ifdef SKY_IMAGE
+#include "sky_image.glsl"
+#else
 layout(location = 4) uniform vec4 sky;        // exitance of what lies beyond
+#endif
 layout(location = 5) uniform float farthest;  // depth where nothing is seen
 layout(binding = GI_UNIT_DEPTH) uniform sampler2D depths;
 
@@ -67,6 +74,16 @@ vec3 lit_by_lamps(gi_material_data m)
 }
 #endif
 
+// Exitance of what lies beyond.
+vec3 sky_towards(vec3 direction)
+{
+#ifdef SKY_IMAGE
+	return sky_texel_exitance(sky_texel_towards(direction));
+#else
+	return sky.xyz;
+#endif
+}
+
 void end_at(nearest hit, light_ray r)
 {
 	vec3 at = r.origin + r.direction * hit.distance, rest = rest_from_world(hit.object, at);
@@ -100,8 +117,8 @@ void main()
 		on = hit.object != GI_NONE;
 		if (!on) {
 			store_layer(vec3(0.0), vec3(0.0, 0.0, 1.0),
-				    mode == MODE_INDIRECT ? vec3(0.0) : r.throughput * sky.xyz / PI, vec3(0.0), place,
-				    look);
+				    mode == MODE_INDIRECT ? vec3(0.0) : r.throughput * sky_towards(r.direction) / PI,
+				    vec3(0.0), place, look);
 			break;
 		}
 		uint material = load_leaf(floatBitsToUint(load_primitive(hit.primitive).a.w)).z;

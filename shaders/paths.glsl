@@ -26,6 +26,9 @@
 #if PUNCTUAL
 #define READ_PUNCTUAL_LIGHTS
 #endif
+#ifdef SKY_IMAGE
+#define READ_SKY_TEXELS
+#endif
 #define WRITE_PATH_SLOTS
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -36,6 +39,9 @@
 #include "specular.glsl"
 #endif
 #include "numbers.glsl"
+#ifdef SKY_IMAGE
+#include "sky_image.glsl"
+#endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -269,6 +275,33 @@ vec3 light_from_hit(vertex v, nearest hit, vec3 exitance, float cosine, numbers 
 	return v.at_smooth ? exitance : exitance * (pdf_b / (pdf_b + pdf_l));
 }
 
+// What a ray that met nothing finds. Of a picture, weighted against directions that are drawn by its light.
+#ifdef SKY_IMAGE
+vec3 light_from_beyond(vertex v, vec3 direction, numbers u)
+{
+	uint texel = sky_texel_towards(direction);
+	float pdf_b = sqrt(1.0 - u.direction.y) / PI;
+	return sky_texel_exitance(texel) * (v.at_smooth ? 1.0 : pdf_b / (pdf_b + sky_density(texel)));
+}
+
+vec3 light_from_sky(vertex v, uint leaf, uint path, uint bounce)
+{
+	uvec4 a = pcg4d(uvec4(leaf, path, ~seed, bounce));
+	uint texel = pick_sky_texel(a.x);
+	vec3 direction = sky_direction(texel, vec2(unit(a.y), unit(a.z)));
+	float cosine = dot(v.normal, direction);
+	if (!(cosine > 0.0) || find_nearest(v.origin, direction, sky_and_lift.w).object != GI_NONE)
+		return vec3(0.0);
+	float pdf_b = cosine / PI;
+	return sky_texel_exitance(texel) * (pdf_b / (pdf_b + sky_density(texel)));
+}
+#else
+vec3 light_from_beyond(vertex v, vec3 direction, numbers u)
+{
+	return sky_and_lift.xyz;
+}
+#endif
+
 // Vertex `number` of a path, from 0: gathers light into `sum` and goes on to the next. False when the path ends.
 bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u, float number)
 {
@@ -279,7 +312,7 @@ bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u, fl
 	vec3 direction = v.at_smooth ? v.normal : cosine_direction(v.normal, u.direction);
 	nearest hit = find_nearest(v.origin, direction, sky_and_lift.w);
 	if (hit.object == GI_NONE) {
-		sum += throughput * (found + sky_and_lift.xyz);
+		sum += throughput * (found + light_from_beyond(v, direction, u));
 		return false;
 	}
 	uint material;
@@ -324,6 +357,10 @@ void step_on(uint leaf, inout gi_path_slot slot)
 	} else {
 		u = numbers_at(leaf, path, bounce);
 	}
+#ifdef SKY_IMAGE
+	if (!v.at_smooth)
+		found += throughput * light_from_sky(v, leaf, path, bounce);
+#endif
 	bool on = extend(v, throughput, found, u, slot.normal.w);
 	slot.origin = vec4(v.origin, float(on ? path : path + 1u));
 	slot.normal = vec4(v.normal, float(on ? bounce + 1u : 0u));

@@ -1,4 +1,5 @@
-// What a light without a surface brings to a leaf, were its intensity 1.
+// What a light without a surface brings to a leaf or a receiver, were its intensity 1: of a receiver that sees all round
+// the irradiance of what faces the light there.
 //
 // E = G sum V w f / sum w over points of the leaf: G is what a light that shines alike all round brings with nothing in
 // between, exactly: the solid angle of the leaf over its area, of a directional one the cosine. w is the part of each
@@ -88,6 +89,13 @@ float part_of(gi_punctual_light l, vec3 p, vec3 n)
 	return max(dot(n, to), 0.0) * inversesqrt(square) / square;
 }
 
+// The same of a point whatever the way it faces.
+float flux_at_point(gi_punctual_light l, vec3 p)
+{
+	vec3 to = l.place.xyz - p;
+	return is_directional(l) ? 1.0 : 1.0 / max(dot(to, to), 1e-30);
+}
+
 float share_of_leaf(uint leaf, gi_punctual_light l, inout uint rays)
 {
 	body on = load_body(load_leaf(leaf).y), to = light_body(l);
@@ -95,8 +103,8 @@ float share_of_leaf(uint leaf, gi_punctual_light l, inout uint rays)
 	vec3 first = direction_to_world(on, cross(q.b - q.a, q.c - q.a)),
 	     second = direction_to_world(on, cross(q.c - q.a, q.d - q.a));
 	vec3 a = to_world(on, q.a), b = to_world(on, q.b), c = to_world(on, q.c), d = to_world(on, q.d);
-	bool triangle = q.c == q.d;
-	float flux = triangle_flux(l, a, b, c) + (triangle ? 0.0 : triangle_flux(l, a, c, d));
+	bool triangle = q.c == q.d, round = q.a == q.b;
+	float flux = round ? flux_at_point(l, a) : triangle_flux(l, a, b, c) + (triangle ? 0.0 : triangle_flux(l, a, c, d));
 	if (flux == 0.0 || (on.flags & GI_OBJECT_UNSEEN) != 0u)
 		return 0.0;
 	uint id = leaf + object_ids(on.object).x;
@@ -104,7 +112,7 @@ float share_of_leaf(uint leaf, gi_punctual_light l, inout uint rays)
 	for (uint k = 0u; k < PUNCTUAL_SAMPLES; k++) {
 		vec4 u = punctual_numbers(id, l.kind.y, k);
 		segment_end from = end_on(on, leaf, point_on(q, u.xy));
-		float part = part_of(l, from.world, triangle || u.x >= u.y ? first : second);
+		float part = round ? 1.0 : part_of(l, from.world, triangle || u.x >= u.y ? first : second);
 		sum += part;
 		float sent = part * punctual_falloff(l, from.world - l.place.xyz);
 		if (sent == 0.0)
@@ -113,5 +121,6 @@ float share_of_leaf(uint leaf, gi_punctual_light l, inout uint rays)
 		if (!light_is_hidden(on, from, to, light_end(l, from.world, u.zw)))
 			arrives += sent;
 	}
-	return sum > 0.0 ? 2.0 * flux / (length(first) + (triangle ? 0.0 : length(second))) * (arrives / sum) : 0.0;
+	float area = round ? 1.0 : 0.5 * (length(first) + (triangle ? 0.0 : length(second)));
+	return sum > 0.0 ? flux / area * (arrives / sum) : 0.0;
 }

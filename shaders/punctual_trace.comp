@@ -1,6 +1,6 @@
 #version 450 core
-// How much of each light without a surface arrives at each leaf: what would with nothing in between, integrated over
-// the leaf, times the share of it that rays find to arrive. One thread a light and leaf. Those that nothing changed
+// How much of each light without a surface arrives at each leaf and receiver: what would with nothing in between, integrated over
+// the leaf, times the share of it that rays find to arrive. One thread a light and row. Those that nothing changed
 // since they were last looked at stay; of a light that is switched off it is but noted that something did.
 //
 // A pure function of the poses of the leaf's object and of all others, and of the light: an update's are a rebuild's.
@@ -29,6 +29,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint light_count;
 layout(location = 1) uniform uint seen; // update of the rows up to which shares know what moved
 layout(location = 2) uniform uint all;  // 1: none is known
+layout(location = 3) uniform uint rows; // leaves, then receivers
 
 // Positions are rounded by less than this share of the coordinates.
 const float MARGIN = 1e-5;
@@ -63,7 +64,7 @@ bool is_crossed(uint leaf, gi_punctual_light l)
 
 void main()
 {
-	uint t = thread_number(), leaf = t % frame.counts.x, k = t / frame.counts.x;
+	uint t = thread_number(), leaf = t % rows, k = t / rows;
 	if (k >= light_count)
 		return;
 	gi_punctual_light l = load_punctual_light(k);

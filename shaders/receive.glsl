@@ -6,6 +6,8 @@
 // to real spherical harmonics Y_lm, and each band is multiplied by what a cosine lobe leaves of it, A_l = pi, 2 pi / 3,
 // pi / 4 (Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001), so that
 // E(n) = sum of c_lm Y_lm(n).
+//
+// PUNCTUAL: there are lights without a surface (punctual_trace.comp).
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_LEAVES
@@ -16,6 +18,14 @@
 #define READ_TOPOLOGY
 #define READ_WORLD
 #endif
+#ifdef PUNCTUAL
+#ifdef HARMONICS
+#define READ_PUNCTUAL_LIGHTS
+#define READ_PUNCTUAL_SHARES
+#else
+#define READ_PUNCTUAL_SUMS
+#endif
+#endif
 #define WRITE_RECEIVED
 #include "buffers.glsl"
 #include "dispatch.glsl"
@@ -25,6 +35,10 @@
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint first;
 layout(location = 1) uniform uint count;
+#ifdef PUNCTUAL
+layout(location = 2) uniform uint light_count;
+layout(location = 3) uniform uint rows; // leaves, then receivers
+#endif
 
 #ifdef HARMONICS
 const uint COEFFICIENTS = 9u;
@@ -64,11 +78,31 @@ const float SCALE[COEFFICIENTS] =
     float[](4.0 * PI * 0.282095, 8.0 * PI / 3.0 * 0.488603, 8.0 * PI / 3.0 * 0.488603, 8.0 * PI / 3.0 * 0.488603,
 	    PI * 1.092548, PI * 1.092548, PI * 0.315392, PI * 1.092548, PI * 0.546274);
 
-void receive(uvec4 row, vec3 from, uint at, uint coefficients)
+#ifdef PUNCTUAL
+// Each as a cone of no width. What faces it gets an irradiance of color times share, a share w of the sphere 4 w B.
+void add_lights(inout vec3 sum[COEFFICIENTS], uint receiver, vec3 from)
+{
+	const uint ON = GI_PUNCTUAL_THERE | GI_PUNCTUAL_ENABLED;
+	for (uint k = 0u; k < light_count; k++) {
+		uint kind = punctual_light_kind(k).x;
+		if ((kind & ON) != ON || (kind & (GI_PUNCTUAL_BY_LEAVES | GI_PUNCTUAL_BY_PIXELS)) == 0u)
+			continue;
+		vec3 place = punctual_light_place(k).xyz,
+		     to = (kind & GI_PUNCTUAL_DIRECTIONAL) != 0u ? place : place - from;
+		vec3 light = punctual_light_color(k).xyz * load_punctual_share(k * rows + receiver);
+		add(sum, 0.25 * light, to * inversesqrt(max(dot(to, to), 1e-30)), 0.0);
+	}
+}
+#endif
+
+void receive(uvec4 row, vec3 from, uint at, uint coefficients, uint receiver)
 {
 	vec3 sum[COEFFICIENTS];
 	for (uint k = 0u; k < COEFFICIENTS; k++)
 		sum[k] = vec3(0.0);
+#ifdef PUNCTUAL
+	add_lights(sum, receiver, from);
+#endif
 	for (uint k = row.x / 2u; 2u * k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++) {
 		uvec4 two = load_two_links(k);
 		if (is_specular(two)) {
@@ -84,9 +118,12 @@ void receive(uvec4 row, vec3 from, uint at, uint coefficients)
 		received[at + k] = vec4(SCALE[k] * sum[k], k == 0u ? uintBitsToFloat(row.w & ~GI_ROW_OPEN) : 0.0);
 }
 #else
-void receive(uvec4 row, uint at)
+void receive(uvec4 row, uint at, uint receiver)
 {
 	vec3 h = vec3(0.0);
+#ifdef PUNCTUAL
+	h = load_punctual_sum(GI_PUNCTUAL_PARTS * receiver + GI_PUNCTUAL_ALL).xyz;
+#endif
 	for (uint k = row.x / 2u; 2u * k < row.x + (row.y & GI_BLOCK_COUNT_MASK); k++) {
 		uvec4 two = load_two_links(k);
 		if (is_specular(two)) {
@@ -108,8 +145,8 @@ void main()
 	uvec4 mine = load_leaf(first + t), row = load_row(first + t), place = object_bvh(mine.y);
 	uint number = first + t - object_nodes(mine.y).z;
 #ifdef HARMONICS
-	receive(row, world_sphere(mine.x).xyz, place.x + place.y * number, place.y);
+	receive(row, world_sphere(mine.x).xyz, place.x + place.y * number, place.y, first + t);
 #else
-	receive(row, place.x + number);
+	receive(row, place.x + number, first + t);
 #endif
 }

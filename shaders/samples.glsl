@@ -100,12 +100,18 @@ struct sampling {
 	uint hidden_probes; // and where all are hidden
 };
 
+// An emitter, or a patch of sky with much of its light.
+bool is_bright(uint flags)
+{
+	return (flags & (GI_NODE_EMITTER | GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
+}
+
 // Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
 // tolerance. Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
 // rays to save. Black sky is not seen at all.
 sampling sampling_of(float factor, uint flags)
 {
-	bool emitter = (flags & GI_NODE_EMITTER) != 0u;
+	bool emitter = is_bright(flags);
 	bool dark_sky = (flags & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
 	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
 	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));

@@ -36,6 +36,7 @@
 #include "closest.glsl"
 #include "locate.glsl"
 #include "specular.glsl"
+#include "sky_patch.glsl"
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform float lift;
@@ -81,10 +82,11 @@ struct path_end {
 const path_end NOWHERE = path_end(0u, vec3(0.0));
 
 // What lies beyond all objects.
-path_end end_in_sky(vec3 throughput)
+path_end end_in_sky(vec3 direction, vec3 throughput)
 {
 	uint sky = frame.counts.z - 1u;
-	return (object_bvh(sky).z & GI_OBJECT_SKY) != 0u ? path_end(object_nodes(sky).x, throughput) : NOWHERE;
+	bool there = (object_bvh(sky).z & GI_OBJECT_SKY) != 0u;
+	return there ? path_end(sky_patch_towards(object_nodes(sky).x, direction), throughput) : NOWHERE;
 }
 
 // Behind the last mirror or glass, of object `last`. Photons go from an emitting object to others alone.
@@ -106,7 +108,7 @@ path_end follow(light_ray r, uvec2 ids, uint k, out uint rays)
 		nearest hit = find_nearest(r.origin, r.direction, lift);
 		rays++;
 		if (hit.object == GI_NONE) {
-			end = last == GI_NONE ? NOWHERE : end_in_sky(r.throughput);
+			end = last == GI_NONE ? NOWHERE : end_in_sky(r.direction, r.throughput);
 			break;
 		}
 		uint first = floatBitsToUint(load_primitive(hit.primitive).a.w);
@@ -134,7 +136,7 @@ void main()
 	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	pair p = load_pair(entry);
-	bool emitter = (source.w & GI_NODE_EMITTER) != 0u;
+	bool emitter = is_bright(source.w);
 	sampling rays = sampling_of(uintBitsToFloat(entry.y), source.w);
 	uint k = sample_of(sample_taken(p, entry), is_reordered(rays, emitter, p.sky)), count;
 	path_end end = follow(ray_of(p, entry, k, emitter), p.ids, k, count);

@@ -96,7 +96,7 @@ bool is_settled(findings f, sampling rays)
 // `clear`: a bit for each sample that the bodies at its ends are known not to hide.
 findings trace(pair p, sampling rays, uint clear)
 {
-	bool emitter = (p.t.range.w & GI_NODE_EMITTER) != 0u;
+	bool emitter = is_bright(p.t.range.w);
 	bool reordered = is_reordered(rays, emitter, p.sky);
 	uint candidates = candidates_of(p, emitter);
 	findings f = findings(0u, 0u, GI_BLOCKER_NONE, GI_NONE);
@@ -144,7 +144,12 @@ void main()
 	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	float factor = uintBitsToFloat(entry.y);
+#ifdef ROUND
+	// As many rays as if the source were before a normal.
+	sampling rays = sampling_of(is_round(entry.w & GI_ENTRY_LEAF_MASK) ? 4.0 * factor : factor, source.w);
+#else
 	sampling rays = sampling_of(factor, source.w);
+#endif
 	bool is_new = t < state.counts.new_entries, none = factor <= 0.0;
 	if (none || (is_new && is_behind_face(entry.w & GI_ENTRY_LEAF_MASK, source))) {
 		// However small, a bright lamp may be behind it.

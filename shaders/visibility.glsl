@@ -26,6 +26,14 @@ struct pair {
 
 // Shaders of scenes with receivers that see all round, points without a normal (receiver_sets.h), define ROUND.
 
+#ifdef ROUND
+// Rows of such a receiver's are those of a quad whose corners are one.
+bool is_round(uint leaf)
+{
+	return load_leaf_corner(leaf, 0u).xyz == load_leaf_corner(leaf, 1u).xyz;
+}
+#endif
+
 // Shaders for nodes of several objects, whose samples are each on one of them (trace.glsl), define TOPS as 1.
 #ifndef TOPS
 #define TOPS 0

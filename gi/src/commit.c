@@ -154,8 +154,7 @@ static bool much_stays(const rows_moves *m, const gi_scene *now)
 static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
 {
 	const gi_scene *now = &gi->scene;
-	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated &&
-			    (old->sky_slot == GI_NONE) == (now->sky_slot == GI_NONE);
+	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated && sky_is_same(old, now);
 	rows_moves m = {0};
 	if (usable && !follow_objects(gi, old, &m)) {
 		gi_free(m.list);
@@ -286,6 +285,7 @@ gi_result commit_objects(gi_context *gi)
 	forget_dead_objects(gi);
 	note_changes(gi);
 	receiver_sets_committed(gi, gi->rows.kept);
+	sky_take(gi);
 	gi->scene.regroup = false;
 	gi->scene.ever_committed = true;
 	return GI_OK;

@@ -18,6 +18,7 @@
 #include "rows.h"
 #include "scene.h"
 #include "shade.h"
+#include "sky.h"
 #include "solver.h"
 #include "specular.h"
 #include "specular_rows.h"
@@ -35,6 +36,7 @@ struct gi_context {
 	gi_arena grouping;     /* the tree of static objects */
 	gi_arena undo;         /* what a commit needs to undo itself where it fails */
 	gi_arena tree_arena;   /* scratch of every frame: building the trees over the objects */
+	gi_sky_state sky;
 	gi_lamps lamps;
 	gi_receiver_sets receivers;
 	gi_receive *receive; /* made by the first update of a scene with receivers */

@@ -233,6 +233,8 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 	}
 	if (!result && anew)
 		result = light_beside_rows(gi, budget);
+	else if (!result && c.receivers)
+		result = punctual_update(gi);
 	if (result)
 		return result;
 	if (c.rows || c.receivers)
@@ -302,8 +304,8 @@ static void note_issued(gi_context *gi, double began)
 	}
 }
 
-/* A static object moved, or is not seen any more: the update begins with a commit. What that takes is time of the
- * budget, `left` is what is left of it. */
+/* A static object moved or is not seen any more, or the sky has other patches: the update begins with a commit. What
+ * that takes is time of the budget, `left` is what is left of it. */
 static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_budget *left)
 {
 	float *commit_ms = &gi->issued[gi->frame_number % GPU_READBACK_RING].commit_ms;
@@ -311,7 +313,9 @@ static gi_result take_regrouped_in(gi_context *gi, const gi_budget **budget, gi_
 	if (!gi->scene.regroup)
 		return GI_OK;
 	const double began = gi_clock_ms();
+	gi->frame_number--; /* the commit comes before this update, whose report is of what it committed */
 	const gi_result result = commit_objects(gi);
+	gi->frame_number++;
 	*commit_ms = (float)(gi_clock_ms() - began);
 	if (*budget) {
 		*left = budget_less(*budget, *commit_ms);

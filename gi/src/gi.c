@@ -8,6 +8,7 @@
 #include "programs.h"
 #include "receive.h"
 #include "sky.h"
+#include "sky_image.h"
 #include "specular.h"
 #include "statics.h"
 
@@ -229,6 +230,7 @@ void gi_context_destroy(gi_context *gi)
 	budget_free(gi);
 	solver_release(gi, &gi->solver);
 	programs_free(gi);
+	sky_free(gi);
 	gpu_readback_free(&gi->gpu, &gi->readback);
 	gpu_buffer_free(&gi->gpu, &gi->state);
 	gpu_spares_free(&gi->gpu);
@@ -273,9 +275,51 @@ gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3])
 	const bool seen = gi->scene.slot_count && gi->scene.sky_slot != GI_NONE;
 	const bool changed = memcmp(def.sky_exitance, gi->def.sky_exitance, sizeof def.sky_exitance) != 0;
 	gi->light_changed = gi->light_changed || (seen && changed);
-	gi->rows.rebuild = gi->rows.rebuild || (seen && sky_is_lit(&def) != sky_is_lit(&gi->def));
+	gi->rows.rebuild = gi->rows.rebuild || (seen && sky_is_lit(gi, &def) != sky_is_lit(gi, &gi->def));
 	gi->def = def;
 	return GI_OK;
+}
+
+static gi_result check_sky_image(const gi_log *log, const float *radiance, uint32_t width, uint32_t height)
+{
+	if (width < 1 || width > SKY_IMAGE_MOST_SIDE || height < 1 || height > SKY_IMAGE_MOST_SIDE)
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_set_sky_image: %u x %u texels: each is 1..%d", width,
+			       height, SKY_IMAGE_MOST_SIDE);
+	for (size_t k = 0; k < 3 * (size_t)width * height; k++)
+		if (!(radiance[k] >= 0.0f && radiance[k] <= SKY_IMAGE_MOST_RADIANCE))
+			return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+				       "gi_set_sky_image: radiance is outside [0, 3e11] W/m2/sr");
+	return GI_OK;
+}
+
+/* False where it is none. */
+static bool read_rotation(const float rotation[4], double out[4])
+{
+	static const float identity[4] = {0, 0, 0, 1};
+	const float *q = rotation ? rotation : identity;
+	const double length =
+	    sqrt((double)q[0] * q[0] + (double)q[1] * q[1] + (double)q[2] * q[2] + (double)q[3] * q[3]);
+	for (int k = 0; k < 4; k++)
+		out[k] = q[k] / length;
+	return length > 0 && isfinite(length);
+}
+
+gi_result gi_set_sky_image(gi_context *gi, const float *radiance, uint32_t width, uint32_t height,
+			   const float rotation[4])
+{
+	double turned[4];
+	if (!gi)
+		return gi_fail_null(gi, "");
+	if (radiance && check_sky_image(&gi->gpu.log, radiance, width, height))
+		return GI_ERROR_INVALID_ARGUMENT;
+	if (!read_rotation(rotation, turned))
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_set_sky_image: rotation is no quaternion");
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	sky_image *image = radiance ? sky_image_make(radiance, width, height, turned) : NULL;
+	const gi_result result = radiance && !image ? gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory")
+						    : sky_set_image(gi, image);
+	gi_memory_from(before);
+	return result;
 }
 
 gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,

@@ -22,10 +22,13 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 
 enum { MOST_PATHS = 1 << 24 };
 
+enum { WITH_SPECULAR = 1, WITH_SKY_IMAGE = 2, WITH_LIGHTS = 4, PATH_PROGRAMS = 8 };
+enum { LIGHT_COUNT = 9, SKY_ROWS = 10 }; /* uniforms */
+
 struct gi_paths {
-	/* Without and with mirrors and glass, each without and with lights that have no surface; those that were
-	 * wanted */
-	uint32_t programs[2][2];
+	/* Without mirrors and glass, and with; likewise below a picture of the sky, and with lights that have no
+	 * surface: of the eight those that were wanted */
+	uint32_t programs[PATH_PROGRAMS];
 	PATH_BUFFERS(BUFFER_MEMBER)
 };
 
@@ -105,34 +108,33 @@ void paths_free(gi_context *gi)
 	gi_paths *owner = gi->paths;
 	if (!owner)
 		return;
-	for (int k = 0; k < 4; k++)
-		gpu_program_free(&gi->gpu, &owner->programs[k / 2][k % 2]);
+	for (int k = 0; k < PATH_PROGRAMS; k++)
+		gpu_program_free(&gi->gpu, &owner->programs[k]);
 	PATH_BUFFERS(BUFFER_FREE)
 	gi_free(owner);
 	gi->paths = NULL;
 }
 
-static uint32_t *program_place(const gi_context *gi, const char **file)
+static int which_program(const gi_context *gi)
 {
-	static const char *const files[2][2] = {{"paths.comp", "paths_punctual.comp"},
-						{"paths_specular.comp", "paths_specular_punctual.comp"}};
 	uint32_t lights;
-	const bool specular = specular_is_ready(gi), punctual = punctual_lights(gi, &lights);
-	*file = files[specular][punctual];
-	return &gi->paths->programs[specular][punctual];
+	return (specular_is_ready(gi) ? WITH_SPECULAR : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0) |
+	       (punctual_lights(gi, &lights) ? WITH_LIGHTS : 0);
 }
 
 static uint32_t program_of(const gi_context *gi)
 {
-	const char *file;
-	return *program_place(gi, &file);
+	return gi->paths->programs[which_program(gi)];
 }
 
 static gi_result make_program(gi_context *gi)
 {
-	gpu_program_file wanted;
-	wanted.program = program_place(gi, &wanted.file);
-	return *wanted.program ? GI_OK : gpu_programs_compute(&gi->gpu, &wanted, 1);
+	static const char *const files[PATH_PROGRAMS] = {
+	    "paths.comp",          "paths_specular.comp",          "paths_sky.comp",          "paths_sky_specular.comp",
+	    "paths_punctual.comp", "paths_specular_punctual.comp", "paths_sky_punctual.comp", "paths_sky_specular_punctual.comp"};
+	const int which = which_program(gi);
+	const gpu_program_file file = {files[which], &gi->paths->programs[which]};
+	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, &file, 1);
 }
 
 /* ---- emitters ---- */
@@ -189,8 +191,10 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	const gpu_buffer *punctual = punctual_lights(gi, &lights);
 	if (punctual) {
 		gpu_bind(&gi->gpu, GI_BIND_PUNCTUAL_LIGHTS, punctual);
-		gpu_set_uint(&gi->gpu, program, 9, lights);
+		gpu_set_uint(&gi->gpu, program, LIGHT_COUNT, lights);
 	}
+	if (sky_shows_image(gi))
+		sky_bind(gi, program, SKY_ROWS);
 	gpu_set_uint(&gi->gpu, program, 5, seed);
 	gpu_set_uint(&gi->gpu, program, 6, s->light_count);
 	gpu_set_floats(&gi->gpu, program, 7, 4, 1, s->sky_and_lift);
@@ -294,6 +298,8 @@ gi_result gi_trace_paths(gi_context *gi, const gi_path_options *options, float *
 	gi_result result = make_paths(gi);
 	if (!result)
 		result = make_program(gi);
+	if (!result && sky_shows_image(gi))
+		result = sky_upload_texels(gi);
 	if (!result)
 		result = trace_all(gi, capacity < leaves ? capacity : leaves, &o, irradiance);
 	gi_memory_from(before);

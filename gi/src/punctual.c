@@ -3,19 +3,22 @@
 #include "binding.h"
 #include "context.h"
 #include "host_memory.h"
+#include "shade_shared.h"
 #include "vec3d.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Uniforms of punctual_trace.comp; the first is punctual_sum.comp's too. */
-enum { LIGHT_COUNT = 0, SEEN = 1, ALL = 2 };
+_Static_assert(GI_MOST_PIXEL_LIGHTS == GI_PIXEL_LIGHTS, "gi.h says how many");
+
+/* Uniforms of punctual_trace.comp; the first and the last are punctual_sum.comp's too. */
+enum { LIGHT_COUNT = 0, SEEN = 1, ALL = 2, ROWS = 3 };
 
 struct gi_punctual {
-	bool built;        /* shares are of the committed scene */
-	uint32_t seen;     /* update of the rows up to which they know what moved */
-	uint32_t capacity; /* lights that the buffers have room for, a power of two */
-	uint32_t leaf_count;
+	bool built;         /* shares are of the committed scene */
+	uint32_t seen;      /* update of the rows up to which they know what moved */
+	uint32_t capacity;  /* lights that the buffers have room for, a power of two */
+	uint32_t row_count; /* leaves and receivers */
 	uint32_t trace_program, sum_program, emitted_program, specular_program;
 	gi_punctual_light data[GI_MOST_LIGHTS];
 	PUNCTUAL_BUFFERS(BUFFER_MEMBER)
@@ -63,6 +66,13 @@ void punctual_free(gi_context *gi)
 	gi->punctual = NULL;
 }
 
+/* Not those of a commit since: maps are of the scene as it is. */
+const gi_punctual_light *punctual_light_data(const gi_context *gi, uint32_t *count)
+{
+	*count = gi->punctual && gi->punctual->built ? gi->light_list.count : 0;
+	return *count ? gi->punctual->data : NULL;
+}
+
 void punctual_invalidate(gi_context *gi)
 {
 	if (gi->punctual)
@@ -71,22 +81,22 @@ void punctual_invalidate(gi_context *gi)
 
 /* ---- buffers ---- */
 
-static gi_result allocate_leaves(gi_context *gi)
+static gi_result allocate_rows(gi_context *gi)
 {
 	gi_punctual *p = gi->punctual;
-	const uint64_t leaves = gi->scene.leaf_count, vec = sizeof(gi_vec4);
-	if (p->leaf_count == leaves && p->sums.name)
+	const uint64_t rows = scene_row_count(&gi->scene), leaves = gi->scene.leaf_count, vec = sizeof(gi_vec4);
+	if (p->row_count == rows && p->sums.name && p->linked.size == vec * GI_LINKED_PARTS * leaves)
 		return GI_OK;
 	p->built = false;
-	p->capacity = 0; /* shares are of other leaves */
-	p->leaf_count = 0;
-	gi_result result = gpu_buffer_allocate(&gi->gpu, &p->sums, buffer_labels.PUNCTUAL_SUMS,
-					       vec * GI_PUNCTUAL_PARTS * leaves, NULL);
+	p->capacity = 0; /* shares are of others */
+	p->row_count = 0;
+	gi_result result =
+	    gpu_buffer_allocate(&gi->gpu, &p->sums, buffer_labels.PUNCTUAL_SUMS, vec * GI_PUNCTUAL_PARTS * rows, NULL);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &p->linked, buffer_labels.LINKED_LIGHT,
 					     vec * GI_LINKED_PARTS * leaves, NULL);
 	if (!result)
-		p->leaf_count = (uint32_t)leaves;
+		p->row_count = (uint32_t)rows;
 	return result;
 }
 
@@ -100,10 +110,10 @@ static gi_result allocate_lights(gi_context *gi)
 	uint32_t capacity = p->capacity ? p->capacity : 1;
 	while (capacity < count)
 		capacity *= 2;
-	const uint64_t bytes = sizeof(float) * (uint64_t)p->leaf_count * capacity;
+	const uint64_t bytes = sizeof(float) * (uint64_t)p->row_count * capacity;
 	if (bytes > gpu_buffer_limit(&gi->gpu, bytes))
-		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u lights times %u leaves are too many pairs",
-			       count, p->leaf_count);
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
+			       "%u lights times %u leaves and receivers are too many pairs", count, p->row_count);
 	gpu_buffer shares = {0};
 	gi_result result = gpu_buffer_allocate(&gi->gpu, &shares, buffer_labels.PUNCTUAL_SHARES, bytes, NULL);
 	if (!result)
@@ -114,7 +124,7 @@ static gi_result allocate_lights(gi_context *gi)
 		return result;
 	}
 	if (p->capacity)
-		gpu_buffer_copy(&gi->gpu, &p->shares, 0, &shares, 0, sizeof(float) * p->leaf_count * p->capacity);
+		gpu_buffer_copy(&gi->gpu, &p->shares, 0, &shares, 0, sizeof(float) * p->row_count * p->capacity);
 	gpu_buffer_free(&gi->gpu, &p->shares);
 	p->shares = shares;
 	p->capacity = capacity;
@@ -161,8 +171,18 @@ static gi_punctual_light data_of(const light_record *light, uint32_t place)
 	p.kind.x |= d->enabled ? GI_PUNCTUAL_ENABLED : 0;
 	p.kind.x |= directional ? GI_PUNCTUAL_DIRECTIONAL : 0;
 	p.kind.x |= light->moved ? GI_PUNCTUAL_MOVED : 0;
-	p.kind.x |= d->shown == GI_LIGHT_BY_LEAVES ? GI_PUNCTUAL_BY_LEAVES : 0;
 	return p;
+}
+
+/* Pictures have so many pixel by pixel at most; the others through the leaves. */
+static uint32_t how_shown(const light_record *light, uint32_t *drawn)
+{
+	if (!light_is_there(light) || light->def.shown == GI_LIGHT_BY_HOST)
+		return 0;
+	if (light->def.shown == GI_LIGHT_BY_LEAVES || *drawn == GI_PIXEL_LIGHTS)
+		return GI_PUNCTUAL_BY_LEAVES;
+	++*drawn;
+	return GI_PUNCTUAL_BY_PIXELS;
 }
 
 /* Is there anything to trace for certain, whatever moved? */
@@ -170,9 +190,11 @@ static bool upload_lights(gi_context *gi)
 {
 	gi_punctual *p = gi->punctual;
 	const gi_light_list *l = &gi->light_list;
+	uint32_t drawn = 0;
 	bool any = false;
 	for (uint32_t k = 0; k < l->count; k++) {
-		const gi_punctual_light now = data_of(&l->list[k], k);
+		gi_punctual_light now = data_of(&l->list[k], k);
+		now.kind.x |= how_shown(&l->list[k], &drawn);
 		/* What was switched off may have missed something. */
 		any = any || l->list[k].moved || (now.kind.x & ~p->data[k].kind.x & GI_PUNCTUAL_ENABLED);
 		p->data[k] = now;
@@ -183,9 +205,10 @@ static bool upload_lights(gi_context *gi)
 
 /* ---- an update ---- */
 
-static bool anything_moved(const gi_scene *s)
+static bool anything_moved(gi_context *gi)
 {
-	bool moved = false;
+	const gi_scene *s = &gi->scene;
+	bool moved = receiver_sets_changed(gi);
 	for (uint32_t slot = 0; slot < s->slot_count && !moved; slot++) {
 		const object_record *o = scene_object_in(s, slot);
 		moved = o && o->moved;
@@ -200,14 +223,15 @@ static void trace(gi_context *gi, bool all)
 	gpu_set_uint(&gi->gpu, program, LIGHT_COUNT, count);
 	gpu_set_uint(&gi->gpu, program, SEEN, p->seen);
 	gpu_set_uint(&gi->gpu, program, ALL, all);
-	gpu_dispatch(&gi->gpu, program, (uint64_t)count * p->leaf_count);
+	gpu_set_uint(&gi->gpu, program, ROWS, p->row_count);
+	gpu_dispatch(&gi->gpu, program, (uint64_t)count * p->row_count);
 }
 
 static void light_leaves(gi_context *gi)
 {
 	gi_punctual *p = gi->punctual;
 	const gi_punctual *owner = p;
-	const bool moved = anything_moved(&gi->scene) || gi->rows.lost_update > p->seen;
+	const bool moved = anything_moved(gi) || gi->rows.lost_update > p->seen;
 	/* Rows that are built anew ask nobody what moved (rows.c). */
 	const bool all = !p->built || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
 	const bool any = upload_lights(gi);
@@ -219,7 +243,8 @@ static void light_leaves(gi_context *gi)
 	if (all || any || moved)
 		trace(gi, all);
 	gpu_set_uint(&gi->gpu, p->sum_program, LIGHT_COUNT, gi->light_list.count);
-	gpu_dispatch(&gi->gpu, p->sum_program, p->leaf_count);
+	gpu_set_uint(&gi->gpu, p->sum_program, ROWS, p->row_count);
+	gpu_dispatch(&gi->gpu, p->sum_program, p->row_count);
 	bind_rows(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_LIGHTS]);
 	p->seen = gi->rows.update;
@@ -234,7 +259,7 @@ gi_result punctual_update(gi_context *gi)
 	}
 	gi_result result = make(gi);
 	if (!result)
-		result = allocate_leaves(gi);
+		result = allocate_rows(gi);
 	if (!result)
 		result = allocate_lights(gi);
 	if (result)
@@ -253,6 +278,15 @@ uint32_t punctual_emitted_program(const gi_context *gi)
 	gpu_bind(&gi->gpu, GI_BIND_PUNCTUAL_SUMS, &owner->sums);
 	gpu_bind(&gi->gpu, GI_BIND_LINKED_LIGHT, &owner->linked);
 	return gi->specular_rows ? owner->specular_program : owner->emitted_program;
+}
+
+uint32_t punctual_bind(const gi_context *gi)
+{
+	const gi_punctual *owner = gi->punctual;
+	if (!owner || !owner->built)
+		return 0;
+	PUNCTUAL_BUFFERS(BUFFER_BIND)
+	return gi->light_list.count;
 }
 
 const gpu_buffer *punctual_sums(const gi_context *gi)

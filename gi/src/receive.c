@@ -4,7 +4,10 @@
 #include "context.h"
 #include "host_memory.h"
 
-enum { FIRST = 0, COUNT = 1 };
+enum { FIRST = 0, COUNT = 1, LIGHT_COUNT = 2, ROWS = 3 };
+
+static const char *const FILES[RECEIVE_KINDS] = {"receive.comp", "receive_harmonics.comp", "receive_punctual.comp",
+						 "receive_harmonics_punctual.comp"};
 
 /* Points with normals, which come first in the scene. */
 static uint32_t count_facing(const gi_context *gi)
@@ -17,20 +20,28 @@ static uint32_t count_facing(const gi_context *gi)
 	return count;
 }
 
+static gi_result want_kind(gi_context *gi, receive_kind facing_or_round)
+{
+	const bool lit = light_list_alive(&gi->light_list);
+	const receive_kind kind = facing_or_round + (lit ? RECEIVE_FACING_LIT : 0);
+	uint32_t *program = &gi->receive->programs[kind];
+	return *program ? GI_OK : gpu_programs_compute(&gi->gpu, &(gpu_program_file){FILES[kind], program}, 1);
+}
+
 static gi_result make_programs(gi_context *gi)
 {
 	gi_receive *r = gi->receive;
 	const uint32_t facing = count_facing(gi);
-	const gpu_program_file along_normals = {"receive.comp", &r->program},
-			       all_round[] = {{"receive_harmonics.comp", &r->harmonics_program},
-					      {"factor_round.comp", &r->factor_program},
+	const gpu_program_file all_round[] = {{"factor_round.comp", &r->factor_program},
 					      {"trace_round.comp", &r->trace_program}},
 			       tops = {"trace_tops_round.comp", &r->tops_program};
 	gi_result result = GI_OK;
 	r->round = facing < gi->scene.receiver_count;
-	if (facing && !r->program)
-		result = gpu_programs_compute(&gi->gpu, &along_normals, 1);
-	if (!result && r->round && !r->harmonics_program)
+	if (facing)
+		result = want_kind(gi, RECEIVE_FACING);
+	if (!result && r->round)
+		result = want_kind(gi, RECEIVE_ROUND);
+	if (!result && r->round && !r->trace_program)
 		result = gpu_programs_compute(&gi->gpu, all_round, sizeof all_round / sizeof *all_round);
 	if (!result && r->round && gi->scene.statics_slot != GI_NONE && !r->tops_program)
 		result = gpu_programs_compute(&gi->gpu, &tops, 1);
@@ -67,10 +78,16 @@ uint32_t receive_trace_program(const gi_context *gi, bool tops)
 	return tops ? gi->rows.tops_program : gi->rows.trace_program;
 }
 
-static void run(gi_context *gi, uint32_t program, uint32_t first, uint32_t count)
+static void run(gi_context *gi, receive_kind facing_or_round, uint32_t first, uint32_t count)
 {
+	const uint32_t lights = punctual_bind(gi);
+	const uint32_t program = gi->receive->programs[facing_or_round + (lights ? RECEIVE_FACING_LIT : 0)];
 	if (!count)
 		return;
+	if (lights) {
+		gpu_set_uint(&gi->gpu, program, LIGHT_COUNT, lights);
+		gpu_set_uint(&gi->gpu, program, ROWS, scene_row_count(&gi->scene));
+	}
 	gpu_set_uint(&gi->gpu, program, FIRST, gi->scene.leaf_count + first);
 	gpu_set_uint(&gi->gpu, program, COUNT, count);
 	gpu_dispatch(&gi->gpu, program, count);
@@ -84,8 +101,8 @@ void receive_update(gi_context *gi)
 	const uint32_t facing = count_facing(gi);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	RECEIVER_BUFFERS(BUFFER_BIND)
-	run(gi, owner->program, 0, facing);
-	run(gi, owner->harmonics_program, facing, gi->scene.receiver_count - facing);
+	run(gi, RECEIVE_FACING, 0, facing);
+	run(gi, RECEIVE_ROUND, facing, gi->scene.receiver_count - facing);
 	bind_rows(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	owner->written = true;
@@ -102,8 +119,9 @@ void receive_free(gi_context *gi)
 	gi_receive *owner = gi->receive;
 	if (!owner)
 		return;
-	uint32_t *programs[] = {&owner->program, &owner->harmonics_program, &owner->factor_program,
-				&owner->trace_program, &owner->tops_program};
+	uint32_t *programs[] = {&owner->factor_program, &owner->trace_program, &owner->tops_program};
+	for (int k = 0; k < RECEIVE_KINDS; k++)
+		gpu_program_free(&gi->gpu, &owner->programs[k]);
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		gpu_program_free(&gi->gpu, programs[k]);
 	RECEIVER_BUFFERS(BUFFER_FREE)

@@ -5,8 +5,17 @@
 #include "buffers.h"
 #include "gpu.h"
 
+/* Of receivers with normals and of those without; the same where there are lights without a surface. */
+typedef enum receive_kind {
+	RECEIVE_FACING,
+	RECEIVE_ROUND,
+	RECEIVE_FACING_LIT,
+	RECEIVE_ROUND_LIT,
+	RECEIVE_KINDS
+} receive_kind;
+
 typedef struct gi_receive {
-	uint32_t program, harmonics_program;
+	uint32_t programs[RECEIVE_KINDS];
 	bool round; /* some see all round: rows are made by programs that know such */
 	uint32_t factor_program, trace_program, tops_program;
 	RECEIVER_BUFFERS(BUFFER_MEMBER) /* of all sets, one after the other */

@@ -132,7 +132,9 @@ float receiver_point_size(const receiver_set *set, const receiver_point *point)
 static void tangents_of(gi_vec3d n, gi_vec3d *first, gi_vec3d *second)
 {
 	const double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
-	const gi_vec3d least = x <= y && x <= z ? (gi_vec3d){1, 0, 0} : y <= z ? (gi_vec3d){0, 1, 0} : (gi_vec3d){0, 0, 1};
+	const gi_vec3d least = x <= y && x <= z ? (gi_vec3d){1, 0, 0}
+			       : y <= z         ? (gi_vec3d){0, 1, 0}
+						: (gi_vec3d){0, 0, 1};
 	*first = gi_vec3d_unit(gi_vec3d_cross(least, n));
 	*second = gi_vec3d_cross(n, *first);
 }
@@ -163,9 +165,9 @@ static void shape_point(const receiver_set *set, const receiver_point *p, double
 	tangents_of(n, &right, &up);
 	const double sides[CORNERS][2] = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
 	for (int c = 0; c < CORNERS; c++)
-		corners[c] = stored(gi_vec3d_add(at, gi_vec3d_add(gi_vec3d_scale(right, sides[c][0]),
-								   gi_vec3d_scale(up, sides[c][1]))),
-				    0);
+		corners[c] = stored(
+		    gi_vec3d_add(at, gi_vec3d_add(gi_vec3d_scale(right, sides[c][0]), gi_vec3d_scale(up, sides[c][1]))),
+		    0);
 }
 
 static void bound_points(const receiver_set *set, gi_object_data *data)

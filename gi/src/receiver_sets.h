@@ -65,7 +65,7 @@ void receiver_sets_committed(gi_context *gi, bool kept); /* the scene is the new
 
 /* ---- what moves ---- */
 
-bool receiver_sets_changed(gi_context *gi); /* with the objects that they are fixed to, too */
+bool receiver_sets_changed(gi_context *gi);     /* with the objects that they are fixed to, too */
 gi_result receiver_sets_upload(gi_context *gi); /* what changed */
 void receiver_sets_number(gi_context *gi, uint32_t update);
 void receiver_sets_done(gi_context *gi);

@@ -13,7 +13,7 @@ static const uint32_t MOST_POINTS = GI_ENTRY_LEAF_MASK;
 
 gi_receivers_def gi_receivers_def_default(void)
 {
-	return (gi_receivers_def){.pose = gi_pose_identity(), .internal = RECEIVERS_COOKIE};
+	return (gi_receivers_def){.pose.rotation = {0, 0, 0, 1}, .internal = RECEIVERS_COOKIE};
 }
 
 static gi_result stale(const gi_context *gi, const char *function)
@@ -31,13 +31,14 @@ static gi_result check_def(const gi_context *gi, const gi_receivers_def *def)
 {
 	const gi_log *log = &gi->gpu.log;
 	if (!def->positions || def->count < 1 || def->count > MOST_POINTS)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "receivers: positions and a count from 1 to %u are needed",
-			       MOST_POINTS);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "receivers: positions and a count from 1 to %u are needed", MOST_POINTS);
 	if (def->harmonics > 2 || (!def->normals && !def->harmonics))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "receivers: harmonics %u is outside 0..2, or 0 without normals", def->harmonics);
 	if (!(def->size >= 0) || !is_length(def->size) || !is_length(def->offset))
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "receivers: size is below 0, or it or offset beyond 1e9 m");
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "receivers: size is below 0, or it or offset beyond 1e9 m");
 	return GI_OK;
 }
 
@@ -70,7 +71,8 @@ static bool set_points(const gi_context *gi, receiver_point *points, uint32_t co
 	for (uint32_t k = 0; k < count; k++)
 		if (!set_point(&points[k], positions, normals, k)) {
 			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-				"receivers: point %u is beyond 1e9 m of the origin, or its normal is 0 or not finite", k);
+				"receivers: point %u is beyond 1e9 m of the origin, or its normal is 0 or not finite",
+				k);
 			return false;
 		}
 	return true;

@@ -7,10 +7,12 @@
 #include "view.h"
 
 /* Uniforms. */
-enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5 };
+enum { EYE = 0, WAY = 1, MODE = 2, LIFT = 3, SKY = 4, FARTHEST = 5, SKY_ROWS = 6 };
 enum { CORNER = 0, LIT = 1 };
 
-static const char *const TRACES[2] = {"mirror.frag", "mirror_translucent.frag"};
+enum { WITH_TRANSLUCENT = 1, WITH_SKY_IMAGE = 2, TRACE_PROGRAMS = 4 };
+static const char *const TRACES[TRACE_PROGRAMS] = {"mirror.frag", "mirror_translucent.frag", "mirror_sky.frag",
+						   "mirror_sky_translucent.frag"};
 
 /* specular.glsl */
 static const uint32_t WAYS[GI_LAYER_COUNT] = {1, 2};
@@ -64,9 +66,9 @@ static void find_parts(const gi_context *gi, gi_reflections *r, const gi_view *v
 	}
 }
 
-static uint32_t is_translucent(const gi_context *gi)
+static int which_trace(const gi_context *gi)
 {
-	return gi->scene.translucent_leaves > 0;
+	return (gi->scene.translucent_leaves > 0 ? WITH_TRANSLUCENT : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0);
 }
 
 /* What draws photons, where there are any. */
@@ -87,8 +89,10 @@ static gi_result prepare_splats(gi_context *gi, gi_reflections *r)
 gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
 {
 	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
-	const uint32_t which = is_translucent(gi);
+	const int which = which_trace(gi);
 	gi_result result = gpu_program_want(&gi->gpu, "screen.vert", TRACES[which], &r->trace_program[which]);
+	if (!result && sky_shows_image(gi))
+		result = sky_upload_texels(gi);
 	if (!result)
 		result = gpu_program_want(&gi->gpu, "screen.vert", "mirror_add.frag", &r->add_program);
 	if (!result)
@@ -105,7 +109,7 @@ void reflections_trace(gi_context *gi, gi_reflections *r, const screen_rect *rec
 		       const gpu_mesh *screen)
 {
 	const gpu *g = &gi->gpu;
-	const uint32_t program = r->trace_program[is_translucent(gi)];
+	const uint32_t program = r->trace_program[which_trace(gi)];
 	const float lift = scene_ray_lift(&gi->scene), farthest = view_farthest(view);
 	float eye[4], sky[4] = {0};
 	scene_sky_exitance(&gi->scene, sky);
@@ -118,7 +122,10 @@ void reflections_trace(gi_context *gi, gi_reflections *r, const screen_rect *rec
 	gpu_set_uint(g, program, WAY, WAYS[layer]);
 	gpu_set_uint(g, program, MODE, (uint32_t)view->mode);
 	gpu_set_floats(g, program, LIFT, 1, 1, &lift);
-	gpu_set_floats(g, program, SKY, 4, 1, sky);
+	if (sky_shows_image(gi))
+		sky_bind(gi, program, SKY_ROWS);
+	else
+		gpu_set_floats(g, program, SKY, 4, 1, sky);
 	gpu_set_floats(g, program, FARTHEST, 1, 1, &farthest);
 	gpu_draw_to_target(g, &r->layer, view_convention(view));
 	gpu_draw_scissor(g, rect->lower, rect->upper);
@@ -160,7 +167,7 @@ bool reflections_splat(gi_context *gi, gi_reflections *r, const float clip_from_
 
 void reflections_free(gi_context *gi, gi_reflections *r)
 {
-	for (int k = 0; k < 2; k++)
+	for (int k = 0; k < TRACE_PROGRAMS; k++)
 		gpu_program_free(&gi->gpu, &r->trace_program[k]);
 	gpu_program_free(&gi->gpu, &r->add_program);
 	gpu_program_free(&gi->gpu, &r->splat_program);

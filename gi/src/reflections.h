@@ -17,7 +17,7 @@ typedef struct reflections_part {
 enum { REFLECTIONS_PARTS = 8 };
 
 typedef struct gi_reflections {
-	uint32_t trace_program[2]; /* without and with translucent objects */
+	uint32_t trace_program[4]; /* without and with translucent objects; likewise below a picture of the sky */
 	uint32_t add_program, splat_program;
 	gpu_target layer; /* of the last view's size */
 	gpu_mesh square;

@@ -48,11 +48,11 @@ gi_result rows_allocate(gi_context *gi);
 /* Where the objects of the scene before the commit are now, slot by slot. */
 typedef struct rows_moves {
 	gi_move *list;
-	uint32_t count, first_source;   /* slots before */
-	uint32_t place_count;           /* and with sets of receivers behind them, for which the list goes on */
-	uint32_t row_count;             /* leaves and receivers before */
-	uint32_t *nodes, node_count;              /* where each node is now */
-	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
+	uint32_t count, first_source; /* slots before */
+	uint32_t place_count;         /* and with sets of receivers behind them, for which the list goes on */
+	uint32_t row_count;           /* leaves and receivers before */
+	uint32_t *nodes, node_count;  /* where each node is now */
+	uint32_t statics_slot;        /* before; GI_NONE: there was none, or its nodes are what they were */
 } rows_moves;
 /* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what
  * stays are kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */

@@ -389,7 +389,8 @@ static const float BRIGHTEST = 3e38f;
 /* The sky has rho 0: its E / (1 - rho) is E. */
 static gi_vec4 ceiling_of(const gi_context *gi)
 {
-	const float *sky = gi->def.sky_exitance;
+	float sky[3];
+	sky_brightest(gi, sky);
 	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
 	/* How much lights bring to a leaf the GPU alone knows: it bounds what is first reflected (emitted.glsl). */
 	if (light_list_shines(&gi->light_list))
@@ -413,7 +414,7 @@ void rows_plan_upload_frame(gi_context *gi, const rows_plan *p, const gi_budget 
 {
 	const gi_scene *s = &gi->scene;
 	const gi_context_def *def = &gi->def;
-	const bool lit = sky_is_lit(def);
+	const bool lit = sky_is_lit(gi, def);
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},

@@ -48,9 +48,9 @@ typedef struct gi_scene {
 	bool regroup;            /* a static object moved or was hidden: the next update begins with a commit */
 	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
 	uint32_t translucent_leaves;
-	receiver_place *sets; /* those with normals first */
+	receiver_place *sets;                            /* those with normals first */
 	uint32_t set_count, receiver_count, light_words; /* light_words: vec4 that their light takes */
-	float mean_area; /* of leaves, m2; 0 without receivers */
+	float mean_area;                                 /* of leaves, m2; 0 without receivers */
 
 	gi_arena arrays;             /* all of these, slots and tops: */
 	gi_object_data *object_data; /* of slots, then of sets of receivers */
@@ -75,9 +75,9 @@ bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
 void scene_sky_exitance(const gi_scene *scene, float out[3]);
 float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 uint32_t scene_source_count(const gi_scene *scene);
-uint32_t scene_row_count(const gi_scene *scene);  /* leaves and receivers */
+uint32_t scene_row_count(const gi_scene *scene);    /* leaves and receivers */
 uint32_t scene_vertex_count(const gi_scene *scene); /* receivers' too, GI_RECEIVER_CORNERS each */
-uint32_t scene_place_count(const gi_scene *scene); /* slots and sets of receivers */
+uint32_t scene_place_count(const gi_scene *scene);  /* slots and sets of receivers */
 /* Does what has this place have rows: neither the sky nor static objects as one. */
 bool scene_has_rows(const gi_scene *scene, uint32_t place);
 void scene_place_sky(gi_object_data *data);

@@ -267,10 +267,8 @@ static void gather_sky(const gi_context *gi, gathered *g, uint32_t slot, uint32_
 	data->extra = (gi_uvec4){0, vertex, vertex + g->sky.vertex_count, 0};
 	data->ids = (gi_uvec4){0, FIRST_SKY_ID - node, 0, 0};
 	scene_place_sky(data);
-	for (uint32_t k = 0; k < g->sky.node_count; k++) {
-		const float *e = gi->def.sky_exitance;
-		n->node_exitance[node + k] = (gi_vec4){e[0], e[1], e[2], 0};
-	}
+	for (uint32_t k = 0; k < g->sky.node_count; k++)
+		n->node_exitance[node + k] = sky_exitance(gi, k);
 }
 
 static void gather_receivers(const gi_context *gi, gathered *g, uint32_t material)
@@ -490,7 +488,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 				object_leave_trail(&s->objects[k]);
 			object_place(&s->objects[k], &scratch);
 		}
-	if ((wants_sky(gi) && !sky_build(&g->sky)) || !order_objects(s, before->scene, &gi->grouping, g))
+	if ((wants_sky(gi) && !sky_build(gi->sky.image, &g->sky)) || !order_objects(s, before->scene, &gi->grouping, g))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	count_all(gi, g);
 	if (check_sizes(gi, g))

@@ -17,6 +17,7 @@
 #include "context.h"
 #include "host_memory.h"
 #include "overlay.h"
+#include "punctual_shadow.h"
 #include "reflections.h"
 #include "shadow.h"
 #include "specular.h"
@@ -50,6 +51,7 @@ typedef enum program {
 	PROGRAM_LAST,
 	PROGRAM_LAST_SHADOWS,
 	PROGRAM_SURFACE_LAST, /* no lamp at all */
+	PROGRAM_PUNCTUAL,     /* a light without a surface */
 	PROGRAM_COUNT
 } program;
 static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_none.frag"},
@@ -59,7 +61,8 @@ static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_
 							    {"screen.vert", "light_more_shadows.frag"},
 							    {"screen.vert", "light_last.frag"},
 							    {"screen.vert", "light_last_shadows.frag"},
-							    {"screen.vert", "surface_last.frag"}};
+							    {"screen.vert", "surface_last.frag"},
+							    {"screen.vert", "light_punctual.frag"}};
 
 struct gi_shade {
 	bool built;                       /* for the scene as committed */
@@ -68,6 +71,7 @@ struct gi_shade {
 	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
+	gi_punctual_shadow punctual;
 	gi_overlays overlays;
 	gi_reflections reflections;
 };
@@ -197,6 +201,7 @@ void shade_invalidate(gi_context *gi)
 		return;
 	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
 	shadow_invalidate(gi, &gi->shade->shadow);
+	punctual_shadow_invalidate(&gi->shade->punctual);
 	overlay_invalidate(gi, &gi->shade->overlays);
 	gi->shade->built = false;
 }
@@ -207,6 +212,7 @@ void shade_free(gi_context *gi)
 		return;
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
+	punctual_shadow_free(gi, &gi->shade->punctual);
 	overlay_free(gi, &gi->shade->overlays);
 	reflections_free(gi, &gi->shade->reflections);
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
@@ -255,7 +261,7 @@ static void draw_rect(const gi_context *gi, program which, float farthest, const
 	const uint32_t program = shade->programs[which];
 	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
 	gpu_set_corner(&gi->gpu, program, 0, corner);
-	if (which >= PROGRAM_LAST) {
+	if (which >= PROGRAM_LAST && which <= PROGRAM_SURFACE_LAST) {
 		gpu_set_uint(&gi->gpu, program, 1, !shade->others);
 		gpu_set_floats(&gi->gpu, program, 2, 1, 1, &farthest);
 	}
@@ -297,27 +303,44 @@ static void bind_surfaces(gi_context *gi, const gpu_target *surfaces)
 	gpu_bind_texture(&gi->gpu, GI_UNIT_MASKS, shade->shadow.mask_words.texture);
 }
 
-/* All lamps but the last, and caustics, into a picture of their own. */
-static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, const float clip_from_world[16])
+/* Lights without a surface, added to what is drawn into. Leaves the lamps' maps bound. */
+static void add_lights(gi_context *gi, uint32_t lights, const gi_view *view, screen_rect r)
+{
+	static const int corner[2] = {0, 0};
+	const gi_shade *shade = gi->shade;
+	for (uint32_t k = 0; k < lights; k++) {
+		punctual_shadow_bind(gi, &shade->punctual, k);
+		draw_rect(gi, PROGRAM_PUNCTUAL, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
+			  r.upper[1]);
+	}
+	if (lights)
+		gpu_depth_maps_bind(&gi->gpu, &shade->shadow.maps, GI_UNIT_MAPS);
+}
+
+/* All lamps but the last, lights without a surface and caustics, into a picture of their own. */
+static void add_others(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view,
+		       const float clip_from_world[16])
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
 	const bool caustics = specular_is_ready(gi) && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
-	shade->others = lamps > 1;
-	if (lamps <= 1 && !caustics)
+	shade->others = lamps > 1 || lights;
+	if (lamps <= 1 && !lights && !caustics)
 		return;
 	gpu_target_clear(&gi->gpu, &shade->so_far);
 	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
 	gpu_draw_added(&gi->gpu, true);
 	for (uint32_t k = 0; k + 1 < lamps; k++)
 		draw_lamp(gi, PROGRAM_MORE, k, view, corner);
+	add_lights(gi, lights, view, (screen_rect){{0, 0}, {(int)view->width, (int)view->height}});
+	gpu_draw_unscissored(&gi->gpu);
 	if (caustics)
 		shade->others = reflections_splat(gi, &shade->reflections, clip_from_world) || shade->others;
 	gpu_draw_added(&gi->gpu, false);
 }
 
 /* Of a layer, whose surfaces may be hidden anywhere. */
-static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, const gi_view *view)
+static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, uint32_t lights, const gi_view *view)
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
@@ -330,12 +353,13 @@ static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, co
 		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r->lower[0], r->lower[1], r->upper[0],
 			  r->upper[1]);
 	}
+	add_lights(gi, lights, view, *r);
 	gpu_draw_unscissored(&gi->gpu);
 	gpu_draw_added(&gi->gpu, false);
 }
 
-static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, const gi_view *view,
-		      const gpu_draw_state *state, const int corner[2])
+static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, uint32_t lights,
+		      const gi_view *view, const gpu_draw_state *state, const int corner[2])
 {
 	gi_shade *shade = gi->shade;
 	gi_reflections *r = &shade->reflections;
@@ -343,22 +367,22 @@ static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lam
 		bind_surfaces(gi, &shade->surfaces);
 		reflections_trace(gi, r, &part->rect, layer, view, &shade->screen);
 		bind_surfaces(gi, &r->layer);
-		if (lamps)
-			light_layer(gi, &part->rect, lamps, view);
+		if (lamps || lights)
+			light_layer(gi, &part->rect, lamps, lights, view);
 		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
-		reflections_add(gi, r, &part->rect, lamps > 0, view, corner, &shade->screen);
+		reflections_add(gi, r, &part->rect, lamps || lights, view, corner, &shade->screen);
 	}
 }
 
-static void draw_reflections(gi_context *gi, uint32_t lamps, const gi_view *view, const gpu_draw_state *state,
-			     const int corner[2])
+static void draw_reflections(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view,
+			     const gpu_draw_state *state, const int corner[2])
 {
 	const gi_reflections *r = &gi->shade->reflections;
 	for (uint32_t k = 0; k < r->part_count; k++)
-		draw_part(gi, &r->parts[k], lamps, view, state, corner);
+		draw_part(gi, &r->parts[k], lamps, lights, view, state, corner);
 }
 
-static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
+static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps, uint32_t lights)
 {
 	static const gpu_format surfaces[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED},
 				so_far[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_NONE};
@@ -367,10 +391,12 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
-	const bool more = lamps > 1 || specular_is_ready(gi);
+	const bool more = lamps > 1 || lights || specular_is_ready(gi);
 	gi_result result = want_program(gi, surface_program(gi));
 	if (!result && !lamps)
 		result = want_program(gi, PROGRAM_SURFACE_LAST);
+	if (!result && lights)
+		result = want_program(gi, PROGRAM_PUNCTUAL);
 	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
 		result = want_program(gi, k);
 	if (!result && !shade->screen.array)
@@ -383,7 +409,7 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	return result;
 }
 
-/* In a scene without lamps and without mirrors and glass: straight into the host's framebuffer. */
+/* In a scene without lamps and lights and without mirrors and glass: straight into the host's framebuffer. */
 static gi_result draw_own(gi_context *gi, const gi_view *view, const float clip_from_world[16])
 {
 	const gi_result result = want_program(gi, PROGRAM_OWN);
@@ -397,9 +423,10 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
-	if (!lamps && !specular_is_ready(gi))
+	const uint32_t lights = view->mode == GI_MODE_INDIRECT ? 0 : shade->punctual.count;
+	if (!lamps && !lights && !specular_is_ready(gi))
 		return draw_own(gi, view, clip_from_world);
-	gi_result result = prepare_lamps(gi, view, lamps);
+	gi_result result = prepare_lamps(gi, view, lamps, lights);
 	if (!result && specular_is_ready(gi))
 		result = reflections_prepare(gi, &shade->reflections, view);
 	if (result)
@@ -408,7 +435,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 	gpu_draw_to_target(&gi->gpu, &shade->surfaces, view_convention(view));
 	draw_surfaces(gi, surface_program(gi), view, clip_from_world);
 	bind_surfaces(gi, &shade->surfaces);
-	add_others(gi, lamps, view, clip_from_world);
+	add_others(gi, lamps, lights, view, clip_from_world);
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (lamps)
 		draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, corner);
@@ -417,7 +444,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 			  (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
 	if (specular_is_ready(gi))
-		draw_reflections(gi, lamps, view, state, corner);
+		draw_reflections(gi, lamps, lights, view, state, corner);
 	return GI_OK;
 }
 
@@ -451,19 +478,24 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	return GI_OK;
 }
 
-/* Without lamps nothing of it is made. */
+/* Without lamps and lights nothing of it is made. */
 static gi_result update_shadows(gi_context *gi)
 {
 	gi_shadow *shadow = &gi->shade->shadow;
-	if (!gi->lamps.count) {
+	uint32_t lights;
+	const bool lit = punctual_light_data(gi, &lights);
+	if (!gi->lamps.count && !lit) {
 		shadow->lamp_count = 0;
+		punctual_shadow_free(gi, &gi->shade->punctual);
 		return GI_OK;
 	}
-	const gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
-	if (!result)
-		return shadow_update(gi, shadow);
-	shadow_invalidate(gi, shadow);
-	return result;
+	gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
+	if (result) {
+		shadow_invalidate(gi, shadow);
+		return result;
+	}
+	result = shadow_update(gi, shadow);
+	return result ? result : punctual_shadow_update(gi, &gi->shade->punctual, shadow);
 }
 
 static gi_result draw(gi_context *gi, const gi_view *view)

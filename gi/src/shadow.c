@@ -218,6 +218,7 @@ static bool poses_changed(const gi_context *gi, gi_shadow *shadow)
 		changed = changed || memcmp(shadow->drawn_rows[slot], &d->row0, sizeof *shadow->drawn_rows) != 0;
 		memcpy(shadow->drawn_rows[slot], &d->row0, sizeof *shadow->drawn_rows);
 	}
+	shadow->poses += changed;
 	return changed;
 }
 

@@ -29,6 +29,7 @@ typedef struct gi_shadow {
 	shadow_seen seen[GI_LAMP_MAX]; /* of the maps that are drawn */
 	uint32_t drawn_lamps;          /* generation of gi_lamps that the maps show */
 	bool drawn;                    /* the maps were drawn for the poses in drawn_rows */
+	uint64_t poses;                /* goes up where an object has another pose than in the picture before */
 	float (*drawn_rows)[12];       /* by slot */
 	struct lamp_box *boxes;        /* scratch: of the casters */
 } gi_shadow;

@@ -90,7 +90,7 @@ void specular_rows_done(gi_context *gi, bool part)
 
 bool specular_rows_bring_exitance(const gi_context *gi)
 {
-	return gi->specular_rows && (sky_is_lit(&gi->def) || !gi->def.caustic_photons);
+	return gi->specular_rows && (sky_is_lit(gi, &gi->def) || !gi->def.caustic_photons);
 }
 
 bool specular_rows_are_heavy(const gi_context *gi)

@@ -41,9 +41,15 @@ static float *read_light(gi_context *gi, gi_receivers receivers, uint32_t *count
 static double along(const float *c, uint32_t stride, const float n[3], int channel)
 {
 	const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
-	const double basis[9] = {.282095,          .488603 * y,      .488603 * z,
-				 .488603 * x,      1.092548 * x * y, 1.092548 * y * z,
-				 .315392 * (3 * z * z - 1), 1.092548 * x * z, .546274 * (x * x - y * y)};
+	const double basis[9] = {.282095,
+				 .488603 * y,
+				 .488603 * z,
+				 .488603 * x,
+				 1.092548 * x * y,
+				 1.092548 * y * z,
+				 .315392 * (3 * z * z - 1),
+				 1.092548 * x * z,
+				 .546274 * (x * x - y * y)};
 	double sum = 0;
 	for (uint32_t k = 0; k < stride; k++)
 		sum += basis[k] * (double)c[4 * k + (uint32_t)channel];
@@ -198,8 +204,8 @@ static void expect_same_light(const light *a, const light *b, const char *when)
 		uint32_t first = 0;
 		while (memcmp(a->values[k] + 4 * first, b->values[k] + 4 * first, 4 * sizeof(float)) == 0)
 			first++;
-		fail_msg("%s: set %d differs from vec4 %u on: %g, %g", when, k, first,
-			 (double)a->values[k][4 * first], (double)b->values[k][4 * first]);
+		fail_msg("%s: set %d differs from vec4 %u on: %g, %g", when, k, first, (double)a->values[k][4 * first],
+			 (double)b->values[k][4 * first]);
 	}
 }
 
@@ -308,8 +314,8 @@ static void commits_keep_rows(void **state)
 	harness_update(s.gi);
 	engine_mesh mesh;
 	assert_true(shape_sphere(.4f, 2, &mesh));
-	const gi_object ball = harness_add(
-	    s.gi, &(harness_object){.name = "late", .rho = {.5f, .5f, .5f}, .position = {1, 1, 1}}, &mesh);
+	const gi_object ball =
+	    harness_add(s.gi, &(harness_object){.name = "late", .rho = {.5f, .5f, .5f}, .position = {1, 1, 1}}, &mesh);
 	assert_gi(gi_commit(s.gi));
 	harness_update(s.gi);
 	expect_rebuilt(s.gi, sets, "an object more");
@@ -442,10 +448,13 @@ static void bad_definitions(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(open_sky),          cmocka_unit_test(lone_square),
-	    cmocka_unit_test(bad_definitions),   cmocka_unit_test(updates_are_rebuilds),
-	    cmocka_unit_test(commits_keep_rows), cmocka_unit_test(budgets_end_in_rebuilds),
-	    cmocka_unit_test(leaves_know_nothing_of_them), cmocka_unit_test(come_and_go)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(open_sky),
+					   cmocka_unit_test(lone_square),
+					   cmocka_unit_test(bad_definitions),
+					   cmocka_unit_test(updates_are_rebuilds),
+					   cmocka_unit_test(commits_keep_rows),
+					   cmocka_unit_test(budgets_end_in_rebuilds),
+					   cmocka_unit_test(leaves_know_nothing_of_them),
+					   cmocka_unit_test(come_and_go)};
 	return cmocka_run_group_tests_name("receivers", tests, harness_open, harness_close);
 }

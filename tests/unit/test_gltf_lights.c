@@ -22,8 +22,8 @@ static void test_values(void **state)
 	    LIT_SCENE("{\"type\":\"point\",\"name\":\"bulb\",\"intensity\":100,\"color\":[1,0.5,0],\"range\":7},"
 		      "{\"type\":\"spot\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.2,\"outerConeAngle\":0.6}},"
 		      "{\"type\":\"directional\"},{\"type\":\"spot\"}",
-		      LIT(0, ",\"translation\":[1,2,3]") "," LIT(1, ",\"name\":\"torch\"") "," LIT(2, "") "," LIT(3, "")
-		      "," LIT(0, ",\"scale\":[9,9,9]")));
+		      LIT(0, ",\"translation\":[1,2,3]") "," LIT(1, ",\"name\":\"torch\"") "," LIT(2, "") "," LIT(
+			  3, "") "," LIT(0, ",\"scale\":[9,9,9]")));
 	assert_string_equal(scene.warning, "");
 	assert_int_equal(scene.light_count, 5);
 	const engine_scene_light *l = scene.lights;
@@ -49,9 +49,11 @@ static void test_motion(void **state)
 {
 	(void)state;
 	engine_scene scene = load_gltf(
-	    HEAD LIGHTS("{\"type\":\"spot\"}") "\"nodes\":[{\"mesh\":0},{\"children\":[2],\"translation\":[0,1,0]},"
-	    LIT(0, ",\"translation\":[1,0,0]") "],\"animations\":[{\"samplers\":[{\"input\":2,\"output\":4}],"
-	    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"rotation\"}}]}]," MESH TAIL);
+	    HEAD
+		LIGHTS("{\"type\":\"spot\"}") "\"nodes\":[{\"mesh\":0},{\"children\":[2],\"translation\":[0,1,0]}," LIT(
+		    0, ",\"translation\":[1,0,0]") "],\"animations\":[{\"samplers\":[{\"input\":2,\"output\":4}],"
+						   "\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":"
+						   "\"rotation\"}}]}]," MESH TAIL);
 	assert_int_equal(scene.light_count, 1);
 	assert_true(scene.lights[0].animated);
 	float place[3], direction[3];
@@ -85,8 +87,7 @@ static void test_what_is_broken(void **state)
 	for (size_t k = 0; k < sizeof broken / sizeof *broken; k++) {
 		char text[4096];
 		snprintf(text, sizeof text, "%s%s%s", HEAD "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[",
-			 broken[k][0],
-			 "]}},\"nodes\":[{\"mesh\":0}," LIT(0, ",\"name\":\"bad\"") "]," MESH TAIL);
+			 broken[k][0], "]}},\"nodes\":[{\"mesh\":0}," LIT(0, ",\"name\":\"bad\"") "]," MESH TAIL);
 		engine_scene scene = load_gltf(text);
 		assert_int_equal(scene.light_count, 0);
 		assert_int_equal(scene.object_count, 1);

@@ -251,6 +251,23 @@ GI_API gi_result gi_set_solve(gi_context *gi, float solve_tolerance, uint32_t ma
  * coarser. `sky` is asked by the next gi_commit; only where a sky comes or goes that keeps no rows. */
 GI_API gi_result gi_set_sky(gi_context *gi, gi_sky sky, const float exitance[3]);
 
+/* Light from a picture of the sky, added to sky_exitance. radiance: 3 * width * height floats, linear RGB, W/m2/sr,
+ * each in 0..3e11, copied; NULL: no picture, as at first. Sides are 1..32768 texels. The picture goes all round
+ * (equirectangular): its first row is what lies straight above, along +y, its last one what lies below; columns go once
+ * round from left to right, the middle one towards -z, as a glTF camera looks. A gradient is a picture one texel wide.
+ * rotation: a quaternion x y z w that turns all this, world from picture; NULL: none.
+ *
+ * Rows have the means of some 11 degrees, and where a patch has more than a sixteenth of all the sky's light (a sun),
+ * patches down to 0.18 degrees: edges of its shadows are as sharp as leaves are fine. What gi_draw shows in mirrors and
+ * gi_trace_paths see the picture itself, averaged down to 2048 x 1024 where it is larger. Light below the sun's edge in
+ * a budget's bounds counts as the sun's: stale_bound is large under a bright sun.
+ *
+ * The next gi_update takes a solve and no rays, as for gi_set_sky; where other patches than before become bright, or
+ * the sky begins or ceases to shine, it commits by itself and builds every row. This call takes 50 to 200 ms of
+ * processor time. GI_ERROR_INVALID_ARGUMENT where a value is out of range; needs no OpenGL. */
+GI_API gi_result gi_set_sky_image(gi_context *gi, const float *radiance, uint32_t width, uint32_t height,
+				  const float rotation[4]);
+
 /* Every row anew, as after a gi_commit that keeps none; nothing where the values are those in force. */
 GI_API gi_result gi_set_rows(gi_context *gi, float row_tolerance, float emitter_refinement, uint32_t emitter_samples,
 			     uint32_t near_samples);
@@ -592,13 +609,15 @@ typedef enum gi_light_type {
 
 /* Who adds the direct light of a light to pictures. Its reflections are in them in any case. */
 typedef enum gi_light_shown {
-	GI_LIGHT_BY_PIXELS, /* gi_draw, pixel by pixel with shadow maps (default) */
+	/* gi_draw, pixel by pixel with shadow maps (default); GI_MOST_PIXEL_LIGHTS of them, further ones by leaves */
+	GI_LIGHT_BY_PIXELS,
 	GI_LIGHT_BY_LEAVES, /* the leaves: as coarse as they are, at no cost a pixel */
 	GI_LIGHT_BY_HOST,   /* the host: neither gi_draw nor the indirect light of gi_get_buffers has it */
 } gi_light_shown;
 
-/* Most lights at a time, switched off ones too. */
+/* Most lights at a time, switched off ones too; and most that gi_draw shows pixel by pixel. */
 #define GI_MOST_LIGHTS 256
+#define GI_MOST_PIXEL_LIGHTS 16
 
 /* Falloffs are those of glTF's KHR_lights_punctual. */
 typedef struct gi_light_def {
@@ -991,7 +1010,8 @@ GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const 
  *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
  *       Representation for Irradiance Environment Maps, 2001). World axes.
  *
- * All light counts, emitters' too, whatever gi_draw lights per pixel. The library writes the buffer by a compute shader
+ * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for lights
+ * that the host draws itself, GI_LIGHT_BY_HOST. The library writes the buffer by a compute shader
  * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
  * otherwise glMemoryBarrier with the bit for that. It must not write it. */
 typedef struct gi_receiver_buffer {
