@@ -879,8 +879,9 @@ GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float
  *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance is
  *                        (rho H + E) / pi
  *
- * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all but
- * that of the lamps that gi_draw lights per pixel. gi_object_def.undrawn spares what only gi_draw takes. */
+ * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all
+ * but that of the lamps that gi_draw lights per pixel. Of lights without a surface gi_light_def.shown says the same.
+ * gi_object_def.undrawn spares what only gi_draw takes. */
 
 /* Where a vertex has its light from: corners that leaves share (light vertices), counted from the first one of its
  * object. 32 bytes: as vertex attributes an integer and a float one of four, as a buffer texture two texels of
