@@ -102,8 +102,10 @@ void object_apply_shape(object_record *o)
 	o->reshapes = false;
 }
 
-void object_refit_drawn(object_record *o)
+bool object_refit_drawn(object_record *o)
 {
-	if (o->deform && o->deform->drawn_is_late)
+	const bool late = o->deform && o->deform->drawn_is_late;
+	if (late)
 		gi_deform_draw(o->deform, &o->hierarchy, &o->drawn);
+	return late;
 }
