@@ -110,7 +110,8 @@ def lowest_sole(pose):
         hip, knee = JOINTS[thigh][2], JOINTS[thigh + 1][2]
         for r in leg(hip[0], thigh, thigh + 1)[-2:]:
             for forward in (-1, 1):
-                p = [0, r["y"] - knee[1], r["z"] + forward * r["half"][1] - knee[2]]
+                # Catmull-Clark rounds a foot off by so much.
+                p = [0, r["y"] + 0.012 - knee[1], r["z"] + 0.72 * forward * r["half"][1] - knee[2]]
                 p = [a + b for a, b in zip(turned(pose[thigh + 1], p), [0, knee[1] - hip[1], knee[2] - hip[2]])]
                 heights.append(turned(pose[thigh], p)[1] + hip[1] - JOINTS[0][2][1])
     return min(heights)
@@ -127,7 +128,7 @@ def walk(t):
         pose[thigh + 1] = turn(x, 0.14 + 0.7 * max(0, math.cos(step + phase)))
         pose[arm_joint] = turn(x, 0.45 * math.sin(step + phase))
         pose[arm_joint + 1] = turn(x, -0.4 - 0.2 * math.sin(step + phase))
-    return pose, [RADIUS * math.sin(way), -0.014 - lowest_sole(pose), RADIUS * math.cos(way)]
+    return pose, [RADIUS * math.sin(way), 0.002 - lowest_sole(pose), RADIUS * math.cos(way)]
 
 
 def add_figure(w, shirt, trousers, skin):

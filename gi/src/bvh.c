@@ -308,51 +308,15 @@ bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
 	return enough;
 }
 
-static void load_box(const gi_bvh_node *n, gi_box *box)
+void gi_bvh_rebuild(const gi_hierarchy *h, gi_bvh *bvh, gi_box *boxes, uint32_t *order)
 {
-	for (int axis = 0; axis < 3; axis++) {
-		box->lower[axis] = (&n->lower.x)[axis];
-		box->upper[axis] = (&n->upper.x)[axis];
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
+		const gi_primitive p = primitive_of(h, h->leaf_node[leaf]);
+		boxes[leaf] = box_of(&p);
 	}
-}
-
-/* Bounds alone: links stay. */
-static void store_box(const gi_box *box, float pad, gi_bvh_node *n)
-{
-	for (int axis = 0; axis < 3; axis++) {
-		(&n->lower.x)[axis] = box->lower[axis] - pad;
-		(&n->upper.x)[axis] = box->upper[axis] + pad;
-	}
-}
-
-/* The box of a node's two children, whose own are not padded yet. */
-static gi_box box_of_children(const gi_bvh *bvh, uint32_t node)
-{
-	gi_box first, second;
-	load_box(&bvh->nodes[node + 1], &first);
-	load_box(&bvh->nodes[gi_bits_from_float(bvh->nodes[node + 1].lower.w)], &second);
-	grow(&first, &second);
-	return first;
-}
-
-void gi_bvh_refit(const gi_hierarchy *h, gi_bvh *bvh)
-{
-	gi_box all;
-	for (uint32_t k = 0; k < bvh->primitive_count; k++)
-		bvh->primitives[k] = primitive_of(h, h->leaf_node[gi_bits_from_float(bvh->primitives[k].a.w)]);
-	for (uint32_t node = bvh->node_count; node-- > 0;) {
-		const uint32_t primitive = gi_bits_from_float(bvh->nodes[node].upper.w);
-		const gi_box box =
-		    primitive == GI_NONE ? box_of_children(bvh, node) : box_of(&bvh->primitives[primitive]);
-		store_box(&box, 0, &bvh->nodes[node]);
-		all = box;
-	}
-	const float pad = bvh->node_count ? padding(&all, 1) : 0;
-	for (uint32_t node = 0; node < bvh->node_count; node++) {
-		gi_box box;
-		load_box(&bvh->nodes[node], &box);
-		store_box(&box, pad, &bvh->nodes[node]);
-	}
+	gi_bvh_build_boxes(boxes, h->leaf_count, bvh->nodes, order);
+	for (uint32_t k = 0; k < h->leaf_count; k++)
+		bvh->primitives[k] = primitive_of(h, h->leaf_node[order[k]]);
 }
 
 void gi_bvh_free(gi_bvh *bvh)

@@ -15,16 +15,16 @@ typedef struct gi_bvh {
 	gi_primitive *primitives; /* in the order of the BVH's leaves; leaf numbers local to the object */
 } gi_bvh;
 
-/* Of a hierarchy that deforms each leaf is a primitive, for what is flat may bend: gi_bvh_refit brings primitives and
- * boxes to where the vertices are now, in the tree as it is. */
-void gi_bvh_refit(const gi_hierarchy *hierarchy, gi_bvh *bvh);
-
 /* Binned surface-area heuristic, one primitive a leaf, the larger-area child first. False when memory ran out. */
 bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out);
 
 typedef struct gi_box {
 	float lower[3], upper[3];
 } gi_box;
+
+/* Of a hierarchy that deforms each leaf is a primitive, for what is flat may bend. The same tree as gi_bvh_build makes,
+ * where there is one already; `order` then has the leaf of each primitive. Room for one of each leaf in both. */
+void gi_bvh_rebuild(const gi_hierarchy *hierarchy, gi_bvh *bvh, gi_box *boxes, uint32_t *order);
 
 /* The same over boxes alone (the scene's objects): order[k] is the box of BVH leaf k, nodes' primitive numbers index
  * `order`. `nodes` holds 2 * count - 1, `order` count. Takes no memory; count 0 gives no nodes. */

@@ -164,6 +164,7 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 	d->faces = allocate(h->leaf_count, sizeof *d->faces, &enough);
 	for (uint32_t leaf = 0; d->faces && leaf < h->leaf_count; leaf++)
 		d->faces[leaf] = refined->faces[h->leaf_face[leaf]] % def->face_count;
+	d->by_size = allocate(h->leaf_count, sizeof *d->by_size, &enough);
 	d->vertices = allocate(h->vertex_count, sizeof *d->vertices, &enough);
 	d->trial = allocate(h->vertex_count, sizeof *d->trial, &enough);
 	d->cage = allocate(d->vertex_count, sizeof *d->cage, &enough);
@@ -212,6 +213,7 @@ void gi_deform_free(gi_deform *d)
 	free_shape(&d->next);
 	free_shape(&d->now);
 	gi_free(d->faces);
+	gi_free(d->by_size);
 	gi_free(d->vertices);
 	gi_free(d->trial);
 	gi_free(d->cage);

@@ -301,6 +301,8 @@ static gi_result build_on_hierarchy(const gi_log *log, const gi_object_def *def,
 	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 	if (!o->by_size || !copy_values(o, def, name) || !build_drawn(def, cage, refined, refined->level_count - 1, o))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	if (o->deform)
+		object_note_sizes(o);
 	/* What may bend is in no plane, wherever it is now. */
 	o->plane = !def->deforms && is_plane(&o->hierarchy);
 	o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);

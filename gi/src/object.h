@@ -91,10 +91,10 @@ bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
 /* ---- one that is built ---- */
 
 /* Of one whose shape changes: takes another shape, unless it cannot be lit; brings all but what is drawn to the shape
- * that was set last; and what is drawn, where that is not done yet. */
+ * that was set last; and what is drawn, true where that was not done yet. */
 gi_result object_try_shape(const gi_log *log, object_record *object, const char *name, const gi_shape *shape);
 void object_apply_shape(object_record *object);
-void object_refit_drawn(object_record *object);
+bool object_refit_drawn(object_record *object);
 
 bool object_measure_materials(object_record *object); /* their areas */
 bool object_is_alive(const object_record *object);

@@ -32,6 +32,7 @@ void object_hide_backs(gi_hierarchy *hierarchy);
 /* Of one whose shape changes, when its hierarchy is built: what that takes, and the shape of its definition. */
 gi_result object_make_shape(const gi_log *log, const gi_object_def *def, const char *name, gi_refined *refined,
 			    object_record *object);
+void object_note_sizes(object_record *object); /* once its tree is there */
 /* All of a definition but its pose; messages call it `name`. */
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name);
 

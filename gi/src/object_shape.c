@@ -3,6 +3,7 @@
  */
 #include "object_build.h"
 
+#include "bits.h"
 #include "hierarchy_quad.h"
 
 #include <math.h>
@@ -75,15 +76,36 @@ gi_result object_make_shape(const gi_log *log, const gi_object_def *def, const c
 	return result;
 }
 
+void object_note_sizes(object_record *o)
+{
+	for (uint32_t k = 0; k < o->bvh.primitive_count; k++)
+		o->deform->by_size[k] = gi_bits_from_float(o->bvh.primitives[o->by_size[k]].a.w);
+}
+
+/* Primitives change places with the tree, their order of size does not. */
+static void rebuild_tree(object_record *o)
+{
+	const uint32_t leaves = o->hierarchy.leaf_count;
+	gi_box *boxes = o->deform->scratch;
+	uint32_t *order = (uint32_t *)(boxes + leaves), *place = order + leaves;
+	gi_bvh_rebuild(&o->hierarchy, &o->bvh, boxes, order);
+	for (uint32_t k = 0; k < leaves; k++)
+		place[order[k]] = k;
+	for (uint32_t k = 0; k < leaves; k++)
+		o->by_size[k] = place[o->deform->by_size[k]];
+}
+
 void object_apply_shape(object_record *o)
 {
 	refit_hierarchy(o);
-	gi_bvh_refit(&o->hierarchy, &o->bvh);
+	rebuild_tree(o);
 	o->reshapes = false;
 }
 
-void object_refit_drawn(object_record *o)
+bool object_refit_drawn(object_record *o)
 {
-	if (o->deform && o->deform->drawn_is_late)
+	const bool late = o->deform && o->deform->drawn_is_late;
+	if (late)
 		gi_deform_draw(o->deform, &o->hierarchy, &o->drawn);
+	return late;
 }

@@ -5,10 +5,10 @@
 #include "scene_object.h"
 
 /* `count` elements, the first of them the object's element `first` in the scene. */
-static void upload(gi_context *gi, const gpu_buffer *buffer, uint64_t size, uint64_t first, uint64_t count,
+static void upload(gi_context *gi, gpu_buffer *buffer, uint64_t size, uint64_t first, uint64_t count,
 		   const void *data)
 {
-	gpu_buffer_upload(&gi->gpu, (gpu_buffer *)buffer, size * first, size * count, data);
+	gpu_buffer_upload(&gi->gpu, buffer, size * first, size * count, data);
 }
 
 static void upload_nodes(gi_context *gi, const object_record *o)
@@ -75,5 +75,6 @@ void reshape_objects(gi_context *gi)
 		lamps_select(gi, true);
 	if (smooth)
 		specular_invalidate(gi);
-	s->shown_changed = s->shown_changed || any;
+	if (any)
+		estimate_invalidate(gi); /* chances are by area */
 }

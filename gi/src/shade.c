@@ -68,6 +68,9 @@ struct gi_shade {
 	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
 	gpu_mesh mesh, screen;
+	uint32_t *first_vertex;       /* of the mesh, by slot; GI_NONE: it is not drawn */
+	struct draw_vertex *staging;  /* of a shape that changed */
+	uint32_t staging_room;
 	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
@@ -90,12 +93,11 @@ static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
 	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
 }
 
-static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+static void fill_drawn(const object_record *o, draw_vertex *vertices)
 {
-	const gi_drawn_surface *drawn = &o->drawn;
-	for (uint32_t k = 0; k < drawn->vertex_count; k++) {
-		const gi_draw_vertex *from = &drawn->vertices[k];
-		draw_vertex *to = &vertices[first_vertex + k];
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *from = &o->drawn.vertices[k];
+		draw_vertex *to = &vertices[k];
 		memcpy(to->position, from->position, sizeof to->position);
 		memcpy(to->normal, from->normal, sizeof to->normal);
 		memcpy(to->weight, from->weight, sizeof to->weight);
@@ -104,8 +106,13 @@ static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t fi
 		for (int i = 0; i < 4; i++)
 			to->light[i] = o->light_base + from->light[i];
 	}
-	for (uint32_t k = 0; k < drawn->index_count; k++)
-		indices[k] = first_vertex + drawn->indices[k];
+}
+
+static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+{
+	fill_drawn(o, vertices + first_vertex);
+	for (uint32_t k = 0; k < o->drawn.index_count; k++)
+		indices[k] = first_vertex + o->drawn.indices[k];
 }
 
 typedef struct sized {
@@ -143,12 +150,16 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 	draw_vertex *vertices = gi_malloc(sizeof *vertices * (vertex_count + 1));
 	uint32_t *indices = gi_malloc(sizeof *indices * (index_count + 1));
 	gi_result result = GI_OK;
-	if (!order || !vertices || !indices)
+	shade->first_vertex = gi_malloc(sizeof *shade->first_vertex * (s->slot_count + 1));
+	if (!order || !vertices || !indices || !shade->first_vertex)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
+		shade->first_vertex[slot] = GI_NONE;
 	vertex_count = index_count = 0;
 	for (uint32_t k = 0; !result && k < count; k++) {
 		const object_record *o = &s->objects[s->slots[order[k].slot]];
 		add_drawn(o, vertices, (uint32_t)vertex_count, indices + index_count);
+		shade->first_vertex[order[k].slot] = (uint32_t)vertex_count;
 		vertex_count += o->drawn.vertex_count;
 		index_count += o->drawn.index_count;
 	}
@@ -169,12 +180,40 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 
 /* ---- life ---- */
 
-/* Shapes that changed, which nobody looked at so far. */
-static void refit_drawn(gi_context *gi)
+/* What is drawn of an object has another shape: so has it in the mesh. */
+static bool redraw_object(gi_context *gi, gi_shade *shade, uint32_t slot)
 {
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++)
-		if (scene_object_in(&gi->scene, slot))
-			object_refit_drawn(scene_object_in(&gi->scene, slot));
+	const object_record *o = scene_object_in(&gi->scene, slot);
+	const uint32_t first = shade->first_vertex[slot], count = o->drawn.vertex_count;
+	if (count > shade->staging_room) {
+		draw_vertex *grown = gi_realloc(shade->staging, sizeof *grown * count);
+		if (!grown)
+			return false;
+		shade->staging = grown;
+		shade->staging_room = count;
+	}
+	overlay_invalidate(gi, &shade->overlays);
+	if (first != GI_NONE) {
+		fill_drawn(o, shade->staging);
+		gpu_buffer_upload(&gi->gpu, &shade->mesh.vertices, sizeof(draw_vertex) * first,
+				  sizeof(draw_vertex) * count, shade->staging);
+	}
+	return shadow_reshape(gi, &shade->shadow, slot);
+}
+
+/* Shapes that changed, which nobody looked at so far. */
+static gi_result refit_drawn(gi_context *gi, gi_shade *shade)
+{
+	bool ok = true;
+	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++) {
+		object_record *o = scene_object_in(&gi->scene, slot);
+		if (o && object_refit_drawn(o) && shade->built)
+			ok = redraw_object(gi, shade, slot);
+	}
+	if (ok)
+		return GI_OK;
+	shade_invalidate(gi);
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 }
 
 static gi_result prepare(gi_context *gi)
@@ -184,10 +223,10 @@ static gi_result prepare(gi_context *gi)
 	gi_shade *shade = gi->shade;
 	if (!shade)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (shade->built)
-		return GI_OK;
-	refit_drawn(gi);
-	const gi_result result = build_mesh(gi, shade);
+	gi_result result = refit_drawn(gi, shade);
+	if (result || shade->built)
+		return result;
+	result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
 	else
@@ -200,6 +239,8 @@ void shade_invalidate(gi_context *gi)
 	if (!gi->shade)
 		return;
 	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
+	gi_free(gi->shade->first_vertex);
+	gi->shade->first_vertex = NULL;
 	shadow_invalidate(gi, &gi->shade->shadow);
 	punctual_shadow_invalidate(&gi->shade->punctual);
 	overlay_invalidate(gi, &gi->shade->overlays);
@@ -218,6 +259,7 @@ void shade_free(gi_context *gi)
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
+	gi_free(gi->shade->staging);
 	for (int k = 0; k < PROGRAM_COUNT; k++)
 		gpu_program_free(&gi->gpu, &gi->shade->programs[k]);
 	gi_free(gi->shade);

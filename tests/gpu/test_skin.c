@@ -196,6 +196,10 @@ static void pictures_follow(void **state)
 		deforming_scene_play(&s, frame);
 	draw(s.gi, &t, GI_OVERLAY_NONE, waiting);
 	assert_memory_equal(before, waiting, sizeof before);
+	harness_update(s.gi);
+	/* In between others, so that what was drawn before has gone by. */
+	draw(s.gi, &t, GI_OVERLAY_WIREFRAME, waiting);
+	deforming_scene_play(&s, 5);
 	gi_reset_radiosity(s.gi);
 	harness_update(s.gi);
 	deforming_scene other = s;
