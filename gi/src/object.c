@@ -28,6 +28,7 @@ void object_free(object_record *o)
 	gi_free(o->materials);
 	gi_free(o->specular);
 	gi_free(o->emission);
+	gi_free(o->leaf_uvs);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_subsurface_free(&o->subsurface);
 	gi_bvh_free(&o->bvh);
@@ -68,7 +69,7 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 		return false;
 	for (uint32_t m = 0; m < o->material_count; m++)
 		object_take_albedo(o, &o->materials[m]);
-	return object_measure_materials(o);
+	return (!def->leaf_materials || object_own_materials(o)) && object_measure_materials(o);
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */
@@ -277,9 +278,11 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 	return result;
 }
 
-static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-		       object_record *o)
+static gi_result build(const object_builder *b, const gi_unique_faces *unique, const gi_refine_cage *cage,
+		       const char *name, object_record *o)
 {
+	const gi_object_def *def = &unique->def;
+	const bool mapped = def->uvs || def->leaf_materials;
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	gi_refined refined;
@@ -301,6 +304,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 			hide_backs(&o->hierarchy);
 		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 		if (!o->by_size || !copy_values(o, def, name) ||
+		    (mapped && !object_map_leaves(def, cage, unique->origin, &refined, o)) ||
 		    !build_drawn(def, cage, &refined, refined.level_count - 1, o))
 			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	}
@@ -328,7 +332,7 @@ static gi_result make(const object_builder *b, const gi_object_def *def, const c
 	if (def->double_sided && !object_make_two_sided(&unique.def, &cage, &own))
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
-		result = build(b, &unique.def, &cage, name, o);
+		result = build(b, &unique, &cage, name, o);
 	object_cage_free(&own);
 	gi_unique_faces_free(&unique);
 	return result;

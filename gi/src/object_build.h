@@ -27,6 +27,11 @@ bool object_is_split(const gi_object_def *def);
 uint32_t object_levels(const gi_object_def *def);
 /* Are all |values| at most that? False for NaN too. */
 bool object_all_within(const float *values, size_t count, float most);
+/* Makes each leaf a material of its own. False: out of memory. */
+bool object_own_materials(object_record *o);
+/* Faces and texture coordinates of the leaves; origin as in gi_unique_faces. False: out of memory. */
+bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, const uint32_t *origin,
+		       const gi_refined *refined, object_record *o);
 /* All of a definition but its pose; messages call it `name`. */
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name);
 
