@@ -177,6 +177,7 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_SKY 2u
 #define GI_OBJECT_FLAT 4u /* all its surface in one plane: it cannot hide itself */
 #define GI_OBJECT_STATICS 16u /* no object: all static ones as one source */
+#define GI_OBJECT_LEAF_MATERIALS 32u /* leaves of one primitive may have materials of their own */
 #define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
 
 /* A leaf: x node, y object slot, z material, w rank of its primitive. A material: rho, then exitance; exitance.w of

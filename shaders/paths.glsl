@@ -34,6 +34,7 @@
 #include "dispatch.glsl"
 #include "rays.glsl"
 #include "closest.glsl"
+#include "locate.glsl"
 #if SPECULAR
 #include "octahedron.glsl"
 #include "specular.glsl"
@@ -183,7 +184,9 @@ vertex vertex_at(nearest hit, out uint material)
 	vec3 a = q.a.xyz, b = hit.second ? q.c.xyz : q.b.xyz, c = hit.second ? q.d.xyz : q.c.xyz;
 	vec3 p = a + (b - a) * hit.barycentric.x + (c - a) * hit.barycentric.y;
 	vec3 n = normalize(world_direction_from_rest(hit.object, cross(b - a, c - a)));
-	material = load_leaf(floatBitsToUint(q.a.w)).z;
+	uint first = floatBitsToUint(q.a.w);
+	bool apart = (object_bvh(hit.object).z & GI_OBJECT_LEAF_MATERIALS) != 0u;
+	material = load_leaf(apart ? leaf_at(hit.object, first, p) : first).z;
 	return vertex(world_from_rest(hit.object, p) + n * sky_and_lift.w, n, false);
 }
 

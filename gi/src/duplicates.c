@@ -154,7 +154,8 @@ static bool copy_others(const gi_object_def *def, const bool *repeats, gi_unique
 	out->indices = allocate(def->index_count, sizeof *out->indices);
 	out->face_materials = allocate(def->face_count, sizeof *out->face_materials);
 	out->origin = allocate(def->face_count, sizeof *out->origin);
-	if (!out->face_counts || !out->indices || !out->face_materials || !out->origin)
+	out->uvs = def->uvs ? allocate(2 * (size_t)def->index_count, sizeof *out->uvs) : NULL;
+	if (!out->face_counts || !out->indices || !out->face_materials || !out->origin || (def->uvs && !out->uvs))
 		return false;
 	uint32_t faces = 0, corners = 0;
 	const uint32_t *next = def->indices;
@@ -165,12 +166,16 @@ static bool copy_others(const gi_object_def *def, const bool *repeats, gi_unique
 		out->face_counts[faces] = gi_corner_count(def->face_counts, k);
 		out->face_materials[faces] = def->face_materials ? def->face_materials[k] : 0;
 		memcpy(out->indices + corners, next, sizeof *next * gi_corner_count(def->face_counts, k));
+		if (def->uvs)
+			memcpy(out->uvs + 2 * (size_t)corners, def->uvs + 2 * (next - def->indices),
+			       sizeof *out->uvs * 2 * gi_corner_count(def->face_counts, k));
 		corners += gi_corner_count(def->face_counts, k);
 		faces++;
 	}
 	out->def.face_counts = out->face_counts;
 	out->def.face_materials = out->face_materials;
 	out->def.indices = out->indices;
+	out->def.uvs = out->uvs;
 	out->def.face_count = faces;
 	out->def.index_count = corners;
 	return true;
@@ -196,6 +201,7 @@ void gi_unique_faces_free(gi_unique_faces *unique)
 	gi_free(unique->face_materials);
 	gi_free(unique->origin);
 	gi_free(unique->leaf_sizes);
+	gi_free(unique->uvs);
 	gi_free(unique->leaf_cuts);
 	*unique = (gi_unique_faces){.dropped = 0};
 }

@@ -12,7 +12,7 @@ typedef struct gi_unique_faces {
 	uint32_t dropped;
 	uint32_t *origin; /* def.face_count numbers of the caller's faces; NULL where nothing was dropped */
 	uint32_t *face_counts, *indices, *face_materials; /* its own; NULL where nothing was dropped */
-	float *leaf_sizes;
+	float *leaf_sizes, *uvs;
 	gi_leaf_cut *leaf_cuts;
 } gi_unique_faces;
 

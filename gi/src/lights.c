@@ -29,13 +29,34 @@ static void add_light(gi_lights *l, float corners[3][3], double measured, uint32
 	l->power += power;
 }
 
+/* What emits alike: a primitive's leaves are of one material, or each has its own. */
+static uint32_t count_parts(const object_record *o)
+{
+	return o->leaf_materials ? o->hierarchy.leaf_count : o->bvh.primitive_count;
+}
+
+/* Returns its first leaf. */
+static uint32_t load_part(const object_record *o, uint32_t part, gi_primitive *out)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	uint32_t leaf = part;
+	if (o->leaf_materials) {
+		const gi_uvec4 v = h->topology[h->leaf_node[part]].corners;
+		*out = (gi_primitive){h->vertices[v.x], h->vertices[v.y], h->vertices[v.z], h->vertices[v.w]};
+	} else {
+		*out = o->bvh.primitives[part];
+		memcpy(&leaf, &out->a.w, sizeof leaf);
+	}
+	return leaf;
+}
+
 static void add_object(const gi_scene *s, const object_record *o, gi_light_measure *measure, gi_lights *l)
 {
 	const gi_object_data *place = &s->object_data[o->slot];
-	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
-		const gi_primitive *p = &o->bvh.primitives[k];
-		uint32_t leaf; /* a primitive's leaves are of one material */
-		memcpy(&leaf, &p->a.w, sizeof leaf);
+	for (uint32_t k = 0; k < count_parts(o); k++) {
+		gi_primitive quad;
+		const gi_primitive *p = &quad;
+		const uint32_t leaf = load_part(o, k, &quad);
 		const double measured = measure(s->node_exitance[o->node_base + o->hierarchy.leaf_node[leaf]]);
 		if (!(measured > 0))
 			continue;
@@ -61,7 +82,7 @@ bool lights_find(const gi_scene *s, gi_light_measure *measure, gi_arena *a, gi_l
 {
 	uint32_t most = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		most += scene_object_in(s, slot) ? 2 * scene_object_in(s, slot)->bvh.primitive_count : 0;
+		most += scene_object_in(s, slot) ? 2 * count_parts(scene_object_in(s, slot)) : 0;
 	gi_arena_measure(a);
 	take(a, most, s->slot_count, l);
 	if (!gi_arena_reserve(a))

@@ -30,6 +30,7 @@ void object_free(object_record *o)
 	gi_free(o->materials);
 	gi_free(o->specular);
 	gi_free(o->emission);
+	gi_free(o->leaf_uvs);
 	gi_hierarchy_free(&o->hierarchy);
 	gi_subsurface_free(&o->subsurface);
 	gi_bvh_free(&o->bvh);
@@ -72,7 +73,7 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 		return false;
 	for (uint32_t m = 0; m < o->material_count; m++)
 		object_take_albedo(o, &o->materials[m]);
-	return object_measure_materials(o);
+	return (!def->leaf_materials || object_own_materials(o)) && object_measure_materials(o);
 }
 
 /* Bilinear surfaces gain nothing from finer drawing. */
@@ -290,16 +291,20 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 }
 
 /* What comes above and beside the hierarchy. */
-static gi_result build_on_hierarchy(const gi_log *log, const gi_object_def *def, const gi_refine_cage *cage,
+static gi_result build_on_hierarchy(const gi_log *log, const gi_unique_faces *unique, const gi_refine_cage *cage,
 				    const char *name, gi_refined *refined, object_record *o)
 {
+	const gi_object_def *def = &unique->def;
+	const bool mapped = def->uvs || def->leaf_materials;
 	const gi_result result = def->deforms ? object_make_shape(log, def, name, refined, o) : GI_OK;
 	if (result)
 		return result;
 	if (def->double_sided)
 		object_hide_backs(&o->hierarchy);
 	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
-	if (!o->by_size || !copy_values(o, def, name) || !build_drawn(def, cage, refined, refined->level_count - 1, o))
+	if (!o->by_size || !copy_values(o, def, name) ||
+	    (mapped && !object_map_leaves(def, cage, unique->origin, refined, o)) ||
+	    !build_drawn(def, cage, refined, refined->level_count - 1, o))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	if (o->deform)
 		object_note_sizes(o);
@@ -309,9 +314,10 @@ static gi_result build_on_hierarchy(const gi_log *log, const gi_object_def *def,
 	return GI_OK;
 }
 
-static gi_result build(const object_builder *b, const gi_object_def *def, const gi_refine_cage *cage, const char *name,
-		       object_record *o)
+static gi_result build(const object_builder *b, const gi_unique_faces *unique, const gi_refine_cage *cage,
+		       const char *name, object_record *o)
 {
+	const gi_object_def *def = &unique->def;
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	gi_refined refined;
@@ -329,7 +335,7 @@ static gi_result build(const object_builder *b, const gi_object_def *def, const 
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
 				 "object '%s' is too large: it reaches farther than 1e9 m from its origin", name);
 	} else {
-		result = build_on_hierarchy(log, def, cage, name, &refined, o);
+		result = build_on_hierarchy(log, unique, cage, name, &refined, o);
 	}
 	gi_refined_free(&refined);
 	return result;
@@ -351,7 +357,7 @@ static gi_result make(const object_builder *b, const gi_object_def *def, const c
 	if (def->double_sided && !object_make_two_sided(&unique.def, &cage, &own))
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
-		result = build(b, &unique.def, &cage, name, o);
+		result = build(b, &unique, &cage, name, o);
 	for (uint32_t leaf = 0; !result && o->deform && unique.origin && leaf < o->deform->leaf_count; leaf++)
 		o->deform->faces[leaf] = unique.origin[o->deform->faces[leaf]];
 	object_cage_free(&own);

@@ -39,6 +39,8 @@ typedef struct object_record {
 	float scale[3]; /* of the definition: the hierarchy has it applied */
 	gi_material *materials;
 	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
+	bool leaf_materials;            /* a leaf has the material of its number (object_leaves.c) */
+	gi_leaf_uvs *leaf_uvs;          /* of each leaf; NULL: nobody asked */
 	gi_subsurface_links subsurface; /* of a translucent object */
 	object_emission *emission;      /* of each */
 	uint32_t material_count;

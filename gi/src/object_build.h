@@ -33,6 +33,11 @@ void object_hide_backs(gi_hierarchy *hierarchy);
 gi_result object_make_shape(const gi_log *log, const gi_object_def *def, const char *name, gi_refined *refined,
 			    object_record *object);
 void object_note_sizes(object_record *object); /* once its tree is there */
+/* Makes each leaf a material of its own. False: out of memory. */
+bool object_own_materials(object_record *o);
+/* Faces and texture coordinates of the leaves; origin as in gi_unique_faces. False: out of memory. */
+bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, const uint32_t *origin,
+		       const gi_refined *refined, object_record *o);
 /* All of a definition but its pose; messages call it `name`. */
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name);
 

@@ -445,6 +445,13 @@ typedef struct gi_object_def {
 	const uint32_t *joints, *draw_joints;
 	const float *joint_weights, *draw_joint_weights;
 	uint32_t joint_count;
+	/* Each leaf is a material of its own, at first that of its face: material m of gi_set_material and the like is
+	 * then leaf m, and gi_set_leaf_materials sets many. What a texture, or a colour of vertices, gives each leaf
+	 * in the mean. Takes some 100 bytes a leaf; default false. */
+	bool leaf_materials;
+	/* 2 * index_count: texture coordinates u v of the corners of faces, in the order of indices, for
+	 * gi_get_leaf_uvs; default NULL. The library looks at no texture. */
+	const float *uvs;
 
 	uint32_t internal;
 } gi_object_def;
@@ -530,6 +537,26 @@ GI_API uint32_t gi_material_count(const gi_context *gi, gi_object object); /* 0 
 GI_API gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t material, gi_material *out);
 GI_API gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, gi_specular value);
 GI_API gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t material, gi_specular *out);
+
+/* Where on its object's faces a leaf lies. */
+typedef struct gi_leaf_uvs {
+	/* Texture coordinates at its corners a b c d, a triangle repeats its third; 0 without gi_object_def.uvs. Linear
+	 * in the triangles a b c and a c d: a texture's mean over these two is the leaf's. Of a flat face of more than
+	 * three corners, coordinates are linear in the triangles from its first corner to the others. */
+	float uvs[4][2];
+	uint32_t face; /* of gi_object_def; of the second side too */
+} gi_leaf_uvs;
+
+/* Of an object made with uvs or leaf_materials; leaves in the order of gi_read_leaves. Copies up to `capacity`; uvs may
+ * be NULL to ask for the count. */
+GI_API gi_result gi_get_leaf_uvs(const gi_context *gi, gi_object object, gi_leaf_uvs *uvs, uint32_t capacity,
+				 uint32_t *count);
+
+/* Reflectance and exitance of `count` leaves from `first` on, of an object made with leaf_materials; they take effect
+ * in the next gi_update, as gi_set_material: a solve, and rows where something begins or ceases to shine or to reflect.
+ * Nothing is set where one value is out of range. */
+GI_API gi_result gi_set_leaf_materials(gi_context *gi, gi_object object, uint32_t first, uint32_t count,
+				       const gi_material *values);
 
 /* ---- moving skin ------------------------------------------------------------------------------------------------- */
 
