@@ -407,6 +407,7 @@ static void come_and_go(void **state)
 {
 	(void)state;
 	harness_require_context();
+	glUseProgram(0);
 	const uint32_t objects = count_objects();
 	gi_context_def def = harness_def();
 	def.sky_exitance[0] = 1;
@@ -432,6 +433,7 @@ static void come_and_go(void **state)
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
 	gi_context_destroy(gi);
+	glUseProgram(0); /* the driver keeps the one that is bound */
 	assert_int_equal(count_objects(), objects);
 }
 
