@@ -18,6 +18,9 @@ static const float WIDE = 5, HIGH = 2.7f, DEEP = 4;
 static const float WINDOW[2][2] = {{0.8f, 2.2f}, {-1.4f, 0.6f}}; /* y, z */
 static const float SHADE[3] = {-1.5f, 1.6f, -1.2f}, FLAME[3] = {0.4f, 1.85f, -1.8f};
 
+/* pi times the radiance of what is seen through the window, W/m2. */
+static const float SKY[3] = {5, 6, 8};
+
 /* Seconds in which the sun comes and goes. */
 static const double DAY = 16;
 
@@ -36,7 +39,7 @@ static const float WHITE[3] = {0.75f, 0.73f, 0.7f}, FLOOR[3] = {0.5f, 0.36f, 0.2
 
 /* Takes the mesh. */
 static gi_result add(three_lights *t, gi_context *gi, const char *name, const float rho[3], engine_mesh *mesh,
-		     float leaf, bool two_sided)
+		     float leaf)
 {
 	gi_object_def def = scene_mesh_def(mesh);
 	gi_material material = {{rho[0], rho[1], rho[2]}, {0, 0, 0}};
@@ -44,7 +47,6 @@ static gi_result add(three_lights *t, gi_context *gi, const char *name, const fl
 	def.materials = &material;
 	def.material_count = 1;
 	def.leaf_size = t->options.leaf_size > 0 ? t->options.leaf_size : leaf;
-	def.double_sided = two_sided;
 	const gi_result result = gi_create_object(gi, &def, &t->handles[t->count]);
 	t->count += !result;
 	engine_mesh_free(mesh);
@@ -55,8 +57,7 @@ static gi_result add_wall(three_lights *t, gi_context *gi, const char *name, con
 			  const float u[3], const float v[3])
 {
 	engine_mesh mesh;
-	return shape_quad(corner, u, v, 1, 1, &mesh) ? add(t, gi, name, rho, &mesh, 0.2f, false)
-						     : GI_ERROR_OUT_OF_MEMORY;
+	return shape_quad(corner, u, v, 1, 1, &mesh) ? add(t, gi, name, rho, &mesh, 0.2f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static bool append_box(engine_mesh *to, const float lower[3], const float upper[3])
@@ -69,7 +70,9 @@ static bool append_box(engine_mesh *to, const float lower[3], const float upper[
 static gi_result add_window_wall(three_lights *t, gi_context *gi)
 {
 	const float x = WIDE / 2, y0 = WINDOW[0][0], y1 = WINDOW[0][1], z0 = WINDOW[1][0], z1 = WINDOW[1][1];
-	const float parts[4][4] = {{0, y0, -DEEP / 2, DEEP / 2}, {y1, HIGH, -DEEP / 2, DEEP / 2}, {y0, y1, -DEEP / 2, z0},
+	const float parts[4][4] = {{0, y0, -DEEP / 2, DEEP / 2},
+				   {y1, HIGH, -DEEP / 2, DEEP / 2},
+				   {y0, y1, -DEEP / 2, z0},
 				   {y0, y1, z1, DEEP / 2}};
 	engine_mesh mesh = {0};
 	bool made = true;
@@ -78,19 +81,20 @@ static gi_result add_window_wall(three_lights *t, gi_context *gi)
 			    v[3] = {0, p[1] - p[0], 0};
 		made = shape_append_quad(&mesh, corner, u, v, 100);
 	}
-	return made ? add(t, gi, "window wall", WHITE, &mesh, 0.2f, false) : GI_ERROR_OUT_OF_MEMORY;
+	return made ? add(t, gi, "window wall", WHITE, &mesh, 0.2f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static gi_result add_bars(three_lights *t, gi_context *gi)
 {
 	const float x = WIDE / 2, y = (WINDOW[0][0] + WINDOW[0][1]) / 2, z = (WINDOW[1][0] + WINDOW[1][1]) / 2;
-	const float boxes[BARS][2][3] = {{{x - 0.03f, WINDOW[0][0], z - 0.03f}, {x + 0.03f, WINDOW[0][1], z + 0.03f}},
-					 {{x - 0.029f, y - 0.03f, WINDOW[1][0]}, {x + 0.029f, y + 0.03f, WINDOW[1][1]}}};
+	const float boxes[BARS][2][3] = {
+	    {{x - 0.03f, WINDOW[0][0], z - 0.03f}, {x + 0.03f, WINDOW[0][1], z + 0.03f}},
+	    {{x - 0.029f, y - 0.03f, WINDOW[1][0]}, {x + 0.029f, y + 0.03f, WINDOW[1][1]}}};
 	engine_mesh mesh = {0};
 	bool made = true;
 	for (int k = 0; k < BARS && made; k++)
 		made = append_box(&mesh, boxes[k][0], boxes[k][1]);
-	return made ? add(t, gi, "window bars", WHITE, &mesh, 0.1f, false) : GI_ERROR_OUT_OF_MEMORY;
+	return made ? add(t, gi, "window bars", WHITE, &mesh, 0.1f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static gi_result add_table(three_lights *t, gi_context *gi)
@@ -104,66 +108,89 @@ static gi_result add_table(three_lights *t, gi_context *gi)
 	bool made = true;
 	for (int k = 0; k < TABLE_PARTS && made; k++)
 		made = append_box(&mesh, boxes[k][0], boxes[k][1]);
-	return made ? add(t, gi, "table", WOOD, &mesh, 0.12f, false) : GI_ERROR_OUT_OF_MEMORY;
+	return made ? add(t, gi, "table", WOOD, &mesh, 0.12f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static gi_result add_ball(three_lights *t, gi_context *gi)
 {
 	engine_mesh mesh;
-	if (!shape_sphere(0.18f, 4, &mesh))
+	const scene_body ball = {.name = "ball",
+				 .scheme = GI_SCHEME_CATMULL_CLARK,
+				 .leaf_size = t->options.leaf_size > 0 ? t->options.leaf_size : 0.06f,
+				 .rho = BLUE,
+				 .position = {0.55f, 0.94f, 0}};
+	if (!shape_sphere(0.2f, 3, &mesh))
 		return GI_ERROR_OUT_OF_MEMORY;
-	for (uint32_t v = 0; v < mesh.vertex_count; v++) {
-		mesh.positions[3 * v] += 0.55f;
-		mesh.positions[3 * v + 1] += 0.93f;
-	}
-	return add(t, gi, "ball", BLUE, &mesh, 0.1f, false);
+	t->names[t->count] = ball.name;
+	const gi_result result = scene_add_body(gi, &ball, &mesh, &t->handles[t->count]);
+	t->count += !result;
+	return result;
 }
 
-/* A truncated cone, open above and below. */
-static gi_result add_shade(three_lights *t, gi_context *gi)
+/* A quad of any four corners, counter-clockwise seen from its front. */
+static bool append_facet(engine_mesh *to, const float c[4][3])
 {
-	engine_mesh mesh = {0};
+	float u[3], v[3], across[3];
+	engine_mesh facet;
+	glm_vec3_sub((float *)c[1], (float *)c[0], u);
+	glm_vec3_sub((float *)c[3], (float *)c[0], v);
+	glm_vec3_add((float *)c[1], v, across);
+	if (!shape_quad(c[0], u, v, 1, 1, &facet))
+		return false;
+	for (uint32_t k = 0; k < facet.vertex_count; k++)
+		if (glm_vec3_distance(facet.positions + 3 * k, across) < 1e-5f)
+			memcpy(facet.positions + 3 * k, c[2], sizeof c[2]);
+	return shape_append(to, &facet);
+}
+
+/* Between two circles about the shade's axis, heights and radii; its front is to the right of the way from the first
+ * to the second, seen from where the axis is to the left. */
+static bool append_ring(engine_mesh *to, const float first[2], const float second[2])
+{
 	bool made = true;
 	for (int k = 0; k < SHADE_SIDES && made; k++) {
-		const float a = 2 * GLM_PIf * (float)k / SHADE_SIDES, b = 2 * GLM_PIf * (float)(k + 1) / SHADE_SIDES;
-		const float ring[2] = {0.24f, 0.15f}, half = 0.16f;
-		const float corner[3] = {SHADE[0] + ring[0] * cosf(b), SHADE[1] - half, SHADE[2] + ring[0] * sinf(b)};
-		const float ends[3][3] = {
-		    {SHADE[0] + ring[0] * cosf(a), SHADE[1] - half, SHADE[2] + ring[0] * sinf(a)},
-		    {SHADE[0] + ring[1] * cosf(b), SHADE[1] + half, SHADE[2] + ring[1] * sinf(b)},
-		    {SHADE[0] + ring[1] * cosf(a), SHADE[1] + half, SHADE[2] + ring[1] * sinf(a)}};
-		float u[3], v[3];
-		glm_vec3_sub((float *)ends[0], (float *)corner, u);
-		glm_vec3_sub((float *)ends[1], (float *)corner, v);
-		engine_mesh side;
-		made = shape_quad(corner, u, v, 1, 1, &side);
-		if (!made)
-			break;
-		/* The upper ring is narrower: no parallelogram. */
-		for (uint32_t p = 0; p < side.vertex_count; p++)
-			if (glm_vec3_distance(side.positions + 3 * p, (float *)ends[1]) > 1e-6f &&
-			    side.positions[3 * p + 1] > SHADE[1])
-				memcpy(side.positions + 3 * p, ends[2], sizeof ends[2]);
-		made = shape_append(&mesh, &side);
+		float c[4][3];
+		for (int n = 0; n < 4; n++) {
+			const float *circle = n < 2 ? first : second, side = (float)(k + (n == 0 || n == 3));
+			const float angle = 2 * GLM_PIf * side / SHADE_SIDES;
+			c[n][0] = SHADE[0] + circle[1] * cosf(angle);
+			c[n][1] = SHADE[1] + circle[0];
+			c[n][2] = SHADE[2] + circle[1] * sinf(angle);
+		}
+		made = append_facet(to, (const float(*)[3])c);
 	}
-	return made ? add(t, gi, "lampshade", CLOTH, &mesh, 0.08f, true) : GI_ERROR_OUT_OF_MEMORY;
+	return made;
+}
+
+/* A truncated cone, open above and below, of some thickness. */
+static gi_result add_shade(three_lights *t, gi_context *gi)
+{
+	static const float circles[4][2] = {{-0.16f, 0.24f}, {0.16f, 0.15f}, {0.16f, 0.144f}, {-0.16f, 0.234f}};
+	engine_mesh mesh = {0};
+	bool made = true;
+	for (int k = 0; k < 4 && made; k++)
+		made = append_ring(&mesh, circles[k], circles[(k + 1) % 4]);
+	return made ? add(t, gi, "lampshade", CLOTH, &mesh, 0.08f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static gi_result add_stands(three_lights *t, gi_context *gi)
 {
 	engine_mesh mesh = {0};
-	const float pole[2][3] = {{SHADE[0] - 0.015f, 0, SHADE[2] - 0.015f}, {SHADE[0] + 0.015f, 1.44f, SHADE[2] + 0.015f}};
+	const float pole[2][3] = {{SHADE[0] - 0.015f, 0, SHADE[2] - 0.015f},
+				  {SHADE[0] + 0.015f, 1.44f, SHADE[2] + 0.015f}};
 	const float foot[2][3] = {{SHADE[0] - 0.15f, 0, SHADE[2] - 0.15f}, {SHADE[0] + 0.15f, 0.03f, SHADE[2] + 0.15f}};
-	const float torch[2][3] = {{FLAME[0] - 0.03f, 1.45f, FLAME[2] - 0.03f}, {FLAME[0] + 0.03f, 1.75f, FLAME[2] + 0.03f}};
+	const float torch[2][3] = {{FLAME[0] - 0.03f, 1.45f, FLAME[2] - 0.03f},
+				   {FLAME[0] + 0.03f, 1.75f, FLAME[2] + 0.03f}};
 	const float arm[2][3] = {{FLAME[0] - 0.01f, 1.58f, -DEEP / 2}, {FLAME[0] + 0.01f, 1.62f, FLAME[2] - 0.03f}};
 	const bool made = append_box(&mesh, pole[0], pole[1]) && append_box(&mesh, foot[0], foot[1]) &&
 			  append_box(&mesh, torch[0], torch[1]) && append_box(&mesh, arm[0], arm[1]);
-	return made ? add(t, gi, "stands", IRON, &mesh, 0.1f, false) : GI_ERROR_OUT_OF_MEMORY;
+	return made ? add(t, gi, "stands", IRON, &mesh, 0.1f) : GI_ERROR_OUT_OF_MEMORY;
 }
 
 static gi_result add_objects(three_lights *t, gi_context *gi)
 {
-	const float x = WIDE / 2, z = DEEP / 2, along_x[3] = {WIDE, 0, 0}, up[3] = {0, HIGH, 0}, along_z[3] = {0, 0, DEEP};
+	const float x = WIDE / 2, z = DEEP / 2, along_x[3] = {WIDE, 0, 0}, up[3] = {0, HIGH, 0},
+		    along_z[3] = {0, 0, DEEP};
 	gi_result result = add_wall(t, gi, "floor", FLOOR, (float[]){-x, 0, -z}, along_z, along_x);
 	if (!result)
 		result = add_wall(t, gi, "ceiling", WHITE, (float[]){-x, HIGH, -z}, along_x, along_z);
@@ -222,7 +249,9 @@ static gi_light_def light_at(int which, double time_s)
 static bool create(void *user, gi_context *gi, char *message, size_t message_size)
 {
 	three_lights *t = user;
-	gi_result result = add_objects(t, gi);
+	gi_result result = gi_set_sky(gi, GI_SKY_ON, SKY);
+	if (!result)
+		result = add_objects(t, gi);
 	for (int k = 0; !result && k < LIGHTS; k++) {
 		const gi_light_def def = light_at(k, 0);
 		result = gi_create_light(gi, &def, &t->lights[k]);

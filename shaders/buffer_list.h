@@ -162,6 +162,10 @@
 #define RECEIVER_BUFFERS(X) \
 	/* of a set's points, one after the other: irradiance, or coefficients (receive.glsl) */ \
 	X(QUEUE, RECEIVED, light, received_light, vec4, SHADERS, "light of receivers")
+/* gi_probes, likewise. */
+#define PROBE_BUFFERS(X) \
+	/* 16 x 16 a probe (probe_planes.comp) */ \
+	X(TARGETS, PROBE_PLANES, planes, probe_plane, vec4, SHADERS, "planes about probes")
 
 /* gi_estimate, in places whose owners its dispatches do not read; it brings those back. */
 #define ESTIMATE_BUFFERS(X) \
@@ -181,7 +185,7 @@
 #define PLACED_BUFFERS(X) \
 	OLD_ROWS_TABLES(X) MOVE_BUFFERS(X) LOAN_BUFFERS(X) PATH_BUFFERS(X) SMOOTH_BUFFERS(X) CAUSTIC_BUFFERS(X) \
 	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) SKY_BUFFERS(X) DIFFUSION_BUFFERS(X) RECEIVER_BUFFERS(X) \
-	ESTIMATE_BUFFERS(X)
+	PROBE_BUFFERS(X) ESTIMATE_BUFFERS(X)
 /* clang-format on */
 
 #endif

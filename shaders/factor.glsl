@@ -172,13 +172,16 @@ float round_factor_from(receiver r, source s, vec3 x)
 {
 	if (s.disc) {
 		vec3 to = s.g.sphere.xyz - x;
-		return round_disc_factor(to, s.contour ? -dot(s.g.moment.xyz, normalize(to)) * s.unit * s.unit : s.shown);
+		float shown = s.contour ? -dot(s.g.moment.xyz, normalize(to)) * s.unit * s.unit : s.shown;
+		return round_disc_factor(to, shown);
 	}
 	if (s.sky && s.g.sphere.w < POINT_SOURCE)
 		return s.g.moment.w / (4.0 * PI);
 	vec3 origin = s.sky ? vec3(0.0) : x;
-	vec3 a = s.unit * corner_of(s.t.corners.x, s.same) - origin, b = s.unit * corner_of(s.t.corners.y, s.same) - origin,
-	     c = s.unit * corner_of(s.t.corners.z, s.same) - origin, d = s.unit * corner_of(s.t.corners.w, s.same) - origin;
+	vec3 a = s.unit * corner_of(s.t.corners.x, s.same) - origin;
+	vec3 b = s.unit * corner_of(s.t.corners.y, s.same) - origin;
+	vec3 c = s.unit * corner_of(s.t.corners.z, s.same) - origin;
+	vec3 d = s.unit * corner_of(s.t.corners.w, s.same) - origin;
 	return share_of_sphere(a, b, c) + share_of_sphere(a, c, d);
 }
 #endif

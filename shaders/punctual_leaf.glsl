@@ -1,5 +1,5 @@
-// What a light without a surface brings to a leaf or a receiver, were its intensity 1: of a receiver that sees all round
-// the irradiance of what faces the light there.
+// What a light without a surface brings to a leaf or a receiver, were its intensity 1: of a receiver that sees all
+// round the irradiance of what faces the light there.
 //
 // E = G sum V w f / sum w over points of the leaf: G is what a light that shines alike all round brings with nothing in
 // between, exactly: the solid angle of the leaf over its area, of a directional one the cosine. w is the part of each
@@ -104,7 +104,8 @@ float share_of_leaf(uint leaf, gi_punctual_light l, inout uint rays)
 	     second = direction_to_world(on, cross(q.c - q.a, q.d - q.a));
 	vec3 a = to_world(on, q.a), b = to_world(on, q.b), c = to_world(on, q.c), d = to_world(on, q.d);
 	bool triangle = q.c == q.d, round = q.a == q.b;
-	float flux = round ? flux_at_point(l, a) : triangle_flux(l, a, b, c) + (triangle ? 0.0 : triangle_flux(l, a, c, d));
+	float flux = round ? flux_at_point(l, a)
+			   : triangle_flux(l, a, b, c) + (triangle ? 0.0 : triangle_flux(l, a, c, d));
 	if (flux == 0.0 || (on.flags & GI_OBJECT_UNSEEN) != 0u)
 		return 0.0;
 	uint id = leaf + object_ids(on.object).x;

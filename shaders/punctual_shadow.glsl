@@ -1,20 +1,23 @@
 // The share of a light without a surface that a point sees, by the light's depth maps (shade_shared.h).
 //
 // Percentage-closer soft shadows (Fernando, 2005): looks around the point's place in the map say how far off what hides
-// the light is, and with that how wide the penumbra is that further looks average over. Looks aside are compared with
-// the plane of the point's own surface, or it would hide itself where looks are wide.
+// the light is, and with that how wide the penumbra is that further looks average over. Texels are compared with the
+// plane of the point's own surface, or it would hide itself where looks are wide.
+//
+// No light comes in along the edges of a room whose walls have no thickness: a look sees the light where all four texels
+// about it do, so that no look does from behind an edge; and of looks no wider than texels, half of which may lie beyond
+// the edge of what is next to the point, half have to see it before any light arrives.
 
 layout(std140, binding = GI_UNIFORM_LAMP) uniform view_block { gi_punctual_view view; };
-layout(binding = GI_UNIT_MAPS) uniform sampler2DArrayShadow depth_maps;   // compared
-layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values; // as they are
+layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values;
 
 const uint SEARCHES = 16u, LOOKS = 32u;
 
 // Looks of a light of no size reach so far, texels: enough to hide the texels.
-const float SHARP = 1.5;
+const float SHARP = 1.25;
 
 // A point is moved along its normal by so many texels, times the sine to the light, and towards it by so many.
-const float NORMAL_TEXELS = 1.6, DEPTH_TEXELS = 0.6;
+const float NORMAL_TEXELS = 1.0, DEPTH_TEXELS = 0.1;
 
 // Steeper surfaces than this get hardly any light, and their planes would reach through others.
 const float LEAST_FACING = 0.1;
@@ -75,9 +78,21 @@ vec2 on_spiral(uint k, uint count)
 	return sqrt((float(k) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
 }
 
+// Depth of the surface's plane there, or of the point where that is nearer: what lies behind it hides nothing.
 float depth_beside(map_place at, vec2 aside)
 {
-	return min(at.depth + dot(at.slope, aside), 1.0);
+	return min(at.depth + min(dot(at.slope, aside), 0.0), 1.0);
+}
+
+bool sees_light(map_place at, vec2 aside)
+{
+	float size = view.map.w;
+	vec2 first = floor((at.uv + aside) * size - 0.5);
+	vec4 depth = textureGather(depth_values, vec3((first + 1.0) / size, at.layer));
+	vec2 from = (first + 0.5) / size - at.uv, to = from + 1.0 / size;
+	vec4 own = vec4(depth_beside(at, vec2(from.x, to.y)), depth_beside(at, to),
+			depth_beside(at, vec2(to.x, from.y)), depth_beside(at, from));
+	return all(greaterThanEqual(depth, own));
 }
 
 // How far off what hides the light is in the mean. False: nothing does.
@@ -131,7 +146,8 @@ float punctual_visibility(vec3 p, vec3 n, float cosine, bool wanted)
 	float lit = 0.0;
 	for (uint k = looks ? 0u : LOOKS; k < LOOKS; k++) {
 		vec2 aside = reach * on_spiral(k, LOOKS);
-		lit += texture(depth_maps, vec4(at.uv + aside, at.layer, depth_beside(at, aside)));
+		lit += sees_light(at, aside) ? 1.0 : 0.0;
 	}
-	return looks ? lit / float(LOOKS) : 1.0;
+	float beyond = 0.5 * SHARP / (view.map.w * reach);
+	return looks ? max(lit / float(LOOKS) - beyond, 0.0) / (1.0 - beyond) : 1.0;
 }

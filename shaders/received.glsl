@@ -7,8 +7,8 @@ struct received {
 };
 
 // By the solve, B = E + rho H but for its residual: what is stored lies within BOUND of the solution of the rows, and
-// |T B - B| = |M (B* - B)| <= 2 BOUND. That holds as long as E and rho are those of the solve, which knows no receivers.
-// What lights without a surface bring is no row's.
+// |T B - B| = |M (B* - B)| <= 2 BOUND. That holds as long as E and rho are those of the solve, which knows no
+// receivers. What lights without a surface bring is no row's.
 received received_by(uint leaf, gi_material_data m)
 {
 	if (leaf >= frame.counts.x || (frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_BY_ROWS)) != 0u)

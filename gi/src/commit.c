@@ -8,6 +8,7 @@
 #include "context.h"
 #include "handles.h"
 #include "host_memory.h"
+#include "probes.h"
 #include "programs.h"
 #include "receive.h"
 #include "receiver_sets.h"
@@ -277,6 +278,7 @@ gi_result commit_objects(gi_context *gi)
 	diffusion_invalidate(gi);
 	gi->layout++;
 	receive_invalidate(gi);
+	probes_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;

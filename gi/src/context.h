@@ -12,6 +12,7 @@
 #include "lamp.h"
 #include "light_list.h"
 #include "paths.h"
+#include "probes.h"
 #include "punctual.h"
 #include "receive.h"
 #include "receiver_sets.h"
@@ -39,6 +40,7 @@ struct gi_context {
 	gi_sky_state sky;
 	gi_lamps lamps;
 	gi_receiver_sets receivers;
+	gi_probes *probes;   /* likewise, with probes */
 	gi_receive *receive; /* made by the first update of a scene with receivers */
 	gi_estimate estimate;
 	gi_shade *shade;                 /* made by the first gi_draw */

@@ -8,6 +8,7 @@
 #include "host_memory.h"
 #include "programs.h"
 #include "reshape.h"
+#include "probes.h"
 #include "receive.h"
 #include "receiver_sets.h"
 #include "specular.h"
@@ -221,10 +222,14 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		result = specular_update(gi);
 	if (!result)
 		result = receive_prepare(gi);
+	if (!result)
+		result = probes_prepare(gi);
 	if (result)
 		return result;
 	if (c.rows || c.receivers) {
 		result = rows_update(gi, budget);
+		if (!result)
+			probes_update(gi);
 		forget_what_was_shown(gi);
 	} else if (c.light) {
 		result = rows_relight(gi);
@@ -243,7 +248,7 @@ static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 		solver_update(gi, anew, budget);
 	if (gi->budget.in_force)
 		budget_bound(gi);
-	receive_update(gi);
+	receive_update(gi, punctual_bind(gi));
 	result = solves ? estimate_update(gi) : GI_OK;
 	if (result)
 		return result;

@@ -5,6 +5,7 @@
 #include "context.h"
 #include "handles.h"
 #include "host_memory.h"
+#include "probes.h"
 #include "programs.h"
 #include "receive.h"
 #include "sky.h"
@@ -222,6 +223,7 @@ void gi_context_destroy(gi_context *gi)
 	specular_free(gi);
 	diffusion_free(gi);
 	receive_free(gi);
+	probes_free(gi);
 	receiver_sets_free(gi);
 	specular_rows_free(gi);
 	estimate_free(gi);

@@ -43,8 +43,8 @@ static gi_result map(const gi_log *log, const object_record *o, const float *pos
 	gi_drawn_locator l;
 	const bool enough = gi_drawn_locator_build(&o->hierarchy, true, &l);
 	for (uint32_t k = 0, near = 0; enough && k < count; k++) {
-		const gi_leaf_point at = gi_drawn_locate(&l, scaled(positions + 3 * (size_t)k, scale),
-							 normal_of(normals, k, scale), near);
+		const gi_leaf_point at =
+		    gi_drawn_locate(&l, scaled(positions + 3 * (size_t)k, scale), normal_of(normals, k, scale), near);
 		out[k] = (gi_vertex_light){0};
 		gi_drawn_light_at(&o->drawn, at.leaf, at.weight, out[k].light, out[k].weight);
 		near = at.leaf;
@@ -128,7 +128,7 @@ gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_object_
 
 const char *gi_glsl(const char *name)
 {
-	static const char *const files[] = {"gi_light.glsl"};
+	static const char *const files[] = {"gi_light.glsl", "gi_probe.glsl"};
 	for (size_t k = 0; name && k < sizeof files / sizeof *files; k++)
 		for (const gi_shader_source *s = gi_shader_sources; strcmp(name, files[k]) == 0 && s->name; s++)
 			if (strcmp(s->name, name) == 0)

@@ -42,6 +42,17 @@ static void draw_maps(const gi_context *gi, const gi_punctual_shadow *s, const g
 	}
 }
 
+bool punctual_shadow_is_wanted(const gi_context *gi)
+{
+	const uint32_t wanted = GI_PUNCTUAL_THERE | GI_PUNCTUAL_BY_PIXELS;
+	uint32_t lights;
+	const gi_punctual_light *data = punctual_light_data(gi, &lights);
+	for (uint32_t k = 0; k < lights; k++)
+		if ((data[k].kind.x & wanted) == wanted)
+			return true;
+	return false;
+}
+
 /* The lights of pictures as they are now, and how many maps they have. */
 static uint32_t take_lights(const gi_context *gi, gi_punctual_shadow *s, uint32_t boxes)
 {
@@ -92,8 +103,7 @@ gi_result punctual_shadow_update(gi_context *gi, gi_punctual_shadow *s, const gi
 	gi_punctual_view before[GI_PIXEL_LIGHTS];
 	const uint32_t count_before = s->drawn ? s->count : 0;
 	memcpy(before, s->views, sizeof before);
-	uint32_t lights;
-	if (!punctual_light_data(gi, &lights)) {
+	if (!punctual_shadow_is_wanted(gi)) {
 		punctual_shadow_free(gi, s);
 		return GI_OK;
 	}

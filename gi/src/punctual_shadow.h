@@ -14,7 +14,10 @@ typedef struct gi_punctual_shadow {
 	bool drawn;                 /* maps are of the committed scene */
 } gi_punctual_shadow;
 
-/* After shadow_update(). Leaves another framebuffer bound when it drew. */
+/* Do pictures have lights of theirs, switched off ones too? */
+bool punctual_shadow_is_wanted(const struct gi_context *gi);
+
+/* After shadow_update(), where it is wanted. Leaves another framebuffer bound when it drew. */
 gi_result punctual_shadow_update(struct gi_context *gi, gi_punctual_shadow *shadow, const gi_shadow *lamps);
 
 /* Maps and numbers of one of them, for the picture's pass. */

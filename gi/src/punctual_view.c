@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Share of a map at each side that is rim. */
-static const double RIM = 1.0 / 32;
+static const double RIM = 1.0 / 16;
 
 /* Wider spots, slope of their outer angle, look into six maps. */
 static const double WIDEST = 1.8;

@@ -78,9 +78,8 @@ uint32_t receive_trace_program(const gi_context *gi, bool tops)
 	return tops ? gi->rows.tops_program : gi->rows.trace_program;
 }
 
-static void run(gi_context *gi, receive_kind facing_or_round, uint32_t first, uint32_t count)
+static void run(gi_context *gi, receive_kind facing_or_round, uint32_t lights, uint32_t first, uint32_t count)
 {
-	const uint32_t lights = punctual_bind(gi);
 	const uint32_t program = gi->receive->programs[facing_or_round + (lights ? RECEIVE_FACING_LIT : 0)];
 	if (!count)
 		return;
@@ -93,7 +92,7 @@ static void run(gi_context *gi, receive_kind facing_or_round, uint32_t first, ui
 	gpu_dispatch(&gi->gpu, program, count);
 }
 
-void receive_update(gi_context *gi)
+void receive_update(gi_context *gi, uint32_t lights)
 {
 	gi_receive *owner = gi->receive;
 	if (!owner)
@@ -101,8 +100,8 @@ void receive_update(gi_context *gi)
 	const uint32_t facing = count_facing(gi);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	RECEIVER_BUFFERS(BUFFER_BIND)
-	run(gi, RECEIVE_FACING, 0, facing);
-	run(gi, RECEIVE_ROUND, facing, gi->scene.receiver_count - facing);
+	run(gi, RECEIVE_FACING, lights, 0, facing);
+	run(gi, RECEIVE_ROUND, lights, facing, gi->scene.receiver_count - facing);
 	bind_rows(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	owner->written = true;
@@ -112,6 +111,12 @@ void receive_invalidate(gi_context *gi)
 {
 	if (gi->receive)
 		gi->receive->written = false;
+}
+
+const receiver_place *receive_place(const gi_context *gi, const receiver_set *set)
+{
+	const bool written = set->committed && gi->receive && gi->receive->written;
+	return written ? &gi->scene.sets[set->place] : NULL;
 }
 
 void receive_free(gi_context *gi)

@@ -4,6 +4,7 @@
 
 #include "buffers.h"
 #include "gpu.h"
+#include "receiver_sets.h"
 
 /* Of receivers with normals and of those without; the same where there are lights without a surface. */
 typedef enum receive_kind {
@@ -27,8 +28,11 @@ gi_result receive_prepare(gi_context *gi);
 /* In place of those of rows, where some receivers see all round. */
 uint32_t receive_factor_program(const gi_context *gi);
 uint32_t receive_trace_program(const gi_context *gi, bool tops);
-void receive_update(gi_context *gi);     /* after the solve */
+/* After the solve. lights: how many without a surface are bound (punctual_bind). */
+void receive_update(gi_context *gi, uint32_t lights);
 void receive_invalidate(gi_context *gi); /* receivers have other places */
+/* Where a set's light is; NULL: no update wrote it yet. */
+const receiver_place *receive_place(const gi_context *gi, const receiver_set *set);
 void receive_free(gi_context *gi);
 
 #endif

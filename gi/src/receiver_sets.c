@@ -48,7 +48,7 @@ static receiver_set *free_place(gi_receiver_sets *s)
 	return &s->list[s->count++];
 }
 
-bool receiver_sets_add(gi_context *gi, const receiver_set *made, gi_receivers *out)
+static bool add(gi_context *gi, const receiver_set *made, gi_receivers *out)
 {
 	gi_receiver_sets *s = &gi->receivers;
 	receiver_set *place = free_place(s);
@@ -65,6 +65,81 @@ bool receiver_sets_add(gi_context *gi, const receiver_set *made, gi_receivers *o
 	*place = set;
 	*out = (gi_receivers){(uint32_t)(place - s->list) + 1, place->generation, gi->number};
 	return true;
+}
+
+/* Sets the k-th point; false: out of range. Either array may be NULL. */
+static bool set_point(receiver_point *p, const float *positions, const float *normals, size_t k)
+{
+	double length = 0;
+	for (size_t c = 0; c < 3; c++) {
+		if (positions)
+			p->position[c] = positions[3 * k + c];
+		if (normals)
+			length += (double)normals[3 * k + c] * (double)normals[3 * k + c];
+		if (!(fabsf(p->position[c]) <= OBJECT_MAX_LENGTH))
+			return false;
+	}
+	if (!normals)
+		return true;
+	length = sqrt(length);
+	if (!(length > 0) || !isfinite(length))
+		return false;
+	for (size_t c = 0; c < 3; c++)
+		p->normal[c] = (float)((double)normals[3 * k + c] / length);
+	return true;
+}
+
+/* False: nothing was set. */
+static bool set_points(const gi_context *gi, receiver_point *points, uint32_t count, const float *positions,
+		       const float *normals)
+{
+	for (uint32_t k = 0; k < count; k++)
+		if (!set_point(&points[k], positions, normals, k)) {
+			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+				"receivers: point %u is beyond 1e9 m of the origin, or its normal is 0 or not finite",
+				k);
+			return false;
+		}
+	return true;
+}
+
+gi_result receiver_sets_create(gi_context *gi, const gi_receivers_def *def, const receiver_grid *grid,
+			       gi_receivers *out)
+{
+	receiver_set set = {.object = def->object,
+			    .pose = def->pose,
+			    .count = def->count,
+			    .coefficients = (def->harmonics + 1) * (def->harmonics + 1),
+			    .size = def->size,
+			    .offset = def->offset};
+	if (grid)
+		set.grid = *grid;
+	set.points = gi_calloc(def->count, sizeof *set.points);
+	gi_result result = set.points ? GI_OK : GI_ERROR_OUT_OF_MEMORY;
+	if (!result && !set_points(gi, set.points, set.count, def->positions, def->normals)) {
+		gi_free(set.points);
+		return GI_ERROR_INVALID_ARGUMENT;
+	}
+	if (!result && !add(gi, &set, out))
+		result = GI_ERROR_OUT_OF_MEMORY;
+	if (!result)
+		return GI_OK;
+	gi_free(set.points);
+	return gi_fail(&gi->gpu.log, result, "receivers: out of memory");
+}
+
+gi_result receiver_set_reshape(gi_context *gi, receiver_set *set, const float *positions, const float *normals)
+{
+	for (uint32_t k = 0; k < set->count; k++) {
+		receiver_point scratch = set->points[k];
+		if (!set_points(gi, &scratch, 1, positions ? positions + 3 * (size_t)k : NULL,
+				normals ? normals + 3 * (size_t)k : NULL))
+			return GI_ERROR_INVALID_ARGUMENT;
+	}
+	for (uint32_t k = 0; k < set->count; k++)
+		set_point(&set->points[k], positions, normals, k);
+	set->moved = set->reshaped = true;
+	return GI_OK;
 }
 
 static void free_points(receiver_set *set)

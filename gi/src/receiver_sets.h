@@ -17,6 +17,12 @@ typedef struct receiver_point {
 	float normal[3]; /* unit; 0: none */
 } receiver_point;
 
+/* Of probes: where they are, in the world. */
+typedef struct receiver_grid {
+	float lower[3], spacing; /* spacing 0: no probes */
+	uint32_t count[3];
+} receiver_grid;
+
 typedef struct receiver_set {
 	uint32_t generation; /* of the handle that owns this place; odd while alive */
 	bool committed;
@@ -28,6 +34,7 @@ typedef struct receiver_set {
 	uint32_t count;
 	uint32_t coefficients; /* vec4 a point: 1 irradiance, 4 or 9 spherical harmonics */
 	float size, offset;
+	receiver_grid grid;
 	uint32_t id, ids;      /* of its points, as object_record.leaf_id */
 	uint32_t place;        /* in gi_scene.sets, while committed */
 	uint32_t moved_update; /* number of the row update that last saw it move */
@@ -40,8 +47,11 @@ typedef struct gi_receiver_sets {
 } gi_receiver_sets;
 
 receiver_set *receiver_sets_find(const gi_context *gi, gi_receivers handle);
-/* Takes what was made; false: out of memory. */
-bool receiver_sets_add(gi_context *gi, const receiver_set *made, gi_receivers *out);
+/* From a definition that was checked but for its points. grid: NULL but for probes. */
+gi_result receiver_sets_create(gi_context *gi, const gi_receivers_def *def, const receiver_grid *grid,
+			       gi_receivers *out);
+/* Other points, or normals; NULL: those that are there. Checks them. */
+gi_result receiver_set_reshape(gi_context *gi, receiver_set *set, const float *positions, const float *normals);
 void receiver_sets_remove(receiver_set *set);
 /* Do all points look round instead of along a normal? */
 bool receiver_set_is_round(const receiver_set *set);

@@ -42,64 +42,6 @@ static gi_result check_def(const gi_context *gi, const gi_receivers_def *def)
 	return GI_OK;
 }
 
-/* Sets the k-th point; false: out of range. Either array may be NULL. */
-static bool set_point(receiver_point *p, const float *positions, const float *normals, size_t k)
-{
-	double length = 0;
-	for (size_t c = 0; c < 3; c++) {
-		if (positions)
-			p->position[c] = positions[3 * k + c];
-		if (normals)
-			length += (double)normals[3 * k + c] * (double)normals[3 * k + c];
-		if (!is_length(p->position[c]))
-			return false;
-	}
-	if (!normals)
-		return true;
-	length = sqrt(length);
-	if (!(length > 0) || !isfinite(length))
-		return false;
-	for (size_t c = 0; c < 3; c++)
-		p->normal[c] = (float)((double)normals[3 * k + c] / length);
-	return true;
-}
-
-/* False: nothing was set. */
-static bool set_points(const gi_context *gi, receiver_point *points, uint32_t count, const float *positions,
-		       const float *normals)
-{
-	for (uint32_t k = 0; k < count; k++)
-		if (!set_point(&points[k], positions, normals, k)) {
-			gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-				"receivers: point %u is beyond 1e9 m of the origin, or its normal is 0 or not finite",
-				k);
-			return false;
-		}
-	return true;
-}
-
-static gi_result create(gi_context *gi, const gi_receivers_def *def, gi_receivers *out)
-{
-	receiver_set set = {.object = def->object,
-			    .pose = def->pose,
-			    .count = def->count,
-			    .coefficients = (def->harmonics + 1) * (def->harmonics + 1),
-			    .size = def->size,
-			    .offset = def->offset};
-	set.points = gi_calloc(def->count, sizeof *set.points);
-	gi_result result = set.points ? GI_OK : GI_ERROR_OUT_OF_MEMORY;
-	if (!result && !set_points(gi, set.points, set.count, def->positions, def->normals)) {
-		gi_free(set.points);
-		return GI_ERROR_INVALID_ARGUMENT;
-	}
-	if (!result && !receiver_sets_add(gi, &set, out))
-		result = GI_ERROR_OUT_OF_MEMORY;
-	if (!result)
-		return GI_OK;
-	gi_free(set.points);
-	return gi_fail(&gi->gpu.log, result, "receivers: out of memory");
-}
-
 gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out)
 {
 	if (out)
@@ -119,7 +61,7 @@ gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_re
 	if (!object_normalise_pose(&gi->gpu.log, &checked.pose, "receivers"))
 		return GI_ERROR_INVALID_POSE;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
-	const gi_result result = create(gi, &checked, out);
+	const gi_result result = receiver_sets_create(gi, &checked, NULL, out);
 	gi_memory_from(before);
 	return result;
 }
@@ -147,9 +89,9 @@ gi_result gi_set_receivers_pose(gi_context *gi, gi_receivers receivers, gi_pose 
 	receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
 		return stale(gi, "gi_set_receivers_pose");
-	if (set->object.index1)
+	if (set->object.index1 || set->grid.spacing > 0)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "gi_set_receivers_pose: these are fixed to an object and move with it");
+			       "gi_set_receivers_pose: these are fixed to an object and move with it, or probes");
 	if (!object_normalise_pose(&gi->gpu.log, &pose, "receivers"))
 		return GI_ERROR_INVALID_POSE;
 	set->moved = set->moved || memcmp(&pose, &set->pose, sizeof pose) != 0;
@@ -164,24 +106,9 @@ gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const float *
 	receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
 		return stale(gi, "gi_set_receivers");
-	receiver_point scratch = {0};
-	for (uint32_t k = 0; k < set->count; k++) {
-		scratch = set->points[k];
-		if (!set_points(gi, &scratch, 1, positions ? positions + 3 * (size_t)k : NULL,
-				normals ? normals + 3 * (size_t)k : NULL))
-			return GI_ERROR_INVALID_ARGUMENT;
-	}
-	for (uint32_t k = 0; k < set->count; k++)
-		set_point(&set->points[k], positions, normals, k);
-	set->moved = set->reshaped = true;
-	return GI_OK;
-}
-
-/* Where its light is; NULL: no update wrote it yet. */
-static const receiver_place *place_of(const gi_context *gi, const receiver_set *set)
-{
-	const bool written = set->committed && gi->receive && gi->receive->written;
-	return written ? &gi->scene.sets[set->place] : NULL;
+	if (set->grid.spacing > 0)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_set_receivers: probes stay on their grid");
+	return receiver_set_reshape(gi, set, positions, normals);
 }
 
 gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, gi_receiver_buffer *out)
@@ -191,7 +118,7 @@ gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, g
 	const receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
 		return stale(gi, "gi_get_receiver_buffer");
-	const receiver_place *place = place_of(gi, set);
+	const receiver_place *place = receive_place(gi, set);
 	if (!place)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 			       "gi_get_receiver_buffer: call gi_commit() and gi_update() first");

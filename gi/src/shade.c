@@ -524,9 +524,7 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 static gi_result update_shadows(gi_context *gi)
 {
 	gi_shadow *shadow = &gi->shade->shadow;
-	uint32_t lights;
-	const bool lit = punctual_light_data(gi, &lights);
-	if (!gi->lamps.count && !lit) {
+	if (!gi->lamps.count && !punctual_shadow_is_wanted(gi)) {
 		shadow->lamp_count = 0;
 		punctual_shadow_free(gi, &gi->shade->punctual);
 		return GI_OK;

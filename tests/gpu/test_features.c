@@ -20,6 +20,7 @@ typedef enum feature {
 	STATICS,
 	KEPT_ROWS,
 	SKY,
+	SKY_IMAGE,
 	SPECULAR,
 	CAUSTICS,
 	SUBSURFACE,
@@ -47,6 +48,7 @@ static const struct {
     [STATICS] = {"no static objects", {"trace_tops.comp", "covered.comp", "cut_kept.comp"}},
     [KEPT_ROWS] = {"no second commit", {"renumber.comp"}},
     [SKY] = {"no sky", {NULL}},
+    [SKY_IMAGE] = {"no picture of the sky", {"texels of the sky", "mirror_sky"}},
     [SPECULAR] = {"no mirrors, no glass",
 		  {"specular_path", "gather_specular", "close_specular", "smooth ", "ends of ways", "mirror"}},
     [CAUSTICS] = {"no caustics", {"caustic", "splat.frag"}},
@@ -57,9 +59,11 @@ static const struct {
     [PIXEL_LAMPS] = {"no lamps per pixel",
 		     {"light_more", "light_last", "shadow.frag", "shadow casters", "lamps", "occluder masks"}},
     [PICTURE] = {"no drawing", {"surface.frag", "drawn surfaces", "surfaces", "whole picture"}},
-    [RECEIVERS] = {"no receivers", {"receive.comp", "light of receivers"}},
-    [HARMONICS] = {"no harmonics", {"receive_harmonics.comp", "trace_round.comp", "factor_round.comp"}},
-    [LIGHTS] = {"no lights but emitters", {"punctual", "lights without a surface", "lights: "}},
+    [RECEIVERS] = {"no receivers", {"receive", "light of receivers"}},
+    [HARMONICS] = {"no harmonics", {"receive_harmonics", "trace_round.comp", "factor_round.comp"}},
+    [LIGHTS] = {"no lights but emitters",
+		{"punctual_", "emitted_specular_punctual", "receive_punctual", "light_punctual.frag",
+		 "lights without a surface", "lights: ", "lights of pictures"}},
     [DEFORMING] = {"nothing deforms", {NULL}},
 };
 
@@ -214,6 +218,15 @@ static void make_receivers(const scene *s)
 		assert_gi(gi_create_receivers(s->gi, &def, &receivers));
 }
 
+/* Brighter at one side. */
+static void set_sky_image(const scene *s)
+{
+	static float radiance[3 * 8 * 4];
+	for (int k = 0; k < 3 * 8 * 4; k++)
+		radiance[k] = k % 24 < 6 ? 1 : .2f;
+	assert_gi(gi_set_sky_image(s->gi, radiance, 8, 4, NULL));
+}
+
 static void make_light(const scene *s)
 {
 	gi_light_def def = gi_light_def_default();
@@ -289,6 +302,8 @@ static counts count_scene(uint32_t features_on)
 	make_objects(&s);
 	make_receivers(&s);
 	make_light(&s);
+	if (has(&s, SKY_IMAGE))
+		set_sky_image(&s);
 	assert_gi(gi_commit(s.gi));
 	harness_update(s.gi);
 	if (has(&s, KEPT_ROWS)) {
@@ -330,6 +345,7 @@ static void print_row(const char *name, const counts *c)
 static uint32_t without(feature f)
 {
 	static const uint32_t takes[FEATURES] = {[MOTION] = OF(KEPT_ROWS) | OF(DEFORMING),
+						 [SKY] = OF(SKY_IMAGE),
 						 [SPECULAR] = OF(CAUSTICS),
 						 [PICTURE] = OF(PIXEL_LAMPS),
 						 [RECEIVERS] = OF(HARMONICS)};

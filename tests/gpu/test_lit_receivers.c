@@ -179,7 +179,7 @@ static void test_switches(void **state)
 	gi_context_destroy(s.gi);
 }
 
-/* What moves, alone and together, is what a rebuild says, bit for bit; a frame in which nothing moves traces nothing. */
+/* What moves, alone and together, is what a rebuild says, bit for bit; where nothing moves nothing is traced. */
 static void test_moves(void **state)
 {
 	(void)state;

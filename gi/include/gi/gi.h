@@ -743,7 +743,7 @@ typedef struct gi_report {
 	gi_outcome outcome;
 
 	uint32_t objects, leaves, nodes; /* nodes: leaves and their ancestors */
-	uint64_t entries;                /* in all rows, hidden ones too */
+	uint64_t entries;                /* in all rows, receivers' too, hidden ones too */
 	uint64_t links;                  /* entries the solve reads: not hidden, not black */
 	uint64_t new_entries;            /* cut anew this frame */
 	uint64_t flagged_entries;        /* at rest, but retested since a mover may have changed them */
@@ -879,8 +879,9 @@ GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float
  *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance is
  *                        (rho H + E) / pi
  *
- * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all but
- * that of the lamps that gi_draw lights per pixel. gi_object_def.undrawn spares what only gi_draw takes. */
+ * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all
+ * but that of the lamps that gi_draw lights per pixel. Of lights without a surface gi_light_def.shown says the same.
+ * gi_object_def.undrawn spares what only gi_draw takes. */
 
 /* Where a vertex has its light from: corners that leaves share (light vertices), counted from the first one of its
  * object. 32 bytes: as vertex attributes an integer and a float one of four, as a buffer texture two texels of
@@ -968,7 +969,7 @@ typedef struct gi_receivers_def {
 	uint32_t count; /* from 1 */
 	/* 0, the default: irradiance along the normal. 1 or 2: spherical harmonics of the irradiance along all normals,
 	 * up to that band, 4 or 9 coefficients a colour: where there is no normal, or a normal map follows. A receiver
-	 * is then a point that sees all round, 20 to 60 % more entries than one with a normal */
+	 * is then a point that sees all round. Band 1 alone is up to 35 % off along a normal, band 2 up to 8 % */
 	uint32_t harmonics;
 	/* Side of the square across the normal that light is taken the mean over, a lightmap's texel, metres; default
 	 * 0: about a point, a 4096th of its coordinates wide. Nothing to harmonics */
@@ -985,8 +986,8 @@ typedef struct gi_receivers_def {
 
 GI_API gi_receivers_def gi_receivers_def_default(void);
 
-/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too. On
- * failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
+/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too; under
+ * a budget those that came are dark until their rows were refreshed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
 GI_API gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out);
 
 /* The next gi_commit gives their place away; until then the buffer is as it is. */
@@ -1009,8 +1010,8 @@ GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const 
  *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
  *       Representation for Irradiance Environment Maps, 2001). World axes.
  *
- * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for lights
- * that the host draws itself, GI_LIGHT_BY_HOST. The library writes the buffer by a compute shader
+ * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for
+ * lights that the host draws itself (GI_LIGHT_BY_HOST). The library writes the buffer by a compute shader
  * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
  * otherwise glMemoryBarrier with the bit for that. It must not write it. */
 typedef struct gi_receiver_buffer {
@@ -1024,6 +1025,44 @@ GI_API gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers recei
  * NULL to ask for the count. */
 GI_API gi_result gi_read_receivers(gi_context *gi, gi_receivers receivers, float *light, uint32_t capacity,
 				   uint32_t *count);
+
+/* ---- probes ------------------------------------------------------------------------------------------------------ */
+
+/* A grid of receivers that see all round, for characters, particles and fog, and a look-up between them for the host's
+ * shaders (gi_glsl("gi_probe.glsl")) that asks only those that see the place: each knows in 256 directions the planes of
+ * the surfaces within the diagonal of a cell, so that a wall of any thickness above spacing / 20 hides what is behind
+ * it. They are traced again where something moved near a probe. */
+typedef struct gi_probes_def {
+	float lower[3];     /* the first probe, metres, each within 1e9 of 0; world */
+	float spacing;      /* > 0: between neighbours along each axis, metres */
+	uint32_t count[3];  /* along x, y and z, each from 1 */
+	uint32_t harmonics; /* 1 or 2; default 2: band 1 alone is up to 35 % off along a normal, band 2 up to 8 % */
+	uint32_t internal;
+} gi_probes_def;
+
+GI_API gi_probes_def gi_probes_def_default(void);
+
+/* Receivers in the order x, then y, then z, which stay where they are: of the functions for receivers those that move
+ * them refuse. Errors as of gi_create_receivers. */
+GI_API gi_result gi_create_probes(gi_context *gi, const gi_probes_def *def, gi_receivers *out);
+
+/* As shaders have it: gi_probe_grid of gi_probe.glsl, three vec4. */
+typedef struct gi_probe_grid {
+	float lower[3], spacing;
+	uint32_t count[3], first_light; /* where its light begins, in vec4 */
+	uint32_t stride, first_plane;   /* vec4 a probe, 4 or 9; where its planes begin */
+	uint32_t unused[2];
+} gi_probe_grid;
+
+/* OpenGL names: of the buffers for storage blocks, of their buffer textures (GL_RGBA32UI) for samplers. They and the
+ * grid's numbers are valid as long as those of gi_get_receiver_buffer, and the same barriers hold. */
+typedef struct gi_probe_buffers {
+	uint32_t light, planes;
+	uint32_t light_texture, planes_texture;
+	gi_probe_grid grid;
+} gi_probe_buffers;
+
+GI_API gi_result gi_get_probe_buffers(const gi_context *gi, gi_receivers probes, gi_probe_buffers *out);
 
 /* ---- read-back (waits for the GPU) ------------------------------------------------------------------------------- */
 
