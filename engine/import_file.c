@@ -38,6 +38,9 @@ void engine_scene_free(engine_scene *scene)
 		free(scene->objects[i].name);
 	}
 	free(scene->materials);
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		free(scene->textures[i].pixels.rgba);
+	free(scene->textures);
 	free(scene->objects);
 	free_graph(scene->graph);
 	memset(scene, 0, sizeof *scene);

@@ -532,17 +532,47 @@ static void check_emits(const char *image, float expected, const char *words)
 }
 
 /* In linear light: 188 of 255 is about a half. */
-static void emissive_textures_count_by_their_mean(void **state)
+static void emissive_textures_are_read(void **state)
 {
 	(void)state;
-	static const char mean[] = "emissive textures are read as their mean (\"paint\")";
-	check_emits("data:image/png;base64," BLACK, 0, mean);
-	check_emits("data:image/png;base64," HALF_WHITE, 2, mean);
-	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, mean);
+	check_emits("data:image/png;base64," BLACK, 0, "");
+	check_emits("data:image/png;base64," HALF_WHITE, 2, "");
+	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, "");
 	check_emits("data:image/webp;base64,UklGRgAAAABXRUJQ", 4, "it is neither PNG nor JPEG");
 	check_emits("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg", 4, "cut off");
 	check_emits("../../../../etc/passwd", 4, "emissive textures are left out: lies outside");
 	check_emits("none.png", 4, "emissive textures are left out: cannot be opened");
+}
+
+/* Corners keep their coordinates through welding and pairing; the factor stays apart from the picture. */
+static void textures_come_with_their_coordinates(void **state)
+{
+	(void)state;
+	static const float uvs[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+	begin();
+	ADD_FLOATS(uvs, 4, "VEC2");
+	engine_scene scene = load_kind(
+	    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_1\":4},"
+	    "\"indices\":1,\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
+	    "\"baseColorFactor\":[0.5,1,1,1],\"baseColorTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{"
+	    "\"KHR_texture_transform\":{\"offset\":[0.25,0],\"scale\":[2,1]}}}}}],\"textures\":[{\"source\":0,"
+	    "\"sampler\":0}],\"samplers\":[{\"wrapS\":33071}],"
+	    "\"images\":[{\"uri\":\"data:image/png;base64," HALF_WHITE "\"}]");
+	const engine_mesh *mesh = &scene.objects[0].mesh;
+	const engine_scene_material *m = &scene.materials[0];
+	check_tells(&scene, "");
+	assert_true(scene.texture_count == 1 && scene.textures[0].pixels.width == 2 && m->rho_texture.number == 1);
+	check_floats(m->rho, (const float[3]){.25f, .5f, .5f}, 3, 1e-5f);
+	check_floats(m->rho_factor, (const float[3]){.5f, 1, 1}, 3, 1e-5f);
+	check_floats(m->rho_texture.transform[0], (const float[6]){2, 0, .25f, 0, 1, 0}, 6, 1e-6f);
+	assert_true(m->rho_texture.wrap[0] == ENGINE_WRAP_CLAMP && m->rho_texture.wrap[1] == ENGINE_WRAP_REPEAT);
+	printf("faces %u uvs %d\n", mesh->face_count, mesh->uvs != NULL);
+	assert_true(mesh->face_count == 1 && mesh->uvs);
+	for (uint32_t k = 0; k < mesh->index_count; k++) {
+		const float *p = mesh->positions + 3 * mesh->indices[k];
+		check_floats(mesh->uvs + 2 * k, (const float[2]){p[0], 1 - p[1]}, 2, 1e-6f);
+	}
+	engine_scene_free(&scene);
 }
 
 static void faces_of_little_alpha_let_light_through(void **state)
@@ -626,7 +656,7 @@ static void what_is_not_read_is_told(void **state)
 	check_kind(
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"
 		    "\"KHR_texture_transform\":{\"scale\":[2,2]}}}}"),
-	    2, "textures of base colours are not read, their factors are (\"paint\")");
+	    2, "textures of base colours are left out: the texture names no image (\"paint\")");
 	check_kind(
 	    "\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}},\"name\":\"bulb\"},{"
 	    "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":{\"KHR_lights_punctual\":{"
@@ -849,7 +879,8 @@ int main(void)
 	    cmocka_unit_test(quantized_positions),
 	    cmocka_unit_test(map_coordinates_keep_their_digits),
 	    cmocka_unit_test(meshes_far_from_their_own_zero),
-	    cmocka_unit_test(emissive_textures_count_by_their_mean),
+	    cmocka_unit_test(emissive_textures_are_read),
+	    cmocka_unit_test(textures_come_with_their_coordinates),
 	    cmocka_unit_test(faces_of_little_alpha_let_light_through),
 	    cmocka_unit_test(smooth_metals_are_mirrors_and_what_transmits_is_glass),
 	    cmocka_unit_test(what_is_not_read_is_told),
