@@ -143,7 +143,7 @@ static void try_places(file_rays *r, camera *view, bool *moved)
 /* 2 %: less than one ray of the grid. */
 static bool is_dark(file_rays *r, const camera *view)
 {
-	return r->rays > 0 && r->powers[r->count - 1] > 0 && share(r, view, shows_light) < 0.02f;
+	return r->rays > 0 && r->power > 0 && share(r, view, shows_light) < 0.02f;
 }
 
 bool file_inside_sees_backs(const engine_scene *scene, bool sky, const camera *view)

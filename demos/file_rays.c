@@ -88,6 +88,32 @@ static void find_sphere(file_rays *r)
 	r->radius = 0.5f * glm_vec3_distance(lower, upper);
 }
 
+static double mean_intensity(const engine_scene_light *l)
+{
+	return ((double)l->intensity[0] + l->intensity[1] + l->intensity[2]) / 3;
+}
+
+/* After find_sphere(). */
+static bool add_lights(file_rays *r, const engine_scene *scene)
+{
+	r->lights = malloc((scene->light_count + 1) * sizeof *r->lights);
+	for (uint32_t k = 0; r->lights && k < scene->light_count; k++) {
+		const engine_scene_light *from = &scene->lights[k];
+		file_ray_light *l = &r->lights[r->light_count];
+		*l = (file_ray_light){.type = from->type, .cosine = -1};
+		if (!engine_scene_light_at(scene, k, 0, l->place, l->direction))
+			continue;
+		if (l->type == ENGINE_LIGHT_SPOT)
+			l->cosine = cosf(from->outer_angle);
+		l->power = mean_intensity(from) * 2 * GLM_PI * (1 - (double)l->cosine);
+		if (l->type == ENGINE_LIGHT_DIRECTIONAL)
+			l->power = mean_intensity(from) * GLM_PI * (double)r->radius * (double)r->radius;
+		r->power += l->power;
+		r->light_count++;
+	}
+	return r->lights;
+}
+
 bool file_rays_make(file_rays *r, const engine_scene *scene, bool sky)
 {
 	size_t triangles = 0;
@@ -103,9 +129,12 @@ bool file_rays_make(file_rays *r, const engine_scene *scene, bool sky)
 	double sum = 0;
 	for (uint32_t k = 0; k < r->count; k++)
 		r->powers[k] = sum += (double)r->triangles[k].power;
+	r->power = sum;
 	if (r->count == 0)
 		return true;
 	find_sphere(r);
+	if (!add_lights(r, scene))
+		return false;
 	r->rays = TESTS / r->count;
 	r->rays = r->rays > MOST_RAYS ? MOST_RAYS : r->rays < LEAST_RAYS ? 0 : r->rays;
 	return true;
@@ -115,6 +144,7 @@ void file_rays_free(file_rays *r)
 {
 	free(r->triangles);
 	free(r->powers);
+	free(r->lights);
 	*r = (file_rays){0};
 }
 
@@ -181,9 +211,57 @@ void file_rays_scatter(file_rays *r, const float normal[3], float direction[3])
 	glm_vec3_muladds(up, distance * sinf(angle), direction);
 }
 
+/* Even within the cone about a unit axis. */
+static void in_cone(file_rays *r, const float axis[3], float cosine, float direction[3])
+{
+	vec3 away = {0, 0, 0}, right, up;
+	away[fabsf(axis[0]) < 0.6f ? 0 : 1] = 1;
+	glm_vec3_crossn(away, (float *)axis, right);
+	glm_vec3_cross((float *)axis, right, up);
+	const float along = 1 - (1 - cosine) * file_rays_random(r), angle = 2 * GLM_PIf * file_rays_random(r);
+	const float aside = sqrtf(fmaxf(0, 1 - along * along));
+	glm_vec3_scale((float *)axis, along, direction);
+	glm_vec3_muladds(right, aside * cosf(angle), direction);
+	glm_vec3_muladds(up, aside * sinf(angle), direction);
+}
+
+/* A sun's rays begin on a disc before the scene. */
+static void from_sun(file_rays *r, const file_ray_light *l, float origin[3])
+{
+	vec3 away = {0, 0, 0}, right, up;
+	away[fabsf(l->direction[0]) < 0.6f ? 0 : 1] = 1;
+	glm_vec3_crossn(away, (float *)l->direction, right);
+	glm_vec3_cross((float *)l->direction, right, up);
+	const float distance = r->radius * sqrtf(file_rays_random(r)), angle = 2 * GLM_PIf * file_rays_random(r);
+	glm_vec3_copy(r->middle, origin);
+	glm_vec3_muladds((float *)l->direction, -1.5f * r->radius, origin);
+	glm_vec3_muladds(right, distance * cosf(angle), origin);
+	glm_vec3_muladds(up, distance * sinf(angle), origin);
+}
+
+/* `wanted`: of the sum of their powers. */
+static void from_light(file_rays *r, double wanted, float origin[3], float direction[3])
+{
+	uint32_t k = 0;
+	while (k + 1 < r->light_count && wanted >= r->lights[k].power)
+		wanted -= r->lights[k++].power;
+	const file_ray_light *l = &r->lights[k];
+	glm_vec3_copy((float *)l->place, origin);
+	glm_vec3_copy((float *)l->direction, direction);
+	if (l->type == ENGINE_LIGHT_DIRECTIONAL)
+		from_sun(r, l, origin);
+	else
+		in_cone(r, l->direction, l->cosine, direction);
+}
+
 bool file_rays_from_lamp(file_rays *r, float origin[3], float direction[3])
 {
-	double wanted = r->count > 0 ? r->powers[r->count - 1] * (double)file_rays_random(r) : 0;
+	const double lamps = r->count > 0 ? r->powers[r->count - 1] : 0;
+	double wanted = r->count > 0 ? r->power * (double)file_rays_random(r) : 0;
+	if (r->light_count && wanted >= lamps && r->power > lamps) {
+		from_light(r, wanted - lamps, origin, direction);
+		return true;
+	}
 	uint32_t low = 0, high = r->count;
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;

@@ -20,10 +20,21 @@ typedef struct file_triangle {
 	float power; /* pi L times the area, mean of the channels: W of one side; 0: no lamp */
 } file_triangle;
 
+/* A light without a surface, where it is at the start. */
+typedef struct file_ray_light {
+	engine_light_type type;
+	float place[3], direction[3]; /* world */
+	float cosine;                 /* of a spot's outer angle */
+	double power;                 /* W; of a sun what falls on a disc as large as the scene */
+} file_ray_light;
+
 typedef struct file_rays {
 	file_triangle *triangles;
 	uint32_t count;
-	double *powers;          /* count: sums of power up to and with each triangle */
+	double *powers;         /* count: sums of power up to and with each triangle */
+	file_ray_light *lights; /* those without a surface */
+	uint32_t light_count;
+	double power;            /* of all lamps and lights */
 	float middle[3], radius; /* of a sphere about all */
 	uint32_t rays;           /* that take about a quarter of a second; 0: too many triangles for any */
 	bool sky;                /* what meets no face meets light */
@@ -52,7 +63,8 @@ file_hit file_rays_shoot(const file_rays *r, const float origin[3], const float 
 /* A number of [0, 1): the same sequence on every machine. */
 float file_rays_random(file_rays *r);
 
-/* A point on a lamp, as often as it gives light, and a direction from it with the cosine's density. False: no lamps. */
+/* A point on a lamp or light, as often as it gives light, and a direction from it as often as it shines there. False:
+ * there are none. */
 bool file_rays_from_lamp(file_rays *r, float origin[3], float direction[3]);
 
 /* A direction about a unit normal with the cosine's density. */

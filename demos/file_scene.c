@@ -193,6 +193,9 @@ void file_scene_view(const file_scene *f, double time_s, camera *out)
 
 static bool has_light(const engine_scene *scene)
 {
+	for (uint32_t k = 0; k < scene->light_count; k++)
+		if (scene->lights[k].intensity[0] + scene->lights[k].intensity[1] + scene->lights[k].intensity[2] > 0)
+			return true;
 	for (uint32_t k = 0; k < scene->material_count; k++) {
 		const float *radiance = scene->materials[k].radiance;
 		if (scene->materials[k].used && radiance[0] + radiance[1] + radiance[2] > 0)
@@ -238,11 +241,10 @@ static void warn(const file_scene *f, const char *path)
 		options_say(f->program, "%s: nothing in it emits light; --sky 3 gives it some", path);
 	for (uint32_t k = 0; k < f->scene.object_count; k++) {
 		const engine_scene_object *object = f->scene.objects + k;
-		add_told(&sized, object->scale_animated, object->name);
+		add_told(&sized, object->scale_animated && object->baked, object->name);
 		add_told(&mixed, mixes_sides(&f->scene, object), object->name);
 	}
-	tell(f, path, &sized,
-	     "objects of animated scale keep their size at rest; poses are rotations and translations");
+	tell(f, path, &sized, "objects whose transform shears and changes scale keep their shape at rest");
 	tell(f, path, &mixed, "objects with materials of one side and of two get two for all");
 }
 
@@ -266,8 +268,9 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 		return false;
 	const size_t count = f->scene.object_count + 1; /* an empty scene is a scene */
 	f->handles = calloc(count, sizeof *f->handles);
+	f->shapes = calloc(count, sizeof *f->shapes);
 	f->names = calloc(count, sizeof *f->names);
-	if (!f->handles || !f->names) {
+	if (!f->handles || !f->shapes || !f->names) {
 		snprintf(message, message_size, "%s: out of memory", path);
 		file_scene_free(f);
 		return false;
@@ -288,7 +291,12 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 
 void file_scene_free(file_scene *f)
 {
+	for (uint32_t k = 0; f->shapes && k < f->scene.object_count; k++)
+		file_shape_free(&f->shapes[k]);
+	free(f->shapes);
+	f->shapes = NULL;
 	engine_scene_free(&f->scene);
+	file_lights_free(&f->lights);
 	free(f->handles);
 	free(f->names);
 	f->handles = NULL;
@@ -471,12 +479,19 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	if (!created)
 		snprintf(message, message_size, "out of memory");
 	for (uint32_t k = 0; created && k < count; k++) {
-		moves[k] = f->scene.objects[k].animated;
+		moves[k] = f->scene.objects[k].animated || f->scene.objects[k].deforms;
 		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+		if (created && !file_shape_make(&f->scene, k, &objects[k].cage, &objects[k].drawn, &f->shapes[k])) {
+			snprintf(message, message_size, "out of memory");
+			created = false;
+		}
 		defs[k].mobility = moves[k] ? GI_MOBILITY_MOVABLE : GI_MOBILITY_AUTOMATIC;
+		defs[k].deforms = f->shapes[k].bends || f->shapes[k].scales;
 	}
 	if (created) {
-		const gi_result result = create_all(f, gi, objects, defs, moves, message, message_size);
+		gi_result result = create_all(f, gi, objects, defs, moves, message, message_size);
+		if (!result)
+			result = file_lights_create(&f->lights, &f->scene, gi, f->program);
 		if (result && !message[0])
 			snprintf(message, message_size, "%s", gi_result_text(result));
 		created = result == GI_OK;
@@ -509,13 +524,16 @@ gi_result file_scene_animate(file_scene *f, gi_context *gi, double time_s)
 	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
 		const engine_scene_object *object = f->scene.objects + k;
 		engine_pose pose;
-		if (!object->animated)
+		if (!object->animated && !object->deforms)
 			continue;
 		/* A key that is no pose for another reason leaves the object where it was. */
-		if (engine_scene_pose(&f->scene, k, time_s, &pose))
+		if (engine_scene_pose(&f->scene, k, time_s, &pose)) {
 			result = gi_set_pose(gi, f->handles[k], to_pose(&pose));
-		else if (object->vanishes)
+			if (!result)
+				result = file_shape_set(&f->scene, k, &f->shapes[k], gi, f->handles[k], time_s, &pose);
+		} else if (object->vanishes) {
 			result = gi_set_pose(gi, f->handles[k], out_of_sight(f));
+		}
 	}
-	return result;
+	return result ? result : file_lights_animate(&f->lights, &f->scene, gi, time_s);
 }

@@ -3,6 +3,8 @@
 #define DEMOS_FILE_SCENE_H
 
 #include "camera.h"
+#include "file_lights.h"
+#include "file_shape.h"
 #include "gi/gi.h"
 #include "options.h"
 #include "import_file.h"
@@ -20,7 +22,9 @@ typedef struct file_scene {
 	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */
 	uint32_t cage_faces; /* of the cages of detailed meshes; 0: chosen */
 	gi_object *handles;  /* scene.object_count */
+	file_shape *shapes;  /* likewise */
 	const char **names;
+	file_lights lights;
 	float lower[3], upper[3]; /* of everything at rest, world */
 	camera framing;           /* where the file has no camera */
 } file_scene;
@@ -35,7 +39,7 @@ void file_scene_free(file_scene *f);
  */
 bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t message_size);
 
-/* Poses what is animated. */
+/* Poses what is animated, lights too. */
 gi_result file_scene_animate(file_scene *f, gi_context *gi, double time_s);
 
 /* The file's camera, or one that sees everything. */

@@ -223,7 +223,7 @@ static bool sees_sky(file_rays *r)
 static bool mend_by_sky(engine_scene *scene, file_rays *r, const char *program)
 {
 	bool done = true;
-	if (r->powers[r->count - 1] > 0 || sees_sky(r))
+	if (r->power > 0 || sees_sky(r))
 		return true;
 	for (uint32_t o = 0; o < scene->object_count && done; o++)
 		done = make_two_sided(scene, &scene->objects[o]);

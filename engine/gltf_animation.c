@@ -57,30 +57,38 @@ static const char *fault_of_values(const import_channel *channel)
 		if (!isfinite(length2))
 			return "it has a value that is not finite";
 		bool is_value = parts == 1 || i % 3 == 1; /* tangents may be zero */
-		if (channel->components == 4 && is_value && !(length2 > 1e-12f))
+		if (channel->turns && is_value && !(length2 > 1e-12f))
 			return "it has a rotation of length 0";
 	}
 	return NULL;
 }
 
+/* Of what a channel's values are: weights of morph targets are single numbers, as many a key as there are targets. */
+typedef struct value_kind {
+	uint32_t components;
+	bool turns, weights;
+} value_kind;
+
 /* NULL, or what is wrong. Values beyond the keys' are not looked at. */
-static const char *read_channel(const gltf_document *document, const cJSON *sampler, uint32_t components,
+static const char *read_channel(const gltf_document *document, const cJSON *sampler, value_kind kind,
 				import_channel *channel)
 {
 	int64_t input = -1, output = -1;
 	const char *fault;
-	channel->components = components;
+	channel->components = kind.components;
+	channel->turns = kind.turns;
 	if (!read_interpolation(sampler, channel))
 		return "its interpolation is unknown";
 	if (!gltf_index(document, sampler, "input", GLTF_ACCESSORS, &input) ||
 	    !gltf_index(document, sampler, "output", GLTF_ACCESSORS, &output))
 		return "it names an accessor that is not there";
 	const gltf_accessor *times = gltf_find_accessor(document, input, 1, &fault);
-	const gltf_accessor *values = times ? gltf_find_accessor(document, output, components, &fault) : NULL;
+	const gltf_accessor *values =
+	    times ? gltf_find_accessor(document, output, kind.weights ? 1 : kind.components, &fault) : NULL;
 	if (!values)
 		return fault;
-	uint64_t parts = channel->interpolation == IMPORT_CUBIC ? 3 : 1;
-	if (values->count < parts * times->count)
+	uint64_t parts = channel->interpolation == IMPORT_CUBIC ? 3 : 1, each = kind.weights ? kind.components : 1;
+	if (values->count < parts * each * times->count)
 		return "it has fewer values than keys";
 	channel->times = gltf_floats(times);
 	channel->values = gltf_floats(values);
@@ -104,7 +112,8 @@ static int property_of(const char *path)
 /* The samplers of one animation, each read once however many channels play it. */
 typedef struct sampler {
 	const cJSON *from;
-	int32_t channels[2]; /* in the graph, of 3 and 4 components; -1: not read, -2: left out */
+	/* In the graph, of 3 components, of rotations and of weights; -1: not read, -2: left out */
+	int32_t channels[3];
 } sampler;
 
 typedef struct samplers {
@@ -126,13 +135,13 @@ static bool within_budget(gltf_document *document, const cJSON *from)
 }
 
 /* Appends to the graph's channels. False: out of memory (reported). */
-static bool add_channel(gltf_document *document, const cJSON *from, uint32_t components, const char *subject,
+static bool add_channel(gltf_document *document, const cJSON *from, value_kind kind, const char *subject,
 			int32_t *number)
 {
 	engine_scene_graph *graph = document->loader->scene->graph;
 	import_channel channel = {0};
 	*number = -2;
-	const char *fault = within_budget(document, from) ? read_channel(document, from, components, &channel)
+	const char *fault = within_budget(document, from) ? read_channel(document, from, kind, &channel)
 							  : "the animations would take too much memory";
 	import_channel *grown =
 	    fault ? NULL : realloc(graph->channels, (graph->channel_count + 1) * sizeof *graph->channels);
@@ -152,17 +161,39 @@ static bool add_channel(gltf_document *document, const cJSON *from, uint32_t com
 	return true;
 }
 
-static bool play(gltf_document *document, sampler *from, import_node *node, int property, const char *subject)
+/* The channel of a sampler goes to *number, -2: it is left out. False: out of memory (reported). */
+static bool play(gltf_document *document, sampler *from, value_kind kind, int32_t *number, const char *subject)
 {
 	engine_scene *scene = document->loader->scene;
-	int32_t *number = &from->channels[property == IMPORT_ROTATION];
-	if (*number == -1 && !add_channel(document, from->from, property == IMPORT_ROTATION ? 4 : 3, subject, number))
+	int32_t *read = &from->channels[kind.weights ? 2 : kind.turns ? 1 : 0];
+	if (*read == -1 && !add_channel(document, from->from, kind, subject, read))
 		return false;
-	if (*number < 0)
+	if (*read < 0)
 		return true;
-	const import_channel *channel = &scene->graph->channels[*number];
-	node->channels[property] = *number;
+	const import_channel *channel = &scene->graph->channels[*read];
+	if (channel->components != kind.components) {
+		import_note(document->loader, subject,
+			    "animations of morph targets that meshes of other targets share are left out");
+		return true;
+	}
+	*number = *read;
 	scene->duration_s = fmax(scene->duration_s, (double)channel->times[channel->key_count - 1]);
+	return true;
+}
+
+static bool bind_weights(gltf_document *document, sampler *from, int64_t number, const char *name)
+{
+	import_node *node = &document->loader->scene->graph->nodes[number];
+	const uint32_t targets = gltf_count_targets(document, number);
+	if (targets == 0 || targets > IMPORT_MOST_TARGETS)
+		import_note(document->loader, name,
+			    "animations of morph targets of meshes without any, or with more than %d, are left out",
+			    IMPORT_MOST_TARGETS);
+	else if (node->weights_channel >= 0)
+		import_note(document->loader, name,
+			    "further animations of one property are left out: the first counts");
+	else
+		return play(document, from, (value_kind){targets, false, true}, &node->weights_channel, name);
 	return true;
 }
 
@@ -177,9 +208,9 @@ static bool bind_channel(gltf_document *document, const cJSON *channel, const sa
 	if (found && node_number < 0)
 		return true; /* the target of an extension, which is told */
 	const char *name = found ? document->node_names[node_number] : NULL;
-	if (path && strcmp(path, "weights") == 0)
-		import_note(document->loader, name, "animations of morph targets are not read");
-	else if (!found || property == IMPORT_PROPERTIES || !(wanted >= 0 && wanted < all->count))
+	if (found && path && strcmp(path, "weights") == 0 && wanted >= 0 && wanted < all->count)
+		return bind_weights(document, &all->items[(uint32_t)wanted], node_number, name);
+	if (!found || property == IMPORT_PROPERTIES || !(wanted >= 0 && wanted < all->count))
 		import_note(document->loader, name,
 			    "animation channels without a node, a property or a sampler are left out");
 	else if (document->loader->scene->graph->nodes[node_number].has_matrix)
@@ -191,7 +222,8 @@ static bool bind_channel(gltf_document *document, const cJSON *channel, const sa
 			    "further animations of one property are left out: the first counts");
 	else
 		return play(document, &all->items[(uint32_t)wanted],
-			    &document->loader->scene->graph->nodes[node_number], property, name);
+			    (value_kind){property == IMPORT_ROTATION ? 4 : 3, property == IMPORT_ROTATION, false},
+			    &document->loader->scene->graph->nodes[node_number].channels[property], name);
 	return true;
 }
 
@@ -201,7 +233,7 @@ static bool read_animation(gltf_document *document, const cJSON *from)
 	samplers all = {.items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *all.items)};
 	if (!all.items)
 		return import_fail(document->loader, "out of memory for animations");
-	cJSON_ArrayForEach(item, array) all.items[all.count++] = (sampler){item, {-1, -1}};
+	cJSON_ArrayForEach(item, array) all.items[all.count++] = (sampler){item, {-1, -1, -1}};
 	bool read = true;
 	cJSON_ArrayForEach(item, gltf_member(from, "channels")) read = read && bind_channel(document, item, &all);
 	free(all.items);

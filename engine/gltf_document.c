@@ -267,9 +267,10 @@ static bool is_one_of(const char *name, const char *const *list, size_t count)
 }
 
 static const char *const known_extensions[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",         "KHR_materials_transmission",          "KHR_materials_ior",
-    "KHR_texture_transform",
+    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+    "KHR_materials_transmission",      "KHR_materials_ior",
+    "KHR_texture_transform",           "KHR_lights_punctual",
 };
 
 /* What holds the geometry alone may not be required; of the rest, what is not read is told where it is used. */
@@ -294,11 +295,7 @@ static void note_extension(gltf_document *document, const cJSON *extension, cons
 	if (!extension->string || /* an array instead of an object */
 	    is_one_of(extension->string, known_extensions, sizeof known_extensions / sizeof known_extensions[0]))
 		return;
-	if (strcmp(extension->string, "KHR_lights_punctual") == 0)
-		import_note(document->loader, subject,
-			    "lights of KHR_lights_punctual are not read; give lamps an area and an emissive material");
-	else
-		import_note(document->loader, subject, "uses of %.60s are not read", extension->string);
+	import_note(document->loader, subject, "uses of %.60s are not read", extension->string);
 }
 
 /* Extensions of everything below an item; extras are nobody's business. cJSON nests 1,000 deep at most. */

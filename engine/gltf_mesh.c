@@ -17,6 +17,7 @@ typedef struct primitive {
 	const gltf_accessor *positions, *indices, *colors, *uvs, *joints[2], *weights[2], *targets[MAX_TARGETS];
 	double target_weights[MAX_TARGETS];
 	uint32_t target_count;
+	const gltf_accessor *all_targets[IMPORT_MOST_TARGETS]; /* for the shape: at rest or not */
 	uint32_t corner_count, triangle_count;
 	int mode;
 	uint32_t material;
@@ -28,9 +29,10 @@ typedef struct reading {
 	const gltf_skin *skin;
 	const cJSON *target_weights; /* the list, or NULL */
 	const char *name;
-	engine_mesh *out;  /* its arrays have room for all corners */
-	uint32_t left_out; /* triangles */
-	uint64_t corners;  /* of all, room for which is made */
+	engine_mesh *out;    /* its arrays have room for all corners */
+	import_shape *shape; /* likewise; NULL: not wanted */
+	uint32_t left_out;   /* triangles */
+	uint64_t corners;    /* of all, room for which is made */
 } reading;
 
 /* ---- what there is ----------------------------------------------------------------------------------------------- */
@@ -112,6 +114,15 @@ static void find_targets(reading *r, const cJSON *from, primitive *p)
 	}
 }
 
+/* Those of a shape, which may play later. */
+static void find_all_targets(const reading *r, const cJSON *from, primitive *p)
+{
+	const cJSON *target = gltf_member(from, "targets");
+	target = target ? target->child : NULL;
+	for (uint32_t t = 0; r->shape && target && t < r->shape->target_count; t++, target = target->next)
+		p->all_targets[t] = optional(r, p, target, "POSITION", 3);
+}
+
 static void find_attributes(reading *r, const cJSON *from, primitive *p)
 {
 	const cJSON *attributes = gltf_member(from, "attributes");
@@ -124,6 +135,7 @@ static void find_attributes(reading *r, const cJSON *from, primitive *p)
 			p->joints[set] = p->weights[set] = NULL;
 	}
 	find_targets(r, from, p);
+	find_all_targets(r, from, p);
 }
 
 /* False with the reason in *fault. */
@@ -186,6 +198,39 @@ static void read_position(const reading *r, const primitive *p, uint32_t vertex,
 		position[row] = m[row] * base[0] + m[4 + row] * base[1] + m[8 + row] * base[2] + m[12 + row];
 }
 
+/* What moves a vertex, under the number that it has in the mesh. */
+static void record_vertex(const reading *r, const primitive *p, uint32_t vertex, uint32_t number)
+{
+	import_shape *shape = r->shape;
+	double bind[3], joints[4], weights[4], moved[3];
+	gltf_element(p->positions, vertex, bind);
+	for (size_t c = 0; c < 3; c++) {
+		shape->bind[3 * (size_t)number + c] = (float)bind[c];
+		shape->rest[3 * (size_t)number + c] = r->out->positions[3 * (size_t)number + c];
+	}
+	for (int k = 0; shape->joint_count && k < IMPORT_INFLUENCES; k++) {
+		const size_t at = (size_t)IMPORT_INFLUENCES * number + (size_t)k;
+		if (k % 4 == 0 && p->joints[k / 4]) {
+			gltf_element(p->joints[k / 4], vertex, joints);
+			gltf_element(p->weights[k / 4], vertex, weights);
+		}
+		bool sound = p->joints[k / 4] && weights[k % 4] > 0 && isfinite(weights[k % 4]) && joints[k % 4] >= 0 &&
+			     joints[k % 4] < shape->joint_count;
+		shape->joints[at] = sound ? (uint32_t)joints[k % 4] : 0;
+		shape->weights[at] = sound ? (float)weights[k % 4] : 0;
+	}
+	for (uint32_t t = 0; t < shape->target_count; t++) {
+		float *delta = shape->deltas + 3 * ((size_t)shape->target_count * number + t);
+		memset(delta, 0, 3 * sizeof *delta);
+		if (!p->all_targets[t])
+			continue;
+		gltf_element(p->all_targets[t], vertex, moved);
+		for (int c = 0; c < 3; c++)
+			delta[c] = isfinite(moved[c]) ? (float)moved[c] : 0;
+	}
+	shape->vertex_count = number + 1;
+}
+
 static bool is_sound(const double position[3])
 {
 	double farthest = (double)ENGINE_MESH_FARTHEST;
@@ -205,6 +250,8 @@ static uint32_t vertex_number(reading *r, const primitive *p, uint32_t vertex)
 		return document->numbers[vertex] = UINT32_MAX;
 	for (int c = 0; c < 3; c++)
 		r->out->positions[3 * (size_t)r->out->vertex_count + (size_t)c] = (float)position[c];
+	if (r->shape)
+		record_vertex(r, p, vertex, r->out->vertex_count);
 	return document->numbers[vertex] = r->out->vertex_count++;
 }
 
@@ -349,18 +396,38 @@ static bool make_room(engine_mesh *mesh, uint64_t corners)
 	return mesh->positions && mesh->indices && mesh->face_counts && mesh->face_materials;
 }
 
+uint32_t gltf_count_targets(const gltf_document *document, int64_t node)
+{
+	int64_t mesh = -1;
+	if (!gltf_index(document, document->tables[GLTF_NODES].items[node], "mesh", GLTF_MESHES, &mesh) || mesh < 0)
+		return 0;
+	const cJSON *primitives = gltf_member(document->tables[GLTF_MESHES].items[mesh], "primitives");
+	return (uint32_t)cJSON_GetArraySize(gltf_member(primitives ? primitives->child : NULL, "targets"));
+}
+
+/* Its joints and targets are counted; room as the mesh has it. */
+static bool make_shape_room(const reading *r, import_shape *shape, uint64_t corners)
+{
+	const cJSON *weight = r->target_weights ? r->target_weights->child : NULL;
+	for (uint32_t t = 0; t < shape->target_count && weight; t++, weight = weight->next)
+		shape->rest_weights[t] =
+		    cJSON_IsNumber(weight) && isfinite(weight->valuedouble) ? weight->valuedouble : 0;
+	const size_t influences = shape->joint_count ? IMPORT_INFLUENCES : 0;
+	shape->rest = make_array(corners, 3 * sizeof(float));
+	shape->bind = make_array(corners, 3 * sizeof(float));
+	shape->joints = make_array(corners, influences * sizeof(uint32_t) + 1);
+	shape->weights = make_array(corners, influences * sizeof(float) + 1);
+	shape->deltas = make_array(corners, 3 * sizeof(float) * shape->target_count + 1);
+	return shape->rest && shape->bind && shape->joints && shape->weights && shape->deltas;
+}
+
 bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *node, const gltf_skin *skin,
-		    const char *name, engine_mesh *out)
+		    const char *name, engine_mesh *out, import_shape *shape)
 {
 	const cJSON *from, *weights = gltf_member(node, "weights");
-	reading r = {document,
-		     skin,
-		     weights ? weights : gltf_member(mesh, "weights"),
-		     name,
-		     out,
-		     0,
-		     gltf_count_corners(document, mesh)};
-	if (!make_numbers(document) || !make_room(out, r.corners))
+	const uint64_t corners = gltf_count_corners(document, mesh);
+	reading r = {document, skin, weights ? weights : gltf_member(mesh, "weights"), name, out, shape, 0, corners};
+	if (!make_numbers(document) || !make_room(out, corners) || (shape && !make_shape_room(&r, shape, corners)))
 		return import_fail(document->loader, "out of memory for meshes");
 	cJSON_ArrayForEach(from, gltf_member(mesh, "primitives"))
 	{
@@ -382,22 +449,28 @@ bool gltf_read_skin(gltf_document *document, int64_t number, gltf_skin *out, con
 	const engine_scene_graph *graph = document->loader->scene->graph;
 	const gltf_accessor *inverse = NULL;
 	uint32_t count = (uint32_t)cJSON_GetArraySize(joints);
-	*out = (gltf_skin){.matrices = make_array(count, sizeof *out->matrices), .joint_count = count};
+	*out = (gltf_skin){.matrices = make_array(count, sizeof *out->matrices),
+			   .inverse = make_array(count, sizeof *out->inverse),
+			   .nodes = make_array(count, sizeof *out->nodes),
+			   .joint_count = count};
 	if (gltf_member(from, "inverseBindMatrices")) {
 		inverse =
 		    gltf_find_accessor(document, accessor_number(document, from, "inverseBindMatrices"), 16, fault);
 		if (!inverse || inverse->count < count)
 			return *fault = inverse ? "a skin has fewer matrices than joints" : *fault, false;
 	}
-	*fault = out->matrices ? "a skin has a joint that is no node" : "there is no memory for a skin";
-	for (joint = joints ? joints->child : NULL, count = 0; out->matrices && joint; joint = joint->next, count++) {
+	const bool room = out->matrices && out->inverse && out->nodes;
+	*fault = room ? "a skin has a joint that is no node" : "there is no memory for a skin";
+	for (joint = joints ? joints->child : NULL, count = 0; room && joint; joint = joint->next, count++) {
 		double bind[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 		double node = cJSON_IsNumber(joint) ? joint->valuedouble : -1;
 		if (!(node >= 0 && node < document->tables[GLTF_NODES].count))
 			return false;
 		if (inverse)
 			gltf_element(inverse, count, bind);
+		out->nodes[count] = (uint32_t)node;
+		memcpy(out->inverse[count], bind, sizeof bind);
 		import_multiply(graph->world + 16 * (size_t)node, bind, out->matrices[count]);
 	}
-	return out->matrices != NULL && count > 0;
+	return room && count > 0;
 }

@@ -140,7 +140,7 @@ static bool shared_mesh(gltf_document *document, gltf_objects *objects, int64_t 
 {
 	engine_mesh *kept = &objects->meshes[number];
 	if (!kept->positions &&
-	    !gltf_read_mesh(document, document->tables[GLTF_MESHES].items[number], NULL, NULL, name, kept))
+	    !gltf_read_mesh(document, document->tables[GLTF_MESHES].items[number], NULL, NULL, name, kept, NULL))
 		return false;
 	if (last) {
 		*out = *kept;
@@ -150,21 +150,71 @@ static bool shared_mesh(gltf_document *document, gltf_objects *objects, int64_t 
 	return engine_mesh_copy(kept, out) || import_fail(document->loader, "out of memory for meshes");
 }
 
-/* In world space, as the joints are at rest; the node's own place does not count then. */
-static bool skinned_mesh(gltf_document *document, const cJSON *node, const cJSON *mesh, int64_t number,
-			 import_object_def *def, engine_mesh *out)
+static bool any_joint_moves(const engine_scene_graph *graph, const gltf_skin *skin)
 {
+	bool moves = false;
+	for (uint32_t j = 0; j < skin->joint_count && !moves; j++)
+		moves = graph->nodes[skin->nodes[j]].moves;
+	return moves;
+}
+
+/* What moves the vertices of a node's mesh; takes the skin's arrays. *out stays NULL where nothing does. False: out of
+ * memory (reported).
+ */
+static bool begin_shape(gltf_document *document, const cJSON *mesh, uint32_t node, gltf_skin *skin, const char *name,
+			import_shape **out)
+{
+	const engine_scene_graph *graph = document->loader->scene->graph;
+	const int32_t weights = graph->nodes[node].weights_channel;
+	uint32_t targets = gltf_count_targets(document, node);
+	if (weights < 0 && !any_joint_moves(graph, skin))
+		return true;
+	targets = targets <= IMPORT_MOST_TARGETS ? targets : 0;
+	document->floats_read += 3 * (uint64_t)targets * gltf_count_corners(document, mesh);
+	if (document->floats_read > gltf_budget(document)) {
+		import_note(document->loader, name, "shapes that move are left out: they would take too much memory");
+		return true;
+	}
+	import_shape *shape = calloc(1, sizeof *shape);
+	if (!shape)
+		return import_fail(document->loader, "out of memory for shapes that move");
+	*shape = (import_shape){.joint_count = skin->joint_count,
+				.nodes = skin->nodes,
+				.inverse = skin->inverse,
+				.matrices = skin->matrices,
+				.target_count = targets,
+				.weights_channel = weights};
+	*skin = (gltf_skin){.matrices = skin->matrices, .joint_count = skin->joint_count};
+	*out = shape;
+	return true;
+}
+
+/* A mesh of a node that has a skin, or weights of its own. With a skin it is in world space, as the joints are at rest;
+ * the node's own place does not count then.
+ */
+static bool moving_mesh(gltf_document *document, uint32_t node, int64_t mesh_number, int64_t skin_number,
+			import_object_def *def, engine_mesh *out)
+{
+	const cJSON *from = document->tables[GLTF_NODES].items[node];
+	const cJSON *mesh = document->tables[GLTF_MESHES].items[mesh_number];
 	gltf_skin skin = {0};
 	const char *fault;
-	bool sound = gltf_read_skin(document, number, &skin, &fault);
-	if (sound) {
-		import_note(document->loader, def->name, "skins are read as they are at rest");
-		def->node = document->loader->scene->graph->node_count - 1;
-	} else {
+	bool sound = skin_number >= 0 && gltf_read_skin(document, skin_number, &skin, &fault);
+	if (skin_number >= 0 && !sound) {
 		import_note(document->loader, def->name, "skins are left out: %s", fault);
+		skin.joint_count = 0;
 	}
-	bool read = gltf_read_mesh(document, mesh, node, sound ? &skin : NULL, def->name, out);
-	free(skin.matrices);
+	bool read = begin_shape(document, mesh, node, &skin, def->name, &def->shape);
+	if (sound) {
+		def->node = document->loader->scene->graph->node_count - 1;
+		if (!def->shape)
+			import_note(document->loader, def->name, "skins are read as they are at rest");
+	}
+	read = read && gltf_read_mesh(document, mesh, from, sound ? &skin : NULL, def->name, out, def->shape);
+	if (!def->shape)
+		free(skin.matrices);
+	free(skin.inverse);
+	free(skin.nodes);
 	return read;
 }
 
@@ -206,12 +256,12 @@ static bool add_instances(gltf_document *document, gltf_objects *objects, const 
 	return added;
 }
 
-static bool add_one(gltf_document *document, const cJSON *from, int64_t mesh, int64_t skin, import_object_def *def)
+static bool add_one(gltf_document *document, uint32_t node, int64_t mesh, int64_t skin, import_object_def *def)
 {
-	const cJSON *from_mesh = document->tables[GLTF_MESHES].items[mesh];
 	engine_mesh own = {0};
-	bool read = skin >= 0 ? skinned_mesh(document, from, from_mesh, skin, def, &own)
-			      : gltf_read_mesh(document, from_mesh, from, NULL, def->name, &own);
+	bool read = moving_mesh(document, node, mesh, skin, def, &own);
+	if (!read)
+		import_free_shape(def->shape);
 	read = read && import_add_object(document->loader, def, &own);
 	engine_mesh_free(&own);
 	return read;
@@ -235,9 +285,10 @@ static bool read_object(gltf_document *document, gltf_objects *objects, uint32_t
 	const cJSON *gi = gltf_member(gltf_member(from, "extras"), "gi");
 	read_scheme(document, gi, &def);
 	read_levels(document, gi, &def);
-	if (skin >= 0 || gltf_member(from, "weights")) {
+	if (skin >= 0 || gltf_member(from, "weights") ||
+	    document->loader->scene->graph->nodes[node].weights_channel >= 0) {
 		objects->uses[mesh]--;
-		return add_one(document, from, mesh, skin, &def);
+		return add_one(document, node, mesh, skin, &def);
 	}
 	return add_instances(document, objects, from, mesh, &def);
 }

@@ -4,6 +4,9 @@
 
 #include "gltf_document.h"
 
+/* Appends the lights of the nodes in the scene; animations are read. False: out of memory (reported). */
+bool gltf_read_lights(gltf_document *document, const bool *in_scene);
+
 /* Number of the scene's material for a primitive: read when first used, so that nothing is told of others. False: out
  * of memory (reported).
  */
@@ -23,16 +26,22 @@ uint64_t gltf_count_corners(const gltf_document *document, const cJSON *mesh);
 
 /* All primitives of a mesh as one; a primitive or face that cannot be read is noted (subject: name) and left out.
  * skin NULL: object space, morph targets at the weights of node or mesh. Else world space as the skin's joints are at
- * rest; the graph is posed at rest. False: out of memory (reported).
+ * rest; the graph is posed at rest. shape: NULL, or zeroed: gets the vertices with what moves them; the caller frees it
+ * in either case. False: out of memory (reported).
  */
 typedef struct gltf_skin {
-	double (*matrices)[16]; /* by joint, world from mesh, column-major */
+	double (*matrices)[16]; /* by joint, world from mesh at rest, column-major */
+	double (*inverse)[16];  /* by joint, its bind matrix */
+	uint32_t *nodes;        /* by joint */
 	uint32_t joint_count;
 } gltf_skin;
 bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *node, const gltf_skin *skin,
-		    const char *name, engine_mesh *out);
+		    const char *name, engine_mesh *out, import_shape *shape);
 
-/* The matrices of a skin; the caller frees skin->matrices. False with the reason in *fault. */
+/* Morph targets of a node's mesh, as its first primitive has them. */
+uint32_t gltf_count_targets(const gltf_document *document, int64_t node);
+
+/* The matrices of a skin; the caller frees its arrays. False with the reason in *fault. */
 bool gltf_read_skin(gltf_document *document, int64_t skin, gltf_skin *out, const char **fault);
 
 /* The objects to come, counted before any is made. */

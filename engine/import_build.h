@@ -14,7 +14,8 @@ typedef struct import_channel {
 	float *times; /* key_count, seconds, strictly rising, >= 0 */
 	float *values;
 	uint32_t key_count;  /* >= 1 */
-	uint32_t components; /* 3, or 4 for rotations */
+	uint32_t components; /* 3, or 4 for rotations; of morph targets, how many there are */
+	bool turns;          /* rotations */
 	import_interpolation interpolation;
 } import_channel;
 
@@ -26,8 +27,31 @@ typedef struct import_node {
 	double matrix[16]; /* column-major */
 	double translation[3], rotation[4], scale[3];
 	int32_t channels[IMPORT_PROPERTIES]; /* -1: at rest */
+	int32_t weights_channel;             /* of morph targets; -1: at rest */
 	bool moves;                          /* it or a parent has a channel */
 } import_node;
+
+/* More morph targets and joints of a vertex are not looked at. */
+enum { IMPORT_MOST_TARGETS = 128, IMPORT_INFLUENCES = 8 };
+
+/* The vertices of an object that deforms, as the file has them: object space, of a skin world space. */
+typedef struct import_shape {
+	uint32_t vertex_count;
+	float *rest;      /* 3 a vertex: as the mesh was read, joints and targets at rest */
+	float *bind;      /* 3 a vertex: before them */
+	uint32_t *joints; /* IMPORT_INFLUENCES a vertex, and their weights; NULL: no skin */
+	float *weights;
+	uint32_t joint_count;
+	uint32_t *nodes;        /* of the joints */
+	double (*inverse)[16];  /* bind matrices */
+	double (*matrices)[16]; /* world from mesh, as last placed */
+	uint32_t target_count;
+	float *deltas; /* 3 a target, target_count a vertex */
+	double rest_weights[IMPORT_MOST_TARGETS];
+	int32_t weights_channel; /* -1: as at rest */
+} import_shape;
+
+void import_free_shape(import_shape *shape); /* NULL is fine */
 
 /* World matrices are kept for one time, as one walk from the parents down serves all objects. */
 typedef struct engine_scene_graph {
@@ -158,6 +182,7 @@ typedef struct import_object_def {
 	engine_scheme scheme;
 	uint32_t levels;
 	bool pair_triangles;
+	import_shape *shape; /* taken too; NULL: it keeps its shape */
 } import_object_def;
 bool import_add_object(import_loader *loader, const import_object_def *def, engine_mesh *mesh);
 
@@ -186,6 +211,9 @@ void import_release_object(engine_scene_object *object);
 
 /* Sets the `moves` of all nodes in the order. */
 void import_mark_moving(engine_scene_graph *graph);
+
+/* The values of a channel at a time, as many as it has components. */
+void import_evaluate(const import_channel *channel, double time_s, double *out);
 
 /* Brings graph->world to a time. NULL: at rest. */
 void import_pose_graph(engine_scene_graph *graph, const double *time_s);

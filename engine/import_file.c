@@ -34,14 +34,16 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->material_count; i++)
 		free(scene->materials[i].name);
 	for (uint32_t i = 0; i < scene->object_count; i++) {
-		engine_mesh_free(&scene->objects[i].mesh);
-		free(scene->objects[i].name);
+		import_release_object(&scene->objects[i]);
 	}
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		free(scene->lights[i].name);
 	free(scene->materials);
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		free(scene->textures[i].pixels.rgba);
 	free(scene->textures);
 	free(scene->objects);
+	free(scene->lights);
 	free_graph(scene->graph);
 	memset(scene, 0, sizeof *scene);
 }

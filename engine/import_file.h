@@ -4,7 +4,9 @@
  *        EXT_mesh_gpu_instancing one of its own; all primitives of a mesh become one. baseColorFactor times COLOR_0 is
  *        rho (linear), emissiveFactor times the mean of emissiveTexture times KHR_materials_emissive_strength the
  *        radiance L. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets through is
- *        glass of KHR_materials_ior. Skins and morph targets stand as at rest. The node's extras.gi =
+ *        glass of KHR_materials_ior. Nodes with a light of KHR_lights_punctual are lights, whose candela and lux are
+ *        taken as the nits of emissive materials are (ENGINE_WATTS_PER_LUMEN). Skins and morph targets move meshes
+ *        (import_shape.h). The node's extras.gi =
  *        {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses the refinement.
  *        glTF has triangles only: where extras.gi.scheme says
  *        catmull-clark or bilinear, pairs of triangles that were a quad are put together again (see

@@ -175,7 +175,7 @@ static bool read_scene(gltf_document *document, gltf_objects *objects)
 			read_node_transform(document, nodes->items[i], &loader->scene->graph->nodes[i]);
 		walk_nodes(document, &w);
 		read = read_cameras(document, &w) && gltf_read_animations(document) &&
-		       gltf_read_objects(document, objects, w.seen);
+		       gltf_read_objects(document, objects, w.seen) && gltf_read_lights(document, w.seen);
 	}
 	free(w.seen);
 	return read;

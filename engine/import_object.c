@@ -93,9 +93,25 @@ static bool clean(import_loader *loader, engine_scene_object *object, bool pair_
 	return true;
 }
 
+void import_free_shape(import_shape *shape)
+{
+	if (!shape)
+		return;
+	free(shape->rest);
+	free(shape->bind);
+	free(shape->joints);
+	free(shape->weights);
+	free(shape->deltas);
+	free(shape->nodes);
+	free(shape->inverse);
+	free(shape->matrices);
+	free(shape);
+}
+
 void import_release_object(engine_scene_object *object)
 {
 	engine_mesh_free(&object->mesh);
+	import_free_shape(object->shape);
 	free(object->name);
 }
 
@@ -135,6 +151,8 @@ bool import_add_object(import_loader *loader, const import_object_def *def, engi
 				      .scheme = def->scheme,
 				      .levels = def->levels,
 				      .node = def->node,
+				      .deforms = def->shape != NULL,
+				      .shape = def->shape,
 				      .rounding = rounding_of(mesh, def->rounding)};
 	memcpy(object.offset, def->offset, sizeof object.offset);
 	loader->faces_seen += mesh->face_count;

@@ -12,7 +12,11 @@
 
 import_node import_node_default(void)
 {
-	return (import_node){.parent = -1, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}, .channels = {-1, -1, -1}};
+	return (import_node){.parent = -1,
+			     .rotation = {0, 0, 0, 1},
+			     .scale = {1, 1, 1},
+			     .channels = {-1, -1, -1},
+			     .weights_channel = -1};
 }
 
 static void normalize4(double q[4])
@@ -81,15 +85,15 @@ static void between_keys(const import_channel *channel, uint32_t key, double tim
 	} else if (channel->interpolation == IMPORT_STEP) {
 		for (uint32_t c = 0; c < channel->components; c++)
 			out[c] = a[c];
-	} else if (channel->components == 4) {
+	} else if (channel->turns) {
 		slerp(a, b, t, out);
 	} else {
-		for (uint32_t c = 0; c < 3; c++)
+		for (uint32_t c = 0; c < channel->components; c++)
 			out[c] = (1 - t) * a[c] + t * b[c];
 	}
 }
 
-static void evaluate(const import_channel *channel, double time_s, double *out)
+void import_evaluate(const import_channel *channel, double time_s, double *out)
 {
 	uint32_t last = channel->key_count - 1;
 	if (time_s > channel->times[0] && time_s < channel->times[last]) {
@@ -99,7 +103,7 @@ static void evaluate(const import_channel *channel, double time_s, double *out)
 		for (uint32_t c = 0; c < channel->components; c++)
 			out[c] = held[c];
 	}
-	if (channel->components == 4)
+	if (channel->turns)
 		normalize4(out);
 }
 
@@ -131,7 +135,7 @@ static void local_matrix(const engine_scene_graph *graph, const import_node *nod
 	memcpy(values[IMPORT_SCALE], node->scale, sizeof node->scale);
 	for (int property = 0; time_s && property < IMPORT_PROPERTIES; property++) {
 		if (node->channels[property] >= 0)
-			evaluate(&graph->channels[node->channels[property]], *time_s, values[property]);
+			import_evaluate(&graph->channels[node->channels[property]], *time_s, values[property]);
 	}
 	compose(values[IMPORT_TRANSLATION], values[IMPORT_ROTATION], values[IMPORT_SCALE], m);
 }
@@ -390,4 +394,26 @@ bool engine_scene_camera_at(const engine_scene *scene, double time_s, engine_sce
 	}
 	camera->vertical_fov = scene->camera_fov;
 	return true;
+}
+
+/* glTF lights shine along -z. A scale is none of theirs. */
+bool engine_scene_light_at(const engine_scene *scene, uint32_t light, double time_s, float position[3],
+			   float direction[3])
+{
+	if (light >= scene->light_count || isnan(time_s))
+		return false;
+	import_pose_graph(scene->graph, &time_s);
+	const double *m = scene->graph->world + 16 * (size_t)scene->lights[light].node;
+	const double length = sqrt(dot3(m + 8, m + 8));
+	double place[3];
+	bool sound = length > 1e-30 && length < 1e30;
+	for (int c = 0; c < 3; c++) {
+		place[c] = m[12 + c] - scene->origin[c];
+		sound = sound && fabs(place[c]) <= IMPORT_FARTHEST;
+	}
+	for (int c = 0; c < 3 && sound; c++) {
+		position[c] = (float)place[c];
+		direction[c] = (float)(-m[8 + c] / length);
+	}
+	return sound;
 }

@@ -17,6 +17,11 @@ bool engine_scene_pose(const engine_scene *scene, uint32_t object, double time_s
 /* The camera at time_s. False, with *camera unchanged, when the file has none or its pose is singular. */
 bool engine_scene_camera_at(const engine_scene *scene, double time_s, engine_scene_camera *camera);
 
+/* Where a light is at time_s, and the unit direction in which it shines. False, with both unchanged, where its pose is
+ * singular: it is not there then. */
+bool engine_scene_light_at(const engine_scene *scene, uint32_t light, double time_s, float position[3],
+			   float direction[3]);
+
 #ifdef __cplusplus
 }
 #endif

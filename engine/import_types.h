@@ -47,11 +47,31 @@ typedef struct engine_scene_object {
 	bool animated;       /* its pose depends on time */
 	bool scale_animated; /* even the scale does: not a rigid motion */
 	bool vanishes;       /* its scale is 0 at times, when engine_scene_pose() has no pose */
+	bool deforms;        /* its vertices move with joints or morph targets (import_shape.h) */
 	uint32_t node;       /* private, as all that follows */
 	bool mirrored, baked;
 	double offset[3], stretch[9];
-	double rounding; /* metres in object space: how far the file's coordinates may be off */
+	double rounding;            /* metres in object space: how far the file's coordinates may be off */
+	struct import_shape *shape; /* of one that deforms */
 } engine_scene_object;
+
+typedef enum engine_light_type { ENGINE_LIGHT_POINT, ENGINE_LIGHT_SPOT, ENGINE_LIGHT_DIRECTIONAL } engine_light_type;
+
+/* Files give lights in lumens (candela, lux) and emissive materials in nits, which are lumens too; the radiance of
+ * materials is taken from the same numbers in W/(m2 sr). One factor for both keeps a bulb and its lampshade in
+ * proportion, and pictures are exposed by what light there is. */
+static const double ENGINE_WATTS_PER_LUMEN = 1;
+
+/* A light without a surface. Where it is engine_scene_light_at() says. */
+typedef struct engine_scene_light {
+	char *name; /* never NULL */
+	engine_light_type type;
+	float intensity[3];             /* W/sr; of a directional one W/m2; 0..1e12 */
+	float inner_angle, outer_angle; /* of a spot, radians: 0 <= inner < outer <= pi/2 */
+	float range;                    /* metres; 0: none */
+	bool animated;                  /* it moves with time */
+	uint32_t node;                  /* private */
+} engine_scene_light;
 
 typedef struct engine_scene_camera {
 	float eye[3], target[3], up[3]; /* world; target is 1 m ahead, up a unit vector across the view */
@@ -65,12 +85,14 @@ typedef struct engine_scene {
 	uint32_t texture_count;
 	engine_scene_object *objects;
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
-	double duration_s;     /* last key of the animations, 0 without */
-	bool has_camera;       /* the first perspective camera of the scene */
-	double origin[3];      /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
-	char warning[4096];    /* one line about what was dropped or ignored, "" when nothing was */
-	uint32_t camera_node;  /* private */
-	float camera_fov;      /* private */
+	engine_scene_light *lights;
+	uint32_t light_count;
+	double duration_s;    /* last key of the animations, 0 without */
+	bool has_camera;      /* the first perspective camera of the scene */
+	double origin[3];     /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
+	char warning[4096];   /* one line about what was dropped or ignored, "" when nothing was */
+	uint32_t camera_node; /* private */
+	float camera_fov;     /* private */
 	struct engine_scene_graph *graph; /* private: nodes and animation */
 } engine_scene;
 

@@ -201,7 +201,7 @@ void add_cut(inout sums s, source_part from, shape p, bool moved, uint count)
 	if (from.emits)
 		include(s.emitters, b);
 	// Of all static objects together a row has about as many entries as of everything.
-	uint unknown = from.object == frame.swept.w ? max(state.rows.entries / frame.counts.x, 1u) : 1u;
+	uint unknown = from.object == frame.swept.w ? max(state.rows.entries / frame.rows.x, 1u) : 1u;
 	s.rays += count == 0u ? unknown : 0u;
 	s.entries += count == 0u ? 1u : 0u;
 }
@@ -281,7 +281,7 @@ void assess(uint leaf)
 	}
 	// A row of nothing yet will take about as much as others did.
 	if (s.had == 0u && s.entries > 0u)
-		s.rays = max(s.rays, state.rows.entries / frame.counts.x);
+		s.rays = max(s.rays, state.rows.entries / frame.rows.x);
 	if (s.entries == 0u) {
 		rows[leaf].z = frame.update.x; // nothing of the row can have changed: it is current
 		pending[leaf].key = uvec4(0u);
@@ -303,5 +303,5 @@ void main()
 {
 	uint k = spread_number(state.counts.assessed_rows);
 	if (k < state.counts.assessed_rows)
-		assess(choices[GI_CHOICE_CHOSEN + frame.counts.x + k]);
+		assess(choices[GI_CHOICE_CHOSEN + frame.rows.x + k]);
 }

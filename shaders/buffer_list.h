@@ -140,6 +140,14 @@
 #define SPECULAR_BUFFERS(X) \
 	X(PENDING, SPECULAR_ENDS, ends, specular_end, uvec2, SHADERS, "ends of ways through mirrors and glass")
 
+/* gi_punctual: lights without a surface, of contexts that have any, in places of what their dispatches do not read. */
+#define PUNCTUAL_BUFFERS(X) \
+	X(PENDING, PUNCTUAL_LIGHTS, lights, punctual_light, gi_punctual_light, HOST, "lights without a surface") \
+	/* irradiance of a leaf by one of them, were its intensity 1: those of a light one after the other */ \
+	X(ENTRY_POOL, PUNCTUAL_SHARES, shares, punctual_share, float, SHADERS, "lights: shares of leaves") \
+	X(TARGETS, PUNCTUAL_SUMS, sums, punctual_sum, vec4, SHADERS, "lights: sums") /* GI_PUNCTUAL_PARTS a leaf */ \
+	X(LINK_POOL, LINKED_LIGHT, linked, linked_light, vec4, SHADERS, "light of links") /* GI_LINKED_PARTS a leaf */
+
 /* gi_diffusion: translucent objects, of scenes that have any, in places of what a solve does not read. Rows: those of
  * leaves, of small clusters, of large ones. */
 #define DIFFUSION_BUFFERS(X) \
@@ -149,6 +157,15 @@
 	X(CHOICES, DIFFUSION_LINKS, links, diffusion_link, uvec4, HOST, "links below surfaces") \
 	/* what enters there, W/m2; the same of v */ \
 	X(PENDING, DIFFUSION_VALUES, values, diffusion_value, vec4, SHADERS, "light below surfaces")
+
+/* gi_receivers, of scenes that have any, in the place of what its dispatches do not read */
+#define RECEIVER_BUFFERS(X) \
+	/* of a set's points, one after the other: irradiance, or coefficients (receive.glsl) */ \
+	X(QUEUE, RECEIVED, light, received_light, vec4, SHADERS, "light of receivers")
+/* gi_probes, likewise. */
+#define PROBE_BUFFERS(X) \
+	/* 16 x 16 a probe (probe_planes.comp) */ \
+	X(TARGETS, PROBE_PLANES, planes, probe_plane, vec4, SHADERS, "planes about probes")
 
 /* gi_estimate, in places whose owners its dispatches do not read; it brings those back. */
 #define ESTIMATE_BUFFERS(X) \
@@ -167,7 +184,8 @@
 /* Those in the places of others. */
 #define PLACED_BUFFERS(X) \
 	OLD_ROWS_TABLES(X) MOVE_BUFFERS(X) LOAN_BUFFERS(X) PATH_BUFFERS(X) SMOOTH_BUFFERS(X) CAUSTIC_BUFFERS(X) \
-	SPECULAR_BUFFERS(X) SKY_BUFFERS(X) DIFFUSION_BUFFERS(X) ESTIMATE_BUFFERS(X)
+	SPECULAR_BUFFERS(X) PUNCTUAL_BUFFERS(X) SKY_BUFFERS(X) DIFFUSION_BUFFERS(X) RECEIVER_BUFFERS(X) \
+	PROBE_BUFFERS(X) ESTIMATE_BUFFERS(X)
 /* clang-format on */
 
 #endif

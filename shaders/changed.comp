@@ -13,6 +13,6 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint leaf = thread_number();
-	if (leaf < frame.counts.x && load_touched(frame.counts.x + leaf) != 0u)
+	if (leaf < frame.rows.x && load_touched(frame.rows.x + leaf) != 0u)
 		list_row(leaf, atomicAdd(state.counts.changed_rows, 1u));
 }

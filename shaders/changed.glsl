@@ -8,8 +8,9 @@ bool moved_since(uint object, uint update)
 // Does the cut of `source` in a row of object `mine` have to be done again?
 bool pair_is_dirty(uint mine, uint source, uint update)
 {
-	bool relit = object_changed(source).y > update;
-	return relit || (mine != source && (moved_since(mine, update) || moved_since(source, update)));
+	uvec4 changed = object_changed(source);
+	bool apart = mine != source, moved = apart && (moved_since(mine, update) || changed.x > update);
+	return changed.y > update || moved || (!apart && changed.z > update);
 }
 
 // Of the static ones a row keeps what it has of nodes that are what they were.

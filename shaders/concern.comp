@@ -33,7 +33,7 @@ bool is_concerned(uint leaf, uint since)
 void main()
 {
 	uint leaf = thread_number();
-	if (leaf >= frame.counts.x)
+	if (leaf >= frame.rows.x)
 		return;
 	uvec4 row = load_row(leaf);
 	if ((row.w & GI_ROW_OPEN) != 0u) {

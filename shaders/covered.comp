@@ -112,7 +112,7 @@ bool is_covered(receiver r, gi_node_geometry p, uint k)
 void main()
 {
 	uint leaf = (frame.update.w & GI_UPDATE_PART) != 0u ? chosen_row() : thread_number();
-	if (leaf >= frame.counts.x)
+	if (leaf >= frame.rows.x)
 		return;
 	uint mine = load_leaf(leaf).y, since = load_row(leaf).z, bits = 0u;
 	if (!moved_since(mine, since)) {

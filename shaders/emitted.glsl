@@ -2,6 +2,8 @@
 // over links of weight * E, in double precision, the part of it by what is not drawn per pixel, and what the weights
 // sum to less than 1, rounded down. Walks the rows that were closed, or with ALL every row. One thread a leaf.
 //
+// PUNCTUAL: lights without a surface light leaves too, and change more often than rows: what links bring is kept apart.
+//
 // Of all leaves: the largest light first reflected, s = rho * that, and the largest s / (1 - rho), which no reflected
 // light exceeds: no row sums to more than 1, so what is brightest has R <= s + rho R.
 #define READ_FRAME
@@ -17,6 +19,10 @@
 #ifdef SPECULAR
 #define READ_CAUSTIC_LIGHT
 #endif
+#ifdef PUNCTUAL
+#define READ_PUNCTUAL_SUMS
+#define WRITE_LINKED_LIGHT
+#endif
 #define WRITE_LEAF_RADIOSITY
 #define WRITE_STATE
 #include "buffers.glsl"
@@ -25,6 +31,9 @@
 #include "numbers.glsl"
 #ifdef SPECULAR
 #include "specular_link.glsl"
+#endif
+#ifdef PUNCTUAL
+#include "packed_light.glsl"
 #endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
@@ -50,6 +59,31 @@ void add(inout dvec3 sum, inout dvec3 undrawn, uint node, uint weight)
 	if ((topology_range(node).w & GI_NODE_LAMP) == 0u)
 		undrawn += light;
 }
+
+#ifdef PUNCTUAL
+void keep(uint leaf, dvec3 sum, dvec3 undrawn)
+{
+	vec3 high = to_single(dvec4(sum, 0.0lf)).xyz;
+	linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_HIGH] = vec4(high, 0.0);
+	linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_LOW] = vec4(vec3(sum - dvec3(high)), 0.0);
+	linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_UNDRAWN] = vec4(vec3(undrawn), 0.0);
+}
+
+// What links bring, as it was kept, and the lights.
+vec3 add_lights(uint leaf)
+{
+	dvec3 sum = dvec3(linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_HIGH].xyz) +
+		    dvec3(linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_LOW].xyz);
+	vec3 undrawn = linked_light[GI_LINKED_PARTS * leaf + GI_LINKED_UNDRAWN].xyz;
+	vec3 lights = load_punctual_sum(GI_PUNCTUAL_PARTS * leaf + GI_PUNCTUAL_ALL).xyz,
+	     shown = load_punctual_sum(GI_PUNCTUAL_PARTS * leaf + GI_PUNCTUAL_SHOWN).xyz;
+	vec3 emitted = to_single(dvec4(sum + dvec3(lights), 0.0lf)).xyz;
+	float area = load_rest(load_leaf(leaf).x).moment.w;
+	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, pack_light(lights));
+	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn + shown, area);
+	return emitted;
+}
+#endif
 
 // heavy: the weights sum to more than 1.
 vec3 walk(uint leaf, uvec4 row, out bool heavy)
@@ -85,8 +119,6 @@ vec3 walk(uint leaf, uvec4 row, out bool heavy)
 		undrawn += dvec3(caustics_undrawn != 0u ? load_caustic_light(leaf).xyz : vec3(0.0));
 	}
 #endif
-	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
-	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);
 	double lacks = 1.0lf - weights - SUMMED;
 #ifdef SPECULAR
 	// Less than nothing, of a row that sees a mirror in its own light.
@@ -96,9 +128,16 @@ vec3 walk(uint leaf, uvec4 row, out bool heavy)
 	lacks = max(lacks, 0.0lf) * ROUNDED_DOWN;
 #endif
 	leaf_radiosity[GI_LEAF_B * frame.counts.x + leaf].w = float(lacks);
+#ifdef PUNCTUAL
+	keep(leaf, sum, undrawn);
+	return vec3(0.0);
+#else
+	vec3 emitted = to_single(dvec4(sum, 0.0lf)).xyz;
+	leaf_radiosity[GI_LEAF_EMITTED * frame.counts.x + leaf] = vec4(emitted, 0.0);
 	float area = load_rest(load_leaf(leaf).x).moment.w;
 	leaf_radiosity[GI_LEAF_UNDRAWN * frame.counts.x + leaf] = vec4(undrawn, area);
 	return emitted;
+#endif
 }
 
 void report(uint leaf, vec3 emitted, bool heavy)
@@ -131,9 +170,12 @@ void main()
 	barrier();
 	if (leaf < frame.counts.x) {
 		uvec4 row = load_row(leaf);
-		bool stays = all == 0u && load_touched(frame.counts.x + leaf) == 0u;
+		bool stays = all == 0u && load_touched(frame.rows.x + leaf) == 0u;
 		bool heavy = false;
 		vec3 emitted = stays ? load_leaf_part(GI_LEAF_EMITTED, leaf).xyz : walk(leaf, row, heavy);
+#ifdef PUNCTUAL
+		emitted = add_lights(leaf);
+#endif
 		report(leaf, emitted, heavy);
 	}
 	barrier();

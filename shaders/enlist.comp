@@ -24,7 +24,7 @@ bool fits(uint rays)
 void main()
 {
 	uint leaf = thread_number();
-	if (leaf >= frame.counts.x)
+	if (leaf >= frame.rows.x)
 		return;
 	uvec4 key = load_pending(leaf).key;
 	if (stage == 0u) {
@@ -32,7 +32,7 @@ void main()
 		if (key.w == 0u && key.x >= state.budget.lowest_assessed)
 			k = atomicAdd(state.counts.assessed_rows, 1u);
 		if (k < frame.budget.z)
-			choices[GI_CHOICE_CHOSEN + frame.counts.x + k] = leaf;
+			choices[GI_CHOICE_CHOSEN + frame.rows.x + k] = leaf;
 		return;
 	}
 	if (key.w > 0u && key.x >= state.budget.lowest_chosen && fits(key.y)) {

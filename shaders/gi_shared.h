@@ -148,7 +148,8 @@ GI_STRUCT(gi_primitive) {
  *   bvh.x root    bvh.y end    bvh.z GI_OBJECT_ flags    bvh.w first neighbour
  *   extra.x end neighbour    extra.y first vertex    extra.z end vertex    extra.w place among what was swept, from 1;
  *       0: none
- *   changed.x update that last moved it    changed.y update that last lit or put it out
+ *   changed.x update that last moved it    changed.y update that last lit or put it out    changed.z update that last
+ *       gave it another shape: that moved it, too
  *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
  *
  * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
@@ -195,6 +196,7 @@ GI_STRUCT(gi_material_data) {
  *
  *   //--------------- 16B ---------------
  *   counts: leaves, nodes, object slots, vertices
+ *   rows: leaves and receivers, which have numbers behind those of leaves (receivers.h); 0; 0; 0
  *   limits: entry pool, queue, most samples of a near leaf, of an emitter
  *   tolerance: form factor, of emitters, of sky patches, of the solve
  *   work: pose runs, pose threads, cut runs, cut threads
@@ -228,6 +230,7 @@ GI_STRUCT(gi_material_data) {
  */
 GI_STRUCT(gi_frame) {
 	GI_UVEC4 counts;
+	GI_UVEC4 rows;
 	GI_UVEC4 limits;
 	GI_VEC4 tolerance;
 	GI_UVEC4 work;
@@ -373,7 +376,7 @@ GI_STRUCT(gi_state_counts) {
 	GI_UINT overflow;       /* 1: a pool or the queue was full */
 	GI_UINT not_finite;     /* 1: a NaN or infinity appeared */
 	GI_UINT specular_paths; /* entries that see a mirror or glass, to be followed */
-	GI_UINT unused;
+	GI_UINT light_rays;     /* to lights without a surface */
 } GI_END(gi_state_counts)
 
 /* The same, of updates that refresh rows; others, of new light alone, leave them. */
@@ -527,7 +530,8 @@ GI_STRUCT(gi_state) {
 #define GI_LEAF_R 1u               /* R = B - E, v */
 #define GI_LEAF_BEFORE 2u          /* R, v before the last sweep */
 #define GI_LEAF_KEPT 3u            /* R, v to come back to */
-#define GI_LEAF_EMITTED 4u         /* irradiance by exitance; w: 0 */
+/* Irradiance by exitance, and by lights without a surface; w: the latter alone (packed_light.glsl) */
+#define GI_LEAF_EMITTED 4u
 #define GI_LEAF_UNDRAWN 5u         /* that of it which is not drawn per pixel; w: area, m2 */
 #define GI_LEAF_PARTS 6u
 #define GI_NODE_B 0u
@@ -622,6 +626,47 @@ GI_STRUCT(gi_photon) {
 
 #define GI_CAUSTIC_LEVELS 8u      /* of the grid, each twice as coarse as the one before */
 #define GI_CAUSTIC_CELLS 65536u   /* of a level */
+
+/* A light without a surface (gi_light).
+ *
+ *   //--------------- 16B ---------------
+ *   place.xyz  position; of a directional one the unit vector towards it
+ *   place.w    radius, metres; of a directional one the tangent of its angular radius
+ *   axis.xyz   unit direction that it shines in    axis.w  1 / range^2; 0: no range
+ *   cone.x, y  clamp(cos * x + y, 0, 1)^2 is what a spot sends at that angle to its axis; 0, 1 of others    cone.zw  0
+ *   color.xyz  radiant intensity, W/sr; of a directional one irradiance, W/m2    color.w  0
+ *   kind.x     GI_PUNCTUAL_ flags    kind.y  its place in the list, by which samples are drawn    kind.zw  0
+ */
+GI_STRUCT(gi_punctual_light) {
+	GI_VEC4 place;
+	GI_VEC4 axis;
+	GI_VEC4 cone;
+	GI_VEC4 color;
+	GI_UVEC4 kind;
+} GI_END(gi_punctual_light)
+
+#define GI_PUNCTUAL_THERE 1u        /* else its place is free */
+#define GI_PUNCTUAL_ENABLED 2u
+#define GI_PUNCTUAL_DIRECTIONAL 4u
+#define GI_PUNCTUAL_MOVED 8u        /* all its rays are to be traced anew */
+#define GI_PUNCTUAL_BY_LEAVES 16u   /* pictures have its direct light through the leaves */
+#define GI_PUNCTUAL_BY_PIXELS 32u   /* pixel by pixel; neither: the host adds it, to receivers too */
+
+/* What the light of intensity 1 brings to a leaf, were its rays to be traced first. */
+#define GI_PUNCTUAL_UNKNOWN (-1.0f)
+
+/* Of a leaf, vec4: irradiance from all of them, W/m2; that of it which pictures have through the leaves. Of a receiver
+ * the first is that of those which no host draws. */
+#define GI_PUNCTUAL_ALL 0u
+#define GI_PUNCTUAL_SHOWN 1u
+#define GI_PUNCTUAL_PARTS 2u
+
+/* Of a leaf where there are such lights, vec4: what links bring of exitance (GI_LEAF_EMITTED without the lights), as a
+ * float and what it lacks to the sum in double; that of it which is not drawn per pixel. */
+#define GI_LINKED_HIGH 0u
+#define GI_LINKED_LOW 1u
+#define GI_LINKED_UNDRAWN 2u
+#define GI_LINKED_PARTS 3u
 
 /* A chosen leaf has this many items in all, in independent groups. */
 #define GI_ESTIMATE_ITEMS 512u

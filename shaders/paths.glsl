@@ -23,6 +23,9 @@
 #define READ_SMOOTH
 #define READ_SMOOTH_MATERIALS
 #endif
+#if PUNCTUAL
+#define READ_PUNCTUAL_LIGHTS
+#endif
 #ifdef SKY_IMAGE
 #define READ_SKY_TEXELS
 #endif
@@ -53,6 +56,9 @@ layout(location = 4) uniform uint run;        // paths a slot, at most
 layout(location = 5) uniform uint seed;
 layout(location = 6) uniform uint light_count;
 layout(location = 7) uniform vec4 sky_and_lift; // exitance of what lies beyond; height of a ray's start, metres
+#if PUNCTUAL
+layout(location = 9) uniform uint punctual_count; // lights without a surface
+#endif
 layout(location = 8) uniform float density;     // of emitter samples, per m2 and unit of luminous exitance: 1 / power
 
 // Vertices a dispatch: 8 take at most 16 rays, some thousand loop turns.
@@ -237,6 +243,11 @@ float largest(vec3 v)
 	return max(v.x, max(v.y, v.z));
 }
 
+#if PUNCTUAL
+#include "punctual.glsl"
+#include "punctual_path.glsl"
+#endif
+
 #if SPECULAR
 // Where a path goes on from a surface that may be a mirror or glass; `tint` comes as its rho, and leaves as what the
 // light is multiplied by. False: nowhere. Of what is a mirror and reflects diffusely too one is drawn, as often as it
@@ -298,6 +309,9 @@ vec3 light_from_beyond(vertex v, vec3 direction, numbers u)
 bool extend(inout vertex v, inout vec3 throughput, inout vec3 sum, numbers u, float number)
 {
 	vec3 found = light_count > 0u && !v.at_smooth ? light_from_emitters(v, u) : vec3(0.0);
+#if PUNCTUAL
+	found += v.at_smooth ? vec3(0.0) : light_from_punctual(v, u, punctual_count);
+#endif
 	vec3 direction = v.at_smooth ? v.normal : cosine_direction(v.normal, u.direction);
 	nearest hit = find_nearest(v.origin, direction, sky_and_lift.w);
 	if (hit.object == GI_NONE) {

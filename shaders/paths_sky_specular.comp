@@ -1,5 +1,6 @@
 #version 450 core
-// Likewise, with mirrors or glass.
+// Below a picture of the sky, with mirrors or glass.
 #define SPECULAR 1
-#define SKY_IMAGE 9
+#define PUNCTUAL 0
+#define SKY_IMAGE 10
 #include "paths.glsl"

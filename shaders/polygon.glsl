@@ -72,3 +72,19 @@ float disc_factor(vec3 to, vec3 n, float shown)
 	float d2 = max(dot(to, to), 1e-30);
 	return max(dot(n, to), 0.0) * inversesqrt(d2) * shown / (PI * d2 + abs(shown));
 }
+
+#ifdef ROUND
+// Of the sphere about a point: by the triangle with corners a b c relative to it (van Oosterom and Strackee, 1983).
+float share_of_sphere(vec3 a, vec3 b, vec3 c)
+{
+	float la = length(a), lb = length(b), lc = length(c);
+	float triple = dot(a, cross(b, c)), apart = la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la;
+	return triple == 0.0 ? 0.0 : atan(triple, apart) * (-0.5 / PI);
+}
+
+// The same by a small source that shows an area, bounded near the point.
+float round_disc_factor(vec3 to, float shown)
+{
+	return shown / (4.0 * PI * max(dot(to, to), 1e-30) + 2.0 * abs(shown));
+}
+#endif

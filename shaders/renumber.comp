@@ -23,7 +23,7 @@
 layout(local_size_x = GI_GROUP_SIZE) in;
 layout(location = 0) uniform uint first;     // leaf of this dispatch
 layout(location = 1) uniform uint count;     // leaves
-layout(location = 2) uniform uint old_slots; // objects before
+layout(location = 2) uniform uint old_slots; // objects before, the sky too
 layout(location = 3) uniform uint slots;     // and now
 layout(location = 4) uniform uint blockers;  // 1: slots of objects that hide something are others too
 layout(location = 5) uniform uint old_first; // the first source before
@@ -31,11 +31,12 @@ layout(location = 6) uniform uint new_first; // and now
 layout(location = 7) uniform uint old_statics; // the static ones as a source before, GI_NONE: none whose nodes moved
 layout(location = 8) uniform uint end_static;  // end of their nodes now
 layout(location = 9) uniform uint shifted;    // 1: nodes of objects that stay have other numbers
+layout(location = 10) uniform uint old_moves; // objects and sets of receivers before
 
-// The object before that a leaf was of.
+// The object before, or set of receivers, that a leaf was of.
 uint slot_of(uint leaf)
 {
-	uint low = 0u, high = old_slots;
+	uint low = 0u, high = old_moves;
 	while (high - low > 1u) {
 		uint middle = (low + high) >> 1u;
 		if (load_move(middle).before.x <= leaf)

@@ -67,4 +67,40 @@ GI_STRUCT(gi_lamp) {
 	GI_VEC4 rest[3];
 } GI_END(gi_lamp)
 
+/* A light without a surface, as a picture is lit by it. Its depth maps see the world in a frame of its own: q = frame *
+ * (p, 1).
+ *
+ * Of a point and a wide spot six maps, one for each direction along an axis; of a narrow spot the one along +z. Along
+ * axis a, with e = |q[a]| and u, v the two axes behind a in turn
+ *
+ *     uv = 0.5 + map.x * (q[u], q[v]) / e       depth = depth.x + depth.y / e
+ *
+ * Of a sun GI_SUN_TILES x GI_SUN_TILES maps side by side, seen along +z
+ *
+ *     t = (q.xy - tiles.xy) / tiles.z           uv = 0.5 + map.x * (t - floor(t) - 0.5)
+ *                                               depth = depth.x + depth.y * q.z
+ *
+ * Maps show more than what is asked of them by a rim, for filters.
+ *
+ *   //--------------- 16B ---------------
+ *   map.x as above    map.y edge of a texel: metres, or slope q[u] / e    map.z rim, uv    map.w texels a side
+ *   depth.z how soft shadows are: radius, metres, or tangent of the angular radius
+ *   layers.x first map    layers.y how many: 1, 6, or of a sun all its tiles
+ *   rest     uniform blocks begin at multiples of 256 bytes
+ */
+GI_STRUCT(gi_punctual_view) {
+	gi_punctual_light light;
+	GI_VEC4 frame_x;
+	GI_VEC4 frame_y;
+	GI_VEC4 frame_z;
+	GI_VEC4 map;
+	GI_VEC4 depth;
+	GI_VEC4 tiles;
+	GI_UVEC4 layers;
+	GI_VEC4 rest[4];
+} GI_END(gi_punctual_view)
+
+#define GI_PIXEL_LIGHTS 16u    /* that pictures are lit by pixel by pixel; others light them through the leaves */
+#define GI_SUN_TILES 4u
+
 #endif

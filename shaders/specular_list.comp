@@ -24,7 +24,7 @@ layout(local_size_x = GI_GROUP_SIZE) in;
 void main()
 {
 	uint leaf = (frame.update.w & GI_UPDATE_PART) != 0u ? chosen_row() : thread_number();
-	if (leaf >= frame.counts.x || state.counts.overflow != 0u)
+	if (leaf >= frame.rows.x || state.counts.overflow != 0u)
 		return;
 	bool any = false;
 	for (uint source = frame.swept.z; source < frame.counts.z; source++) {

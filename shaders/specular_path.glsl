@@ -6,6 +6,7 @@
 // of a row: the same scene has the same paths. All of them are followed whenever anything changed.
 //
 // TOPS: as trace.glsl.
+#define ROUND
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_TOPOLOGY

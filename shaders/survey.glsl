@@ -124,7 +124,7 @@ void bound_whole(uint leaf, inout gi_pending row, gi_material_data m, uvec4 head
 void main()
 {
 	uint leaf = thread_number();
-	if (leaf >= frame.counts.x)
+	if (leaf >= frame.rows.x)
 		return;
 	uvec4 header = load_row(leaf);
 	uint newest = frame.budget.w;
@@ -140,5 +140,6 @@ void main()
 		bound_whole(leaf, row, m, header);
 	pending[leaf].key = row.key;
 	pending[leaf].bound = row.bound;
-	pending[leaf].before = vec4(load_leaf_radiosity(leaf).xyz, 0.0);
+	// Receivers have none (stale.comp).
+	pending[leaf].before = leaf < frame.counts.x ? vec4(load_leaf_radiosity(leaf).xyz, 0.0) : vec4(0.0);
 }

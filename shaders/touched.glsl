@@ -14,28 +14,28 @@ void note_dirty(uint leaf, uint entries)
 
 void note_changed(uint leaf)
 {
-	touched[frame.counts.x + leaf] = 1u;
+	touched[frame.rows.x + leaf] = 1u;
 }
 
 void note_covered(uint leaf, uint bits)
 {
-	touched[2u * frame.counts.x + leaf] = bits;
+	touched[2u * frame.rows.x + leaf] = bits;
 }
 
 #ifdef READ_TOUCHED
 // The k-th of what was swept.
 bool is_covered(uint leaf, uint k)
 {
-	return k < MOST_COVERED && (load_touched(2u * frame.counts.x + leaf) >> k & 1u) != 0u;
+	return k < MOST_COVERED && (load_touched(2u * frame.rows.x + leaf) >> k & 1u) != 0u;
 }
 
 uint load_listed(uint k)
 {
-	return load_touched(3u * frame.counts.x + k);
+	return load_touched(3u * frame.rows.x + k);
 }
 #endif
 
 void list_row(uint leaf, uint k)
 {
-	touched[3u * frame.counts.x + k] = leaf;
+	touched[3u * frame.rows.x + k] = leaf;
 }

@@ -1,18 +1,9 @@
 // One visibility ray: the two surfaces it goes between, its ends on them, and what it carries.
 
+#include "leaf_quad.glsl"
+
 // Segments that leave a surface at its back are drawn again, this often.
 const uint TRIES = 8u;
-
-// A quad in its object's rest frame, loaded once for all samples of an entry.
-struct quad {
-	vec3 a, b, c, d;
-};
-
-quad load_leaf_quad(uint leaf)
-{
-	return quad(load_leaf_corner(leaf, 0u).xyz, load_leaf_corner(leaf, 1u).xyz, load_leaf_corner(leaf, 2u).xyz,
-		    load_leaf_corner(leaf, 3u).xyz);
-}
 
 quad load_quad(uvec4 corners)
 {
@@ -32,6 +23,16 @@ struct pair {
 	// Where not whole: areas of the source's object before the node's first leaf, and up to and with its last.
 	float area_before, area_all;
 };
+
+// Shaders of scenes with receivers that see all round, points without a normal (receiver_sets.h), define ROUND.
+
+#ifdef ROUND
+// Rows of such a receiver's are those of a quad whose corners are one.
+bool is_round(uint leaf)
+{
+	return load_leaf_corner(leaf, 0u).xyz == load_leaf_corner(leaf, 1u).xyz;
+}
+#endif
 
 // Shaders for nodes of several objects, whose samples are each on one of them (trace.glsl), define TOPS as 1.
 #ifndef TOPS
@@ -69,17 +70,6 @@ pair load_pair(uvec4 entry)
 	uint from = p.sky ? frame.counts.z - 1u : p.source.object;
 	p.ids = uvec2(p.leaf + object_ids(mine.y).x, TOPS == 1 ? t.corners.x : p.node + object_ids(from).y);
 	return p;
-}
-
-// Points keep this share of a leaf's width off its edges: on the edge itself they would lie in the wall that rises
-// there, which then could not hide anything from them.
-const float INSET = 1e-3;
-
-vec3 point_on(quad q, vec2 u)
-{
-	u = q.c == q.d ? mix(vec2(max(u.x, u.y), min(u.x, u.y)), vec2(2.0, 1.0) / 3.0, 3.0 * INSET)
-		       : mix(u, vec2(0.5), 2.0 * INSET);
-	return point_on_quad(q.a, q.b, q.c, q.d, u);
 }
 
 // Leaves smaller than this part of the area summed up before them are lost in its rounding.
@@ -148,10 +138,18 @@ float transfer(pair p, segment_end a, segment_end b, vec2 u, vec3 m)
 							 : cross(p.mine.c - p.mine.a, p.mine.d - p.mine.a);
 	if (!p.same)
 		normal = direction_to_world(p.receiver, normal);
+#ifdef ROUND
+	bool round = p.mine.a == p.mine.b;
+	if (p.sky && round)
+		return 1.0;
+#endif
 	if (p.sky)
 		return max(dot(normal, b.world), 0.0);
 	vec3 d = p.same ? b.rest - a.rest : b.world - a.world;
 	vec3 n = p.same ? m : direction_to_world(p.source, m);
 	float leaves_at = dot(normal, d), arrives_at = p.back ? dot(n, d) : -dot(n, d), d2 = dot(d, d);
+#ifdef ROUND
+	leaves_at = round ? sqrt(d2) : leaves_at;
+#endif
 	return leaves_at > 0.0 && arrives_at > 0.0 ? max((leaves_at / d2) * (arrives_at / d2), LEAST_TRANSFER) : 0.0;
 }

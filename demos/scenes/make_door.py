@@ -72,9 +72,9 @@ def frame():
 
 
 class Writer:
-    def __init__(self):
+    def __init__(self, generator):
         self.data = b""
-        self.gltf = {"asset": {"version": "2.0", "generator": "make_door.py"}, "scene": 0,
+        self.gltf = {"asset": {"version": "2.0", "generator": generator}, "scene": 0,
                      "extensionsUsed": ["KHR_materials_emissive_strength"],
                      "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [], "accessors": [],
                      "bufferViews": []}
@@ -85,7 +85,7 @@ class Writer:
         raw = struct.pack("<%d%s" % (len(values), code), *values)
         self.gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw)})
         self.data += raw
-        size = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[kind]
+        size = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[kind]
         self.gltf["accessors"].append(dict(bufferView=len(self.gltf["bufferViews"]) - 1, componentType=component,
                                            type=kind,
                                            count=len(values) // size, **more))
@@ -149,7 +149,7 @@ def look(eye, target):
 
 
 def main():
-    w = Writer()
+    w = Writer("make_door.py")
     wood = w.material("wood", [0.42, 0.27, 0.16])
     ochre = w.material("ochre", [0.72, 0.5, 0.24])
     white = w.material("white", [0.78, 0.78, 0.76])
@@ -178,4 +178,5 @@ def main():
     w.write()
 
 
-main()
+if __name__ == "__main__":
+    main()

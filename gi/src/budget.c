@@ -66,7 +66,7 @@ gi_result budget_allocate(gi_context *gi)
 			return result;
 		r->made = true;
 	}
-	const uint64_t leaves = gi->scene.leaf_count, slots = gi->scene.slot_count;
+	const uint64_t leaves = scene_row_count(&gi->scene), slots = gi->scene.slot_count;
 	const struct {
 		gpu_buffer *buffer;
 		const char *label;
@@ -133,7 +133,7 @@ void budget_limits(gi_context *gi, const gi_budget *budget, gi_frame *frame)
 	if (budget->view)
 		set_view(budget->view, frame);
 	frame->limit = (gi_vec4){(float)fmin(rays, 4e9), budget->error, 0, 0};
-	frame->budget.z = (uint32_t)fmin(rows, gi->scene.leaf_count);
+	frame->budget.z = (uint32_t)fmin(rows, scene_row_count(&gi->scene));
 }
 
 bool budget_times_solve(const gi_context *gi, const gi_budget *budget)
@@ -169,14 +169,15 @@ static float pass_sum(const gi_report *report, const gi_pass *passes, size_t cou
 
 void budget_learn(gi_context *gi)
 {
-	static const gi_pass fixed[] = {GI_PASS_POSE, GI_PASS_CHOOSE, GI_PASS_SOLVE, GI_PASS_LIGHT};
+	static const gi_pass fixed[] = {GI_PASS_POSE,  GI_PASS_CHOOSE, GI_PASS_LIGHTS,
+					GI_PASS_SOLVE, GI_PASS_LIGHT,  GI_PASS_RECEIVE};
 	static const gi_pass by_ray[] = {GI_PASS_CUT, GI_PASS_FACTOR, GI_PASS_FLAG, GI_PASS_TRACE, GI_PASS_CLOSE};
 	const gi_report *report = &gi->report;
 	gi_budget_state *r = &gi->budget;
 	if (!gi->def.profile || report->frame == r->learned)
 		return;
 	r->learned = report->frame;
-	gi_spent spent = {.rays = report->rays,
+	gi_spent spent = {.rays = report->rays - report->light_rays,
 			  .rows = report->assessed_rows,
 			  .sweeps = report->sweeps,
 			  .late = r->late,
@@ -230,7 +231,7 @@ static void enlist(gi_context *gi, uint32_t stage)
 {
 	run_stage(gi, stage);
 	gpu_set_uint(&gi->gpu, gi->budget.enlist_program, 0, stage / REFRESH);
-	gpu_dispatch(&gi->gpu, gi->budget.enlist_program, gi->scene.leaf_count);
+	gpu_dispatch(&gi->gpu, gi->budget.enlist_program, scene_row_count(&gi->scene));
 	run_stage(gi, stage + 1);
 }
 
@@ -243,7 +244,7 @@ void budget_choose(gi_context *gi)
 	gpu_buffer_clear(&gi->gpu, &r->choices, 0, sizeof(uint32_t) * GI_CHOICE_CHOSEN, 0);
 	gpu_dispatch_groups(g, r->light_bounds_program, gi->scene.slot_count);
 	gpu_dispatch(g, gi->specular_rows ? gi->specular_rows->survey_program : r->survey_program,
-		     gi->scene.leaf_count);
+		     scene_row_count(&gi->scene));
 	enlist(gi, ASSESS);
 	gpu_timer_end(g, &gi->timers[GI_PASS_CHOOSE]);
 	gpu_timer_begin(g, &r->assess_timer);

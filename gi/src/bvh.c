@@ -265,10 +265,11 @@ static gi_box box_of(const gi_primitive *p)
 /* The largest flat nodes, and the leaves that lie in none. Counts them where `out` is NULL. */
 static uint32_t collect(const gi_hierarchy *h, gi_primitive *out)
 {
+	const uint32_t wanted = h->deforms ? GI_NODE_LEAF : GI_NODE_FLAT | GI_NODE_LEAF;
 	uint32_t count = 0;
 	for (uint32_t node = 0; node < h->node_count;) {
 		const gi_uvec4 range = h->topology[node].range;
-		if (!(range.w & (GI_NODE_FLAT | GI_NODE_LEAF))) {
+		if (!(range.w & wanted)) {
 			node++;
 			continue;
 		}
@@ -305,6 +306,17 @@ bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out)
 	gi_free(boxes);
 	gi_free(order);
 	return enough;
+}
+
+void gi_bvh_rebuild(const gi_hierarchy *h, gi_bvh *bvh, gi_box *boxes, uint32_t *order)
+{
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
+		const gi_primitive p = primitive_of(h, h->leaf_node[leaf]);
+		boxes[leaf] = box_of(&p);
+	}
+	gi_bvh_build_boxes(boxes, h->leaf_count, bvh->nodes, order);
+	for (uint32_t k = 0; k < h->leaf_count; k++)
+		bvh->primitives[k] = primitive_of(h, h->leaf_node[order[k]]);
 }
 
 void gi_bvh_free(gi_bvh *bvh)

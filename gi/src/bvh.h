@@ -22,6 +22,10 @@ typedef struct gi_box {
 	float lower[3], upper[3];
 } gi_box;
 
+/* Of a hierarchy that deforms each leaf is a primitive, for what is flat may bend. The same tree as gi_bvh_build makes,
+ * where there is one already; `order` then has the leaf of each primitive. Room for one of each leaf in both. */
+void gi_bvh_rebuild(const gi_hierarchy *hierarchy, gi_bvh *bvh, gi_box *boxes, uint32_t *order);
+
 /* The same over boxes alone (the scene's objects): order[k] is the box of BVH leaf k, nodes' primitive numbers index
  * `order`. `nodes` holds 2 * count - 1, `order` count. Takes no memory; count 0 gives no nodes. */
 void gi_bvh_build_boxes(const gi_box *boxes, uint32_t count, gi_bvh_node *nodes, uint32_t *order);

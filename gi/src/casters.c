@@ -28,13 +28,15 @@ typedef struct caster_vertex {
 
 /* ---- the surface ---- */
 
-/* The next of the coarsest flat polygons that tile the object, GI_NONE after the last; *node is where the walk is. */
+/* The next of the coarsest flat polygons that tile the object, GI_NONE after the last; *node is where the walk is. What
+ * is flat of a shape that changes need not stay so: leaves do. */
 static uint32_t next_flat(const gi_hierarchy *h, uint32_t *node)
 {
 	while (*node < h->node_count) {
 		const gi_uvec4 range = h->topology[*node].range;
 		const uint32_t found = *node;
-		if ((range.w & GI_NODE_LEAF) || ((range.w & GI_NODE_POLYGON) && (range.w & GI_NODE_FLAT))) {
+		if ((range.w & GI_NODE_LEAF) ||
+		    (!h->deforms && (range.w & GI_NODE_POLYGON) && (range.w & GI_NODE_FLAT))) {
 			*node = range.x;
 			return found;
 		}
@@ -52,12 +54,11 @@ static uint32_t add_polygon(uint32_t *indices, const gi_node_topology *t, uint32
 	return count;
 }
 
-static bool add_walls(const gi_hierarchy *h, gi_caster *c, uint32_t polygons)
+/* There is room for them. */
+static void fill_walls(const gi_hierarchy *h, gi_caster *c)
 {
-	c->walls = gi_calloc(polygons + 1, sizeof *c->walls);
-	if (!c->walls)
-		return false;
 	uint32_t at = c->range.first, node = 0, found;
+	c->wall_count = 0;
 	while ((found = next_flat(h, &node)) != GI_NONE) {
 		caster_wall *w = &c->walls[c->wall_count++];
 		const uint32_t *corners = &h->topology[found].corners.x;
@@ -66,7 +67,14 @@ static bool add_walls(const gi_hierarchy *h, gi_caster *c, uint32_t polygons)
 		w->range = (gpu_range){at, corners[2] == corners[3] ? 3 : 6};
 		at += w->range.count;
 	}
-	return true;
+}
+
+static bool add_walls(const gi_hierarchy *h, gi_caster *c, uint32_t polygons)
+{
+	c->walls = gi_calloc(polygons + 1, sizeof *c->walls);
+	if (c->walls)
+		fill_walls(h, c);
+	return c->walls;
 }
 
 static uint32_t child_count(const gi_hierarchy *h, uint32_t node)
@@ -112,7 +120,12 @@ static bool add_spheres(const gi_hierarchy *h, gi_caster *c, uint32_t limit)
 	c->spheres = gi_malloc(sizeof *c->spheres * c->sphere_count);
 	for (uint32_t k = 0; c->spheres && k < c->sphere_count; k++)
 		c->spheres[k] = h->geometry[nodes[k]].sphere;
-	return c->spheres;
+	if (!h->deforms)
+		return c->spheres;
+	c->sphere_nodes = gi_malloc(sizeof *nodes * c->sphere_count);
+	if (c->sphere_nodes)
+		memcpy(c->sphere_nodes, nodes, sizeof *nodes * c->sphere_count);
+	return c->spheres && c->sphere_nodes;
 }
 
 static bool share_spheres(const gi_scene *s, gi_casters *casters)
@@ -207,27 +220,70 @@ static void add_drawn(const gi_drawn_surface *drawn, uint32_t slot, caster_mesh 
 		mesh->indices[mesh->index_count++] = base + drawn->indices[k];
 }
 
+/* What is known of a caster besides its triangles. `many`: polygons, too many to look at. */
+static void measure(const object_record *o, bool many, gi_caster *c)
+{
+	const gi_hierarchy *h = &o->hierarchy;
+	/* Twice: points are moved along their normals when they look for their shadows. */
+	const double far = distance_of_drawn(o, !many);
+	c->solid = !c->as_drawn && h->closed && h->volume > 0; /* a detailed mesh may be open where its cage is not */
+	c->off = 2 * far;
+	c->outside = c->as_drawn ? far : 0;
+	c->outside_box = c->as_drawn ? beyond_box(o) : 0;
+}
+
 static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_caster *c, caster_mesh *mesh)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	const uint32_t first_vertex = mesh->vertex_count;
-	c->solid = h->closed && h->volume > 0;
+	c->first_vertex = mesh->vertex_count;
 	c->range.first = mesh->index_count;
 	const uint32_t polygons = add_polygons(h, slot, mesh);
-	const bool as_drawn = fine && is_drawn_elsewhere(o), many = as_drawn || polygons > WALL_POLYGONS;
-	if (as_drawn) {
-		c->solid = false; /* a detailed mesh may be open where its cage is not */
-		mesh->vertex_count = first_vertex;
+	c->as_drawn = fine && (h->deforms || is_drawn_elsewhere(o));
+	const bool many = c->as_drawn || polygons > WALL_POLYGONS;
+	if (c->as_drawn) {
+		mesh->vertex_count = c->first_vertex;
 		mesh->index_count = c->range.first;
 		add_drawn(&o->drawn, slot, mesh);
 	}
 	c->range.count = mesh->index_count - c->range.first;
-	/* Twice: points are moved along their normals when they look for their shadows. */
-	const double far = distance_of_drawn(o, !many);
-	c->off = 2 * far;
-	c->outside = as_drawn ? far : 0;
-	c->outside_box = as_drawn ? beyond_box(o) : 0;
+	c->vertex_count = mesh->vertex_count - c->first_vertex;
+	measure(o, many, c);
 	return many || add_walls(h, c, polygons);
+}
+
+static bool reserve_staging(gi_casters *casters, uint32_t count)
+{
+	if (count <= casters->staging_room)
+		return true;
+	caster_vertex *grown = gi_realloc(casters->staging, sizeof *grown * count);
+	if (!grown)
+		return false;
+	casters->staging = grown;
+	casters->staging_room = count;
+	return true;
+}
+
+bool casters_refit(gi_context *gi, gi_casters *casters, uint32_t slot)
+{
+	const object_record *o = &gi->scene.objects[gi->scene.slots[slot]];
+	gi_caster *c = &casters->list[slot];
+	if (!c->range.count)
+		return true;
+	if (!reserve_staging(casters, c->vertex_count))
+		return false;
+	for (uint32_t v = 0; v < c->vertex_count; v++) {
+		const void *at = c->as_drawn ? (const void *)o->drawn.vertices[v].position : &o->hierarchy.vertices[v];
+		memcpy(casters->staging[v].position, at, sizeof casters->staging[v].position);
+		casters->staging[v].slot = slot;
+	}
+	gpu_buffer_upload(&gi->gpu, &casters->mesh.vertices, sizeof(caster_vertex) * c->first_vertex,
+			  sizeof(caster_vertex) * c->vertex_count, casters->staging);
+	measure(o, !c->wall_count, c);
+	if (c->wall_count)
+		fill_walls(&o->hierarchy, c);
+	for (uint32_t k = 0; k < c->sphere_count; k++)
+		c->spheres[k] = o->hierarchy.geometry[c->sphere_nodes[k]].sphere;
+	return true;
 }
 
 static bool allocate_mesh(const gi_scene *s, bool fine, caster_mesh *mesh)
@@ -272,9 +328,11 @@ void casters_free(gi_context *gi, gi_casters *casters)
 	for (uint32_t k = 0; casters->list && k < casters->count; k++) {
 		gi_free(casters->list[k].walls);
 		gi_free(casters->list[k].spheres);
+		gi_free(casters->list[k].sphere_nodes);
 	}
 	gi_free(casters->list);
 	gi_free(casters->ranges);
+	gi_free(casters->staging);
 	gpu_mesh_free(&gi->gpu, &casters->mesh);
 	*casters = (gi_casters){0};
 }

@@ -22,7 +22,10 @@ typedef struct gi_caster {
 	uint32_t wall_count; /* 0: too many to look at */
 	caster_wall *walls;
 	uint32_t sphere_count;
-	gi_vec4 *spheres;                /* hold all of the surface; rest frame, w radius */
+	gi_vec4 *spheres;       /* hold all of the surface; rest frame, w radius */
+	uint32_t *sphere_nodes; /* theirs, of a shape that changes */
+	bool as_drawn;          /* by what is drawn, not by the leaves */
+	uint32_t first_vertex, vertex_count;
 	double off;                      /* what is drawn lies at most this far outside of them */
 	double outside;                  /* and what casts of them */
 	double outside_box;              /* and of the object's box at rest */
@@ -36,11 +39,16 @@ typedef struct gi_casters {
 	gpu_mesh mesh;
 	gpu_range *ranges;
 	uint32_t range_capacity;
+	struct caster_vertex *staging; /* of a shape that changed */
+	uint32_t staging_room;
 } gi_casters;
 
 /* Of the committed scene. */
 gi_result casters_create(struct gi_context *gi, gi_casters *casters);
 void casters_free(struct gi_context *gi, gi_casters *casters);
+
+/* Brings a caster to the shape that its object has now. False when memory ran out. */
+bool casters_refit(struct gi_context *gi, gi_casters *casters, uint32_t slot);
 
 /* Boxes, ranges and which walls hide, for the objects' poses. False when memory ran out. */
 bool casters_place(const struct gi_context *gi, gi_casters *casters);

@@ -2,6 +2,7 @@
 
 #include "context.h"
 #include "emitters.h"
+#include "receiver_sets.h"
 #include "sky.h"
 #include "tlas.h"
 
@@ -77,5 +78,6 @@ gi_result changes_upload(gi_context *gi)
 		}
 	}
 	s->shown_changed = s->shown_changed || shown;
-	return tlas_upload(gi);
+	const gi_result result = receiver_sets_upload(gi);
+	return result ? result : tlas_upload(gi);
 }

@@ -8,7 +8,10 @@
 #include "context.h"
 #include "handles.h"
 #include "host_memory.h"
+#include "probes.h"
 #include "programs.h"
+#include "receive.h"
+#include "receiver_sets.h"
 #include "scene_upload.h"
 #include "specular.h"
 #include "statics.h"
@@ -83,12 +86,36 @@ static void follow_nodes(const gi_scene *old, const gi_scene *now, rows_moves *m
 			m->nodes[now->tops[k].before] = now->tops[k].node;
 }
 
-/* What became of the old scene's objects. False: out of memory. */
-static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves *m)
+/* Where the k-th set of receivers of before is now. */
+static gi_uvec4 follow_set(const gi_context *gi, const gi_scene *old, uint32_t k, gi_uvec4 nodes)
 {
-	*m = (rows_moves){.list = gi_calloc((size_t)old->slot_count + 1, sizeof *m->list),
+	const gi_scene *now = &gi->scene;
+	for (uint32_t n = 0; n < now->set_count; n++)
+		if (now->sets[n].set == old->sets[k].set) {
+			const uint32_t place = now->slot_count + n;
+			const gi_uvec4 next = now->object_data[place].nodes;
+			return (gi_uvec4){place, next.z - nodes.z, next.x - nodes.x, 0};
+		}
+	return (gi_uvec4){GI_NONE, 0, 0, 0};
+}
+
+static void follow_sets(const gi_context *gi, const gi_scene *old, rows_moves *m)
+{
+	for (uint32_t k = 0; k < old->set_count; k++) {
+		const gi_uvec4 nodes = old->object_data[old->slot_count + k].nodes;
+		m->list[old->slot_count + k] =
+		    (gi_move){{nodes.z, nodes.w, nodes.x, nodes.y}, follow_set(gi, old, k, nodes)};
+	}
+}
+
+/* What became of the old scene's objects. False: out of memory. */
+static bool follow_objects(const gi_context *gi, const gi_scene *old, rows_moves *m)
+{
+	const gi_scene *now = &gi->scene;
+	*m = (rows_moves){.list = gi_calloc((size_t)scene_place_count(old) + 1, sizeof *m->list),
 			  .count = old->slot_count,
-			  .leaf_count = old->leaf_count,
+			  .place_count = scene_place_count(old),
+			  .row_count = scene_row_count(old),
 			  .first_source = old->first_source,
 			  .nodes = gi_calloc((size_t)old->node_count + 1, sizeof *m->nodes),
 			  .node_count = old->node_count,
@@ -111,6 +138,7 @@ static bool follow_objects(const gi_scene *old, const gi_scene *now, rows_moves 
 		move->now = (gi_uvec4){to, o ? next.z - nodes.z : 0, next.x - nodes.x, 0};
 	}
 	follow_nodes(old, now, m);
+	follow_sets(gi, old, m);
 	return true;
 }
 
@@ -129,7 +157,7 @@ static gi_result renew_rows(gi_context *gi, gi_scene *old, gi_rows *rows)
 	const gi_scene *now = &gi->scene;
 	const bool usable = rows->fitted && !rows->rebuild && !gi->truncated && sky_is_same(old, now);
 	rows_moves m = {0};
-	if (usable && !follow_objects(old, now, &m)) {
+	if (usable && !follow_objects(gi, old, &m)) {
 		gi_free(m.list);
 		gi_free(m.nodes);
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -219,6 +247,7 @@ static void note_changes(gi_context *gi)
 		o->came = kept && (o->came || came);
 		o->moved = kept && (o->moved || other || came);
 		o->relit = kept && (o->relit || other || came);
+		o->reshaped = kept && o->reshaped;
 		o->material_changed = kept && (o->material_changed || came);
 	}
 }
@@ -234,7 +263,7 @@ static void forget_dead_objects(gi_context *gi)
 
 gi_result commit_objects(gi_context *gi)
 {
-	gi_result result = programs_end(gi);
+	gi_result result = programs_for_commit(gi);
 	if (result)
 		return result;
 	gi_progress(&gi->gpu.log, 0, 0, "joining objects");
@@ -245,7 +274,11 @@ gi_result commit_objects(gi_context *gi)
 	estimate_invalidate(gi);
 	specular_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 	diffusion_invalidate(gi);
+	gi->layout++;
+	receive_invalidate(gi);
+	probes_invalidate(gi);
 	gi->commit_frame = gi->frame_number;
 	if (!gi->rows.kept) {
 		gi->truncated = false;
@@ -253,6 +286,7 @@ gi_result commit_objects(gi_context *gi)
 	}
 	forget_dead_objects(gi);
 	note_changes(gi);
+	receiver_sets_committed(gi, gi->rows.kept);
 	sky_take(gi);
 	gi->scene.regroup = false;
 	gi->scene.ever_committed = true;

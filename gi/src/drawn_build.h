@@ -15,6 +15,7 @@ typedef struct drawn_builder {
 	gi_hanging_list hanging;
 	uint32_t *first_drawn; /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
 	uint32_t *next_drawn;  /* per drawn vertex: the next one at the same place */
+	gi_draw_bond bond;     /* of the vertex that is added next, where there are any */
 } drawn_builder;
 
 typedef struct quad {
@@ -52,8 +53,10 @@ bool gi_drawn_make_lights(drawn_builder *s, double least_cosine);
 void gi_drawn_free_builder(drawn_builder *s);
 void gi_drawn_add_triangle(gi_drawn_surface *out, uint32_t a, uint32_t b, uint32_t c);
 uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v);
-/* The light at a point of a leaf. In order of light vertex and without zeros, so that the two leaves of a smooth edge
- * give their common points the same. */
+/* The light at a point of a leaf, four light vertices with their weights. In order of light vertex and without zeros,
+ * so that the two leaves of a smooth edge give their common points the same. */
+void gi_drawn_light_at(const gi_drawn_surface *drawn, uint32_t leaf, const float weight[4], uint32_t light[4],
+		       float light_weight[4]);
 void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v);
 /* The drawn vertex that is `v`, a new one where there is none; `place` is the number of its vertex of the surface. */
 uint32_t gi_drawn_share_vertex(drawn_builder *s, uint32_t place, const gi_draw_vertex *v);

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Light is not shared across an edge where the leaves' normals differ by more than 40 degrees. */
-#define EDGE_COSINE 0.766
 /* A leaf is drawn flat when the finer surface stays this near its plane (in radii) and keeps its area, and limit
  * normals stay this near its own: less than shading could show. */
 #define FLAT_DISTANCE 1e-4
@@ -180,6 +178,14 @@ static bool is_convex(const gi_hierarchy *h, uint32_t leaf)
 	return true;
 }
 
+/* Of a shape that changes: leaves without limit normals are drawn with their own, bent or not. */
+static bool find_faceted(const gi_hierarchy *h, const gi_refined *fine, bool finer, bool *flat)
+{
+	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++)
+		flat[leaf] = !finer && !fine->tangents[0].count && is_convex(h, leaf);
+	return false;
+}
+
 /* Which leaves are flat to the eye, and whether all are. `area`: leaf_count zeros. */
 static bool find_flat(const gi_hierarchy *h, const gi_refined *fine, const fine_face *faces, bool *flat, double *area)
 {
@@ -210,6 +216,7 @@ static uint32_t flat_corner(drawn_builder *s, uint32_t leaf, uint32_t vertex, ui
 	gi_vec3d_store(v.position, vertex_position(s->h, vertex));
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_drawn_set_light(s, leaf, weight, &v);
+	s->bond = (gi_draw_bond){vertex, GI_NONE, GI_NONE};
 	return gi_drawn_share_vertex(s, vertex, &v);
 }
 
@@ -231,13 +238,23 @@ static void draw_flat(drawn_builder *s, uint32_t leaf)
 	gi_vec3d_store(v.position, centre);
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_drawn_set_light(s, leaf, weight, &v);
+	s->bond = (gi_draw_bond){GI_NONE, GI_NONE, GI_NONE};
 	const uint32_t middle = gi_drawn_add_vertex(s, &v);
 	for (uint32_t k = 0; k < 4; k++)
 		gi_drawn_add_triangle(s->out, drawn[k], drawn[(k + 1) % 4], middle);
 }
 
-static void draw_curved(drawn_builder *s, const gi_refined *fine, const uint32_t corners[4], const fine_face *face)
+/* Of a corner of a face of the surface that is drawn. */
+static gi_draw_bond bond_of(const gi_refined *fine, uint32_t vertex, uint32_t face)
 {
+	const gi_stencils *t = &fine->tangents[0];
+	const bool smooth = t->count && t->first[vertex + 1] > t->first[vertex];
+	return (gi_draw_bond){vertex, smooth ? vertex : GI_NONE, smooth ? GI_NONE : face};
+}
+
+static void draw_curved(drawn_builder *s, const gi_refined *fine, uint32_t number, const fine_face *face)
+{
+	const uint32_t *corners = fine->levels[fine->level_count - 1].corners[number];
 	const gi_vec3d normal = unit_or(fine_moment(fine, corners), leaf_normal(s->h, face->leaf));
 	uint32_t drawn[4];
 	for (uint32_t k = 0; k < corner_count(corners); k++) {
@@ -245,6 +262,7 @@ static void draw_curved(drawn_builder *s, const gi_refined *fine, const uint32_t
 		gi_vec3d_store(v.position, fine_position(fine, corners, k));
 		gi_vec3d_store(v.normal, unit_or(gi_vec3d_load(fine->normals[corners[k]]), normal));
 		gi_drawn_set_light(s, face->leaf, face->weight[k], &v);
+		s->bond = bond_of(fine, corners[k], number);
 		drawn[k] = gi_drawn_share_vertex(s, corners[k], &v);
 	}
 	gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
@@ -264,6 +282,13 @@ static bool allocate_drawing(drawn_builder *s, const gi_refined *fine)
 	s->out->indices = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->indices, &enough);
 	for (uint32_t i = 0; enough && i < places; i++)
 		s->first_drawn[i] = GI_NONE;
+	if (enough && s->h->deforms) {
+		s->out->bonds = gi_drawn_allocate(vertices, sizeof *s->out->bonds, &enough);
+		s->out->faces = gi_drawn_allocate(faces, sizeof *s->out->faces, &enough);
+		if (enough)
+			memcpy(s->out->faces, fine->levels[fine->level_count - 1].corners,
+			       sizeof *s->out->faces * faces);
+	}
 	return enough;
 }
 
@@ -279,7 +304,7 @@ static void draw_surface(drawn_builder *s, const gi_refined *fine, bool finer, c
 			draw_flat(s, leaf);
 	for (uint32_t face = 0; face < level->face_count; face++)
 		if (faces[face].leaf != GI_NONE && !(whole && flat[faces[face].leaf]))
-			draw_curved(s, fine, level->corners[face], &faces[face]);
+			draw_curved(s, fine, face, &faces[face]);
 }
 
 /* Gives back what the upper bounds reserved too much; where that fails the array stays as it is. */
@@ -289,18 +314,22 @@ static void *shrink(void *memory, size_t count, size_t size)
 	return smaller ? smaller : memory;
 }
 
-static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t leaf_level)
+static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t leaf_level, double least_cosine)
 {
-	bool enough = gi_drawn_make_lights(s, EDGE_COSINE) && allocate_drawing(s, fine);
+	bool enough = gi_drawn_make_lights(s, least_cosine) && allocate_drawing(s, fine);
 	fine_face *faces = enough ? finest_faces(s->h, fine, leaf_level) : NULL;
 	bool *flat = gi_drawn_allocate(s->h->leaf_count, sizeof *flat, &enough);
 	double *area = gi_drawn_allocate(s->h->leaf_count, sizeof *area, &enough);
 	enough = enough && faces;
 	if (enough) {
-		const bool all = find_flat(s->h, fine, faces, flat, area);
-		draw_surface(s, fine, fine->level_count > leaf_level + 1, faces, flat, all);
+		const bool finer = fine->level_count > leaf_level + 1;
+		const bool all =
+		    s->h->deforms ? find_faceted(s->h, fine, finer, flat) : find_flat(s->h, fine, faces, flat, area);
+		draw_surface(s, fine, finer, faces, flat, all);
 		s->out->vertices = shrink(s->out->vertices, s->out->vertex_count, sizeof *s->out->vertices);
 		s->out->indices = shrink(s->out->indices, s->out->index_count, sizeof *s->out->indices);
+		if (s->out->bonds)
+			s->out->bonds = shrink(s->out->bonds, s->out->vertex_count, sizeof *s->out->bonds);
 	}
 	gi_free(faces);
 	gi_free(flat);
@@ -311,7 +340,7 @@ static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t le
 /* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the
  * caller's `extra` can be one too many. */
 bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			gi_drawn_surface *out)
+			double least_cosine, gi_drawn_surface *out)
 {
 	(void)extra;
 	*out = (gi_drawn_surface){0};
@@ -322,7 +351,19 @@ bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse,
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
 	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
-	const bool done = draw_from_cage(&s, fine, leaf_level);
+	const bool done = draw_from_cage(&s, fine, leaf_level, least_cosine);
+	gi_drawn_free_builder(&s);
+	if (!done)
+		gi_drawn_free(out);
+	return done;
+}
+
+bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,
+			   gi_drawn_surface *out)
+{
+	*out = (gi_drawn_surface){0};
+	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
+	const bool done = gi_drawn_make_lights(&s, least_cosine);
 	gi_drawn_free_builder(&s);
 	if (!done)
 		gi_drawn_free(out);

@@ -199,32 +199,38 @@ void gi_drawn_free_builder(drawn_builder *s)
 
 /* ---- drawn vertices ---- */
 
-static void add_light(gi_draw_vertex *v, uint32_t *count, uint32_t light, float weight)
+static void add_light(uint32_t light[4], float weight[4], uint32_t *count, uint32_t added, float by)
 {
 	uint32_t at = 0;
-	while (at < *count && v->light[at] < light)
+	while (at < *count && light[at] < added)
 		at++;
-	if (at == *count || v->light[at] != light) {
+	if (at == *count || light[at] != added) {
 		for (uint32_t i = (*count)++; i > at; i--) {
-			v->light[i] = v->light[i - 1];
-			v->weight[i] = v->weight[i - 1];
+			light[i] = light[i - 1];
+			weight[i] = weight[i - 1];
 		}
-		v->light[at] = light;
-		v->weight[at] = 0.0f;
+		light[at] = added;
+		weight[at] = 0.0f;
 	}
-	v->weight[at] += weight;
+	weight[at] += by;
 }
 
-void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v)
+void gi_drawn_light_at(const gi_drawn_surface *drawn, uint32_t leaf, const float weight[4], uint32_t light[4],
+		       float light_weight[4])
 {
 	uint32_t count = 0;
 	for (uint32_t k = 0; k < 4; k++)
 		if (weight[k] > 0.0f)
-			add_light(v, &count, s->out->corner_light[4 * leaf + k], weight[k]);
+			add_light(light, light_weight, &count, drawn->corner_light[4 * leaf + k], weight[k]);
 	for (; count > 0 && count < 4; count++) {
-		v->light[count] = v->light[0];
-		v->weight[count] = 0.0f;
+		light[count] = light[0];
+		light_weight[count] = 0.0f;
 	}
+}
+
+void gi_drawn_set_light(const drawn_builder *s, uint32_t leaf, const float weight[4], gi_draw_vertex *v)
+{
+	gi_drawn_light_at(s->out, leaf, weight, v->light, v->weight);
 	v->leaf = leaf;
 }
 
@@ -241,8 +247,17 @@ static bool is_same(const drawn_builder *s, const gi_draw_vertex *a, const gi_dr
 	return true;
 }
 
+static bool hangs_alike(const drawn_builder *s, uint32_t vertex)
+{
+	const gi_draw_bond *bonds = s->out->bonds;
+	return !bonds || (bonds[vertex].place == s->bond.place && bonds[vertex].facing == s->bond.facing &&
+			  bonds[vertex].face == s->bond.face && (s->bond.facing != GI_NONE || s->bond.face != GI_NONE));
+}
+
 uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)
 {
+	if (s->out->bonds)
+		s->out->bonds[s->out->vertex_count] = s->bond;
 	s->out->vertices[s->out->vertex_count] = *v;
 	return s->out->vertex_count++;
 }
@@ -250,7 +265,7 @@ uint32_t gi_drawn_add_vertex(drawn_builder *s, const gi_draw_vertex *v)
 uint32_t gi_drawn_share_vertex(drawn_builder *s, uint32_t place, const gi_draw_vertex *v)
 {
 	for (uint32_t i = s->first_drawn[place]; i != GI_NONE; i = s->next_drawn[i])
-		if (is_same(s, &s->out->vertices[i], v))
+		if (is_same(s, &s->out->vertices[i], v) && hangs_alike(s, i))
 			return i;
 	const uint32_t added = gi_drawn_add_vertex(s, v);
 	s->next_drawn[added] = s->first_drawn[place];
@@ -274,5 +289,7 @@ void gi_drawn_free(gi_drawn_surface *drawn)
 	gi_free(drawn->corner_light);
 	gi_free(drawn->vertices);
 	gi_free(drawn->indices);
+	gi_free(drawn->bonds);
+	gi_free(drawn->faces);
 	*drawn = (gi_drawn_surface){0};
 }

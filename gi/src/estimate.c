@@ -12,7 +12,6 @@
 
 #include "binding.h"
 #include "context.h"
-#include "host_memory.h"
 #include "state.h"
 
 /* Leaves a dispatch works on: the samples of more would only take memory. */
@@ -88,13 +87,14 @@ static gi_result make_chances(gi_context *gi)
 	if (e->fresh)
 		return GI_OK;
 	const uint64_t bytes = 2 * sizeof(float) * (uint64_t)gi->scene.leaf_count;
-	float *chances = gi_malloc(bytes);
-	if (!chances)
+	gi_arena_measure(&e->memory);
+	gi_arena_take(&e->memory, gi->scene.leaf_count, 2 * sizeof(float));
+	if (!gi_arena_reserve(&e->memory))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	float *chances = gi_arena_take(&e->memory, gi->scene.leaf_count, 2 * sizeof(float));
 	fill_chances(gi, chances);
 	const gi_result result =
-	    gpu_buffer_allocate(&gi->gpu, &e->chances, buffer_labels.ESTIMATE_CHANCES, bytes, chances);
-	gi_free(chances);
+	    gpu_buffer_replace(&gi->gpu, &e->chances, buffer_labels.ESTIMATE_CHANCES, bytes, chances);
 	e->fresh = !result;
 	return result;
 }
@@ -166,6 +166,7 @@ void estimate_free(gi_context *gi)
 {
 	gi_estimate *owner = &gi->estimate;
 	ESTIMATE_BUFFERS(BUFFER_FREE)
+	gi_arena_free(&owner->memory);
 	uint32_t *programs[] = {&owner->samples_program, &owner->trace_program, &owner->sum_program,
 				&owner->mean_program};
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)

@@ -6,6 +6,11 @@
 #include "context.h"
 #include "emitters.h"
 #include "host_memory.h"
+#include "programs.h"
+#include "reshape.h"
+#include "probes.h"
+#include "receive.h"
+#include "receiver_sets.h"
 #include "specular.h"
 
 #include <math.h>
@@ -43,7 +48,8 @@ static void fill_report(gi_context *gi, const gi_state *state, uint64_t frame)
 	r->dirty_rows = state->counts.dirty_rows;
 	r->closed_rows = state->counts.changed_rows;
 	r->rays = state->counts.rays;
-	r->sweeps = state->solve.sweeps;
+	r->light_rays = state->counts.light_rays;
+	r->sweeps = gi->issued[ring].solved ? state->solve.sweeps : 0;
 	r->jacobi_sweeps = state->solve.jacobi_sweeps;
 	r->method = method_of(state);
 	r->residual = state->solve.residual;
@@ -130,12 +136,13 @@ static bool rows_are_due(const gi_context *gi, const gi_budget *budget)
 /* What an update has to do again. */
 typedef struct changes {
 	bool rows;
-	bool light; /* values of materials alone: the solve begins anew, rows are what they were */
+	bool light;     /* values of materials alone: the solve begins anew, rows are what they were */
+	bool receivers; /* rows of receivers alone: the solve knows nothing of them */
 } changes;
 
-static changes changed_objects(const gi_context *gi)
+static changes changed_objects(gi_context *gi)
 {
-	changes c = {false, false};
+	changes c = {.receivers = receiver_sets_changed(gi)};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		const object_record *o = &gi->scene.objects[k];
 		c.rows = c.rows || (o->committed && (o->moved || o->relit));
@@ -147,7 +154,8 @@ static changes changed_objects(const gi_context *gi)
 static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *c)
 {
 	*c = changed_objects(gi);
-	c->light = c->light || gi->solve_changed || gi->light_changed || caustics_are_late(gi);
+	c->light =
+	    c->light || gi->solve_changed || gi->light_changed || gi->light_list.changed || caustics_are_late(gi);
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
 	if (!c->light || c->rows)
 		return GI_OK;
@@ -162,10 +170,12 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 static void changes_done(gi_context *gi)
 {
 	gi->solve_changed = gi->light_changed = false;
+	light_list_seen(&gi->light_list);
 	for (uint32_t k = 0; k < gi->scene.object_count; k++) {
 		object_record *o = &gi->scene.objects[k];
-		o->moved = o->relit = o->material_changed = o->arrives = o->came = false;
+		o->moved = o->relit = o->material_changed = o->arrives = o->came = o->reshaped = false;
 	}
+	receiver_sets_done(gi);
 }
 
 /* Pictures and chances of leaves are made of the objects that are seen. */
@@ -178,47 +188,72 @@ static void forget_what_was_shown(gi_context *gi)
 	gi->scene.shown_changed = false;
 }
 
-/* Through mirrors and glass, and below surfaces. Rows know by now what changed: where it fails the next update must
- * begin it again. */
-static gi_result light_by_media(gi_context *gi, const gi_budget *budget)
+/* Through mirrors and glass, below surfaces, and from lights without a surface. Rows know by now what changed: where it
+ * fails the next update must begin it again. */
+static gi_result light_beside_rows(gi_context *gi, const gi_budget *budget)
 {
 	gi_result result = diffusion_update(gi);
 	if (!result)
 		result = caustics_update(gi, budget);
+	if (!result)
+		result = punctual_update(gi);
 	if (result) {
 		caustics_invalidate(gi);
+		punctual_invalidate(gi);
 		gi->light_changed = true;
 	}
 	return result;
+}
+
+/* Does the solve take more sweeps although nothing changed? Not before it is known that the last ones were too few. */
+static bool solve_goes_on(const gi_context *gi)
+{
+	return gi->solver.cold || (gi->solver.unconverged && gi->report.frame >= gi->solved_frame);
 }
 
 /* A step of rows and solve; queues its report. */
 static gi_result issue(gi_context *gi, changes c, const gi_budget *budget)
 {
 	gi->gpu.tag = gi->frame_number;
-	gi_result result = c.rows || c.light ? specular_update(gi) : GI_OK;
+	reshape_objects(gi);
+	const bool anew = c.rows || c.light, solves = anew || solve_goes_on(gi);
+	gi_result result = c.rows || c.receivers ? programs_for_rows(gi) : GI_OK;
+	if (!result && anew)
+		result = specular_update(gi);
+	if (!result)
+		result = receive_prepare(gi);
+	if (!result)
+		result = probes_prepare(gi);
 	if (result)
 		return result;
-	if (c.rows) {
+	if (c.rows || c.receivers) {
 		result = rows_update(gi, budget);
+		if (!result)
+			probes_update(gi);
 		forget_what_was_shown(gi);
 	} else if (c.light) {
 		result = rows_relight(gi);
 	} else {
 		rows_clear_counts(gi);
 	}
-	if (!result && (c.rows || c.light))
-		result = light_by_media(gi, budget);
+	if (!result && anew)
+		result = light_beside_rows(gi, budget);
+	else if (!result && c.receivers)
+		result = punctual_update(gi);
 	if (result)
 		return result;
-	if (c.rows)
+	if (c.rows || c.receivers)
 		gi->budget.in_force = gi->frame.update.w & GI_UPDATE_PART;
-	solver_update(gi, c.rows || c.light, budget);
+	if (solves)
+		solver_update(gi, anew, budget);
 	if (gi->budget.in_force)
 		budget_bound(gi);
-	result = estimate_update(gi);
+	receive_update(gi, punctual_bind(gi));
+	result = solves ? estimate_update(gi) : GI_OK;
 	if (result)
 		return result;
+	gi->solved_frame = solves ? gi->frame_number : gi->solved_frame;
+	gi->issued[gi->frame_number % GPU_READBACK_RING].solved = solves;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rows_update = gi->rows.update;
 	gi->issued[gi->frame_number % GPU_READBACK_RING].rebuilt = c.rows && gi->frame.update.w & GI_UPDATE_REBUILD;
 	gpu_readback_queue(&gi->gpu, &gi->readback, &gi->state, gi->frame_number);
@@ -250,6 +285,7 @@ static gi_report at_rest(const gi_context *gi)
 	r.frame = gi->frame_number;
 	r.outcome = GI_OUTCOME_AT_REST;
 	r.new_entries = r.flagged_entries = r.dirty_entries = r.dirty_rows = r.closed_rows = r.rays = 0;
+	r.light_rays = 0;
 	r.sweeps = r.dispatches = 0;
 	r.sampling_rays = 0;
 	memset(r.pass_ms, 0, sizeof r.pass_ms);
@@ -304,15 +340,14 @@ static gi_result update(gi_context *gi, const gi_budget *budget)
 	gi_result result = take_regrouped_in(gi, &budget, &left);
 	if (result)
 		return result;
-	changes c = {false, false};
+	changes c = {0};
 	const bool first = gi->rows.rebuild && !gi->rows.fitted;
 	if (gi->truncated)
 		result = grow_until_it_fits(gi);
 	if (!result)
 		result = find_changes(gi, budget, &c);
-	const bool changed = c.rows || c.light || gi->solver.cold;
 	const bool settled = gi->report.frame >= gi->issued_frame && !gi->solver.unconverged;
-	if (!result && (changed || (!settled && gi->report.frame >= gi->issued_frame)))
+	if (!result && (c.rows || c.light || c.receivers || solve_goes_on(gi)))
 		result = issue(gi, c, budget);
 	else if (!result && settled && !gi->gpu.dispatches)
 		gi->report = at_rest(gi);

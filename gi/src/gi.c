@@ -5,7 +5,9 @@
 #include "context.h"
 #include "handles.h"
 #include "host_memory.h"
+#include "probes.h"
 #include "programs.h"
+#include "receive.h"
 #include "sky.h"
 #include "sky_image.h"
 #include "specular.h"
@@ -137,7 +139,7 @@ static gi_result start_context(gi_context *gi)
 {
 	gi_result result = gpu_init(&gi->gpu, gi->def.get_proc_address, gi->def.get_proc_user);
 	if (!result)
-		result = programs_begin(gi);
+		result = programs_begin(gi, ROWS_ALWAYS);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &gi->state, "state", sizeof(gi_state), NULL);
 	if (!result)
@@ -216,8 +218,13 @@ void gi_context_destroy(gi_context *gi)
 	shade_free(gi);
 	paths_free(gi);
 	caustics_free(gi);
+	punctual_free(gi);
+	light_list_free(&gi->light_list);
 	specular_free(gi);
 	diffusion_free(gi);
+	receive_free(gi);
+	probes_free(gi);
+	receiver_sets_free(gi);
 	specular_rows_free(gi);
 	estimate_free(gi);
 	scene_free(gi);
@@ -365,11 +372,12 @@ gi_result gi_set_estimate_leaves(gi_context *gi, uint32_t estimate_leaves)
 
 static void begin_anew(gi_context *gi)
 {
-	gi->compiled = true;
+	programs_reloaded(gi);
 	gi->rows.rebuild = gi->light_changed = gi->solver.cold = true;
 	gi->rows.fitted = false;
 	shade_invalidate(gi);
 	caustics_invalidate(gi);
+	punctual_invalidate(gi);
 }
 
 gi_result gi_reload_shaders(gi_context *gi)
@@ -388,6 +396,15 @@ gi_result gi_reload_shaders(gi_context *gi)
 
 /* ---- objects ---- */
 
+/* What may move takes programs of its own, which the driver compiles while the host goes on. Where it could not be
+ * asked, or one is missing, the commit sees to it. */
+static void expect_motion(gi_context *gi, gi_object object)
+{
+	const bool moves = handles_find(gi, object)->mobility != GI_MOBILITY_STATIC;
+	if (moves && gi->programs[ROWS_MOTION] == PROGRAMS_NONE && gpu_is_current(&gi->gpu))
+		programs_begin(gi, ROWS_MOTION);
+}
+
 gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out)
 {
 	if (out)
@@ -398,6 +415,8 @@ gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_object_def_default()");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = handles_create(gi, def, out);
+	if (!result)
+		expect_motion(gi, *out);
 	gi_memory_from(before);
 	return result;
 }
@@ -428,6 +447,8 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 		return gi_fail_null(gi, "gi_create_prepared_object: prepared, *prepared and out");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = handles_create_prepared(gi, *prepared, out);
+	if (!result)
+		expect_motion(gi, *out);
 	gi_memory_from(before);
 	if (!result)
 		*prepared = NULL;
@@ -524,7 +545,10 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
-	o->mobility = mobility;
+	if (o->deform && mobility == GI_MOBILITY_STATIC)
+		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+			       "object '%s' deforms: it is movable, never static", o->name);
+	o->mobility = o->deform ? GI_MOBILITY_MOVABLE : mobility;
 	return GI_OK;
 }
 
@@ -655,14 +679,4 @@ gi_result gi_commit(gi_context *gi)
 	gpu_group_end(&gi->gpu);
 	gi_memory_from(before);
 	return result;
-}
-
-gi_result gi_get_buffers(gi_context *gi, gi_buffers *out)
-{
-	if (!gi || !out)
-		return gi_fail_null(gi, "gi_get_buffers: out");
-	if (!gi->scene.ever_committed)
-		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED, "call gi_commit() before gi_get_buffers()");
-	*out = (gi_buffers){gi->solver.leaf_radiosity.name, gi->solver.leaf_indirect.name, gi->solver.light.name};
-	return GI_OK;
 }

@@ -301,6 +301,7 @@ static void set_bounds(gi_hierarchy *h)
  * cancels. */
 static void set_totals(gi_hierarchy *h)
 {
+	h->area = h->volume = 0;
 	const gi_vec3d from = gi_vec3d_scale(gi_vec3d_add(gi_vec3d_from(h->lower), gi_vec3d_from(h->upper)), 0.5);
 	for (uint32_t leaf = 0; leaf < h->leaf_count; leaf++) {
 		const quad q = node_quad(h, h->leaf_node[leaf]);
@@ -395,6 +396,7 @@ static const char *build(builder *b)
 	set_bounds(h);
 	const gi_vec3d diagonal = gi_vec3d_sub(gi_vec3d_from(h->upper), gi_vec3d_from(h->lower));
 	b->diagonal2 = gi_vec3d_dot(diagonal, diagonal);
+	h->deforms = b->refined->points.count > 0;
 
 	sum_leaves(b);
 	for (uint32_t level = b->finest; level-- > 0;) {
@@ -429,6 +431,19 @@ bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *mess
 	if (message && message_size > 0)
 		snprintf(message, message_size, "%s", problem);
 	return false;
+}
+
+void gi_hierarchy_refit(gi_hierarchy *h)
+{
+	const double area = h->area;
+	set_bounds(h);
+	for (uint32_t node = 0; node < h->node_count; node++) {
+		h->topology[node].range.w &= GI_NODE_LEAF | GI_NODE_POLYGON;
+		gi_node_measure(h, node);
+	}
+	set_totals(h);
+	h->area = area;
+	mark_backs(h);
 }
 
 void gi_hierarchy_free(gi_hierarchy *hierarchy)

@@ -29,9 +29,10 @@ typedef struct gi_hierarchy {
 	gi_node_spread *spread;
 	gi_node_topology *topology; /* GI_NODE_EMITTER and GI_NODE_SKY are not set here */
 	gi_vec4 lower, upper;       /* bounds of the vertices */
-	double area;                /* sum of the leaves' */
+	double area;                /* sum of the leaves', of a shape that changes as it was built */
 	double volume;              /* signed; meaningful when closed */
 	bool closed;                /* no boundary edges */
+	bool deforms;               /* vertices may change: which nodes are polygons does not */
 	bool out_of_memory;         /* why gi_hierarchy_build failed; all else is zero then */
 } gi_hierarchy;
 
@@ -42,6 +43,10 @@ double gi_quad_area(const float a[3], const float b[3], const float c[3], const 
  * with a message when nothing is left, or memory ran out. GI_NODE_BACK is set on every node unless the object is closed
  * and its signed volume is positive. */
 bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *message, size_t message_size);
+
+/* Of one that deforms, built of a gi_refined with stencils, whose vertices are others now: bounds, volume and all
+ * measures of nodes anew, a function of the vertices alone. Which leaf hangs below which node stays. */
+void gi_hierarchy_refit(gi_hierarchy *hierarchy);
 
 void gi_hierarchy_free(gi_hierarchy *hierarchy);
 

@@ -252,13 +252,13 @@ static bool is_tiled(const gi_hierarchy *h, uint32_t node)
 	return fabs(quad_area(&whole) - area) <= TILED_TOLERANCE * area;
 }
 
-/* A cluster whose leaves tile a quad is as good as a face. */
+/* A cluster whose leaves tile a quad is as good as a face, for as long as they do. */
 static void set_cover(gi_hierarchy *h, uint32_t node)
 {
 	gi_node_topology *t = &h->topology[node];
 	uint32_t corners[4];
 	const double tolerance = COVER_TOLERANCE * h->geometry[node].sphere.w;
-	if (h->geometry[node].axis.w < FLAT_COSINE || !is_of_one_material(h, node) ||
+	if (h->deforms || h->geometry[node].axis.w < FLAT_COSINE || !is_of_one_material(h, node) ||
 	    !gi_quad_cover(h, t->range.y, t->range.z, gi_node_normal(h, node), tolerance, corners))
 		return;
 	t->corners = (gi_uvec4){corners[0], corners[1], corners[2], corners[3]};

@@ -16,8 +16,9 @@ const char *gi_result_text(gi_result result)
 
 const char *gi_pass_name(gi_pass pass)
 {
-	static const char *const names[] = {"pose",     "choose", "cut",   "factor",   "flag",   "trace", "close",
-					    "caustics", "solve",  "light", "estimate", "shadow", "draw"};
+	static const char *const names[] = {"pose",  "choose",  "cut",      "factor", "flag",
+					    "trace", "close",   "caustics", "lights", "solve",
+					    "light", "receive", "estimate", "shadow", "draw"};
 	_Static_assert(sizeof names / sizeof *names == GI_PASS_COUNT, "a name a pass");
 	return (unsigned)pass < GI_PASS_COUNT ? names[pass] : "unknown";
 }

@@ -20,6 +20,8 @@ enum { NAME_BYTES = 128 };
 /* Draw levels stop here: a picture has no use for more triangles than this per object. */
 static const uint64_t MAX_DRAW_FACES = 200000;
 
+static const double DEGREE = 3.14159265358979323846 / 180;
+
 /* ---- building ---- */
 
 void object_free(object_record *o)
@@ -34,6 +36,7 @@ void object_free(object_record *o)
 	gi_bvh_free(&o->bvh);
 	gi_free(o->by_size);
 	gi_drawn_free(&o->drawn);
+	gi_deform_free(o->deform);
 	*o = (object_record){.generation = o->generation,
 			     .leaf_id = o->leaf_id,
 			     .node_id = o->node_id,
@@ -65,6 +68,7 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 	else
 		o->materials[0] = OBJECT_GREY;
 	o->pose = def->pose;
+	memcpy(o->scale, def->scale, sizeof o->scale);
 	if (def->subsurface && !gi_subsurface_build(&o->hierarchy, def->subsurface, &o->subsurface))
 		return false;
 	for (uint32_t m = 0; m < o->material_count; m++)
@@ -82,22 +86,34 @@ static uint32_t draw_levels(const gi_object_def *def, const object_record *o, ui
 	return extra;
 }
 
-static bool build_finer_drawn(const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels, uint32_t extra,
-			      object_record *o)
+/* Of normals across an edge over which light is shared. */
+static double least_cosine(const gi_object_def *def)
+{
+	if (def->light_edge > 0)
+		return cos((double)def->light_edge * DEGREE);
+	return def->draw_index_count ? GI_LIGHT_CAGE_EDGE_COSINE : GI_LIGHT_EDGE_COSINE;
+}
+
+static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse,
+			      uint32_t levels, uint32_t extra, object_record *o)
 {
 	gi_refined fine;
 	char message[256];
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, least_cosine(def), &o->drawn);
+	if (ok && o->deform)
+		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
 	return ok;
 }
 
 /* What is drawn finer than it is lit yields to what memory there is. */
-static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, const gi_refined *coarse, uint32_t levels,
+static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi_refined *coarse, uint32_t levels,
 			object_record *o)
 {
+	if (def->undrawn)
+		return gi_drawn_from_nothing(&o->hierarchy, coarse, least_cosine(def), &o->drawn);
 	if (def->draw_index_count) {
 		float *scaled = gi_malloc(sizeof(float) * 3 * def->draw_vertex_count);
 		if (!scaled)
@@ -105,14 +121,17 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, co
 		for (size_t k = 0; k < 3 * (size_t)def->draw_vertex_count; k++)
 			scaled[k] = def->draw_positions[k] * def->scale[k % 3];
 		const bool ok = gi_drawn_from_mesh(&o->hierarchy, scaled, def->draw_vertex_count, def->draw_indices,
-						   def->draw_index_count, &o->drawn);
+						   def->draw_index_count, least_cosine(def), &o->drawn);
 		gi_free(scaled);
 		return ok;
 	}
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
-		if (build_finer_drawn(cage, coarse, levels, extra, o))
+		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	return gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
+	if (ok && o->deform)
+		gi_deform_take_drawn(o->deform, coarse, false);
+	return ok;
 }
 
 static bool is_too_small(const gi_hierarchy *h)
@@ -144,13 +163,6 @@ static bool is_plane(const gi_hierarchy *h)
 			return false;
 	}
 	return true;
-}
-
-/* Two sides that cover each other never show a back. */
-static void hide_backs(gi_hierarchy *h)
-{
-	for (uint32_t n = 0; n < h->node_count; n++)
-		h->topology[n].range.w &= ~GI_NODE_BACK;
 }
 
 /* A face of n corners becomes n quads, then four each. */
@@ -278,11 +290,34 @@ static gi_result split_faces(const object_builder *b, const gi_object_def *def, 
 	return result;
 }
 
+/* What comes above and beside the hierarchy. */
+static gi_result build_on_hierarchy(const gi_log *log, const gi_unique_faces *unique, const gi_refine_cage *cage,
+				    const char *name, gi_refined *refined, object_record *o)
+{
+	const gi_object_def *def = &unique->def;
+	const bool mapped = def->uvs || def->leaf_materials;
+	const gi_result result = def->deforms ? object_make_shape(log, def, name, refined, o) : GI_OK;
+	if (result)
+		return result;
+	if (def->double_sided)
+		object_hide_backs(&o->hierarchy);
+	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
+	if (!o->by_size || !copy_values(o, def, name) ||
+	    (mapped && !object_map_leaves(def, cage, unique->origin, refined, o)) ||
+	    !build_drawn(def, cage, refined, refined->level_count - 1, o))
+		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
+	if (o->deform)
+		object_note_sizes(o);
+	/* What may bend is in no plane, wherever it is now. */
+	o->plane = !def->deforms && is_plane(&o->hierarchy);
+	o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
+	return GI_OK;
+}
+
 static gi_result build(const object_builder *b, const gi_unique_faces *unique, const gi_refine_cage *cage,
 		       const char *name, object_record *o)
 {
 	const gi_object_def *def = &unique->def;
-	const bool mapped = def->uvs || def->leaf_materials;
 	const gi_log *log = b->log;
 	char message[256] = "out of memory";
 	gi_refined refined;
@@ -300,17 +335,7 @@ static gi_result build(const object_builder *b, const gi_unique_faces *unique, c
 		result = gi_fail(log, GI_ERROR_INVALID_GEOMETRY,
 				 "object '%s' is too large: it reaches farther than 1e9 m from its origin", name);
 	} else {
-		if (def->double_sided)
-			hide_backs(&o->hierarchy);
-		o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
-		if (!o->by_size || !copy_values(o, def, name) ||
-		    (mapped && !object_map_leaves(def, cage, unique->origin, &refined, o)) ||
-		    !build_drawn(def, cage, &refined, refined.level_count - 1, o))
-			result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
-	}
-	if (!result) {
-		o->plane = is_plane(&o->hierarchy);
-		o->overlaps = o->plane && gi_plane_overlaps(&o->bvh);
+		result = build_on_hierarchy(log, unique, cage, name, &refined, o);
 	}
 	gi_refined_free(&refined);
 	return result;
@@ -333,6 +358,8 @@ static gi_result make(const object_builder *b, const gi_object_def *def, const c
 		result = gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	else
 		result = build(b, &unique, &cage, name, o);
+	for (uint32_t leaf = 0; !result && o->deform && unique.origin && leaf < o->deform->leaf_count; leaf++)
+		o->deform->faces[leaf] = unique.origin[o->deform->faces[leaf]];
 	object_cage_free(&own);
 	gi_unique_faces_free(&unique);
 	return result;
@@ -369,6 +396,6 @@ gi_result object_build(const object_builder *b, const gi_object_def *def, object
 		return result;
 	}
 	out->pose = pose;
-	out->mobility = def->mobility;
+	out->mobility = def->deforms ? GI_MOBILITY_MOVABLE : def->mobility;
 	return GI_OK;
 }

@@ -4,6 +4,7 @@
 #define GI_OBJECT_H
 
 #include "bvh.h"
+#include "deform.h"
 #include "gpu.h"
 #include "hierarchy.h"
 #include "material.h"
@@ -23,15 +24,19 @@ typedef struct object_record {
 	bool moved;          /* since the last update */
 	bool relit; /* emission began or ended, or it is cut finer or coarser for it, or black became not black */
 	bool material_changed;
-	bool hidden;  /* by the host */
-	bool arrives; /* it came or is shown again, since the last update: it has no rows yet */
-	bool came;    /* since the last update: no row has seen it anywhere */
+	bool hidden;   /* by the host */
+	bool arrives;  /* it came or is shown again, since the last update: it has no rows yet */
+	bool came;     /* since the last update: no row has seen it anywhere */
+	bool reshapes; /* it has another shape from the next update on */
+	bool reshaped; /* since the last update */
 	gi_mobility mobility;
-	bool grouped;                        /* one of the static objects that are one source (statics.h) */
-	bool was_grouped;                    /* before the last commit */
-	uint32_t moved_update, relit_update; /* numbers of the row updates that last saw it so (gi_rows) */
+	bool grouped;     /* one of the static objects that are one source (statics.h) */
+	bool was_grouped; /* before the last commit */
+	/* Numbers of the row updates that last saw it so (gi_rows). */
+	uint32_t moved_update, relit_update, reshaped_update;
 	char *name;
 	gi_pose pose;
+	float scale[3]; /* of the definition: the hierarchy has it applied */
 	gi_material *materials;
 	gi_specular *specular;          /* of each; NULL: none is a mirror or glass */
 	bool leaf_materials;            /* a leaf has the material of its number (object_leaves.c) */
@@ -43,6 +48,7 @@ typedef struct object_record {
 	gi_bvh bvh;
 	gi_drawn_surface drawn;
 	uint32_t *by_size; /* numbers of its primitives (rank.h) */
+	gi_deform *deform; /* NULL: its shape does not change */
 
 	/* Place in the uploaded scene. */
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
@@ -86,12 +92,20 @@ bool object_normalise_pose(const gi_log *log, gi_pose *pose, const char *object)
 
 /* ---- one that is built ---- */
 
+/* Of one whose shape changes: takes another shape, unless it cannot be lit; brings all but what is drawn to the shape
+ * that was set last; and what is drawn, true where that was not done yet. */
+gi_result object_try_shape(const gi_log *log, object_record *object, const char *name, const gi_shape *shape);
+void object_apply_shape(object_record *object);
+bool object_refit_drawn(object_record *object);
+
 bool object_measure_materials(object_record *object); /* their areas */
 bool object_is_alive(const object_record *object);
 /* Not hidden, not destroyed: what is not seen keeps its place until the next commit, and takes part in nothing. */
 bool object_is_seen(const object_record *object);
 uint32_t object_flags(const object_record *object); /* GI_OBJECT_ */
 void object_place(object_record *object, gi_object_data *data);
+/* Rows of world_from_object. */
+void object_place_rows(const gi_pose *pose, gi_object_data *data);
 void object_leave_trail(object_record *object); /* before it is placed elsewhere */
 void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */

@@ -27,6 +27,12 @@ bool object_is_split(const gi_object_def *def);
 uint32_t object_levels(const gi_object_def *def);
 /* Are all |values| at most that? False for NaN too. */
 bool object_all_within(const float *values, size_t count, float most);
+/* Two sides that cover each other never show a back. */
+void object_hide_backs(gi_hierarchy *hierarchy);
+/* Of one whose shape changes, when its hierarchy is built: what that takes, and the shape of its definition. */
+gi_result object_make_shape(const gi_log *log, const gi_object_def *def, const char *name, gi_refined *refined,
+			    object_record *object);
+void object_note_sizes(object_record *object); /* once its tree is there */
 /* Makes each leaf a material of its own. False: out of memory. */
 bool object_own_materials(object_record *o);
 /* Faces and texture coordinates of the leaves; origin as in gi_unique_faces. False: out of memory. */

@@ -77,6 +77,7 @@ gi_refine_cage object_cage_of(const gi_object_def *def)
 	    .scheme = schemes[def->scheme],
 	    .boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
 							       : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
+	    .stencils = def->deforms,
 	};
 	memcpy(cage.scale, def->scale, sizeof cage.scale);
 	return cage;

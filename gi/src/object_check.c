@@ -68,6 +68,8 @@ static const char *broken_geometry(const gi_object_def *def)
 	for (int k = 0; k < 3; k++)
 		if (!(def->scale[k] > 0.0f && isfinite(def->scale[k])))
 			return "scale must be finite and above zero";
+	if (!(def->light_edge >= 0.0f && def->light_edge <= 180.0f))
+		return "light_edge is outside [0, 180] degrees";
 	for (uint32_t k = 0; def->face_materials && k < def->face_count; k++)
 		if (def->face_materials[k] >= (def->material_count ? def->material_count : 1))
 			return "a face's material number is not below material_count";
@@ -105,6 +107,37 @@ static gi_result check_subsurface(const gi_log *log, const gi_object_def *def, c
 		   : GI_OK;
 }
 
+static const char *broken_skin(const uint32_t *joints, const float *weights, uint32_t vertices, uint32_t joint_count)
+{
+	if (!joints != !weights)
+		return "joints need weights, and weights joints";
+	for (size_t k = 0; joints && k < 4 * (size_t)vertices; k++) {
+		if (!(weights[k] >= 0.0f && isfinite(weights[k])))
+			return "a joint's weight is negative or not finite";
+		if (joints[k] >= joint_count)
+			return "a vertex's joint is not below joint_count";
+	}
+	return NULL;
+}
+
+static gi_result check_deforming(const gi_log *log, const gi_object_def *def, const char *name)
+{
+	const bool meshed = def->draw_index_count > 0;
+	const char *broken = broken_skin(def->joints, def->joint_weights, def->vertex_count, def->joint_count);
+	if (!broken && meshed)
+		broken =
+		    broken_skin(def->draw_joints, def->draw_joint_weights, def->draw_vertex_count, def->joint_count);
+	if (!broken && (def->joints || def->draw_joints) && !def->deforms)
+		broken = "joints need deforms";
+	if (!broken && meshed && !def->joints != !def->draw_joints)
+		broken = "a cage and the mesh that is drawn have joints both or neither";
+	if (!broken && def->deforms && def->subsurface)
+		broken = "light scattered below the surface is made once: an object that has it cannot deform";
+	if (!broken && def->deforms && def->mobility == GI_MOBILITY_STATIC)
+		broken = "what deforms is movable, never static";
+	return broken ? gi_fail(log, GI_ERROR_INVALID_GEOMETRY, "object '%s': %s", name, broken) : GI_OK;
+}
+
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name)
 {
 	if (def->scheme > GI_SCHEME_LOOP || def->mobility > GI_MOBILITY_STATIC ||
@@ -127,7 +160,8 @@ gi_result object_check_named(const gi_log *log, const gi_object_def *def, const 
 		if (!material_specular_is_valid(log, &def->specular[k],
 						def->material_count ? &def->materials[k] : &OBJECT_GREY, name, k))
 			return GI_ERROR_INVALID_MATERIAL;
-	return check_subsurface(log, def, name);
+	const gi_result result = check_deforming(log, def, name);
+	return result ? result : check_subsurface(log, def, name);
 }
 
 gi_result object_check_def(const gi_log *log, const gi_object_def *def)

@@ -110,13 +110,20 @@ static gi_vec4 world_plane(const object_record *o, double m[3][3])
 	return (gi_vec4){(float)normal[0], (float)normal[1], (float)normal[2], (float)height};
 }
 
+void object_place_rows(const gi_pose *pose, gi_object_data *data)
+{
+	double m[3][3];
+	rotation_rows(pose->rotation, m);
+	gi_vec4 *rows[3] = {&data->row0, &data->row1, &data->row2};
+	for (int r = 0; r < 3; r++)
+		*rows[r] = (gi_vec4){(float)m[r][0], (float)m[r][1], (float)m[r][2], pose->position[r]};
+}
+
 void object_place(object_record *o, gi_object_data *data)
 {
 	double m[3][3];
 	rotation_rows(o->pose.rotation, m);
-	gi_vec4 *rows[3] = {&data->row0, &data->row1, &data->row2};
-	for (int r = 0; r < 3; r++)
-		*rows[r] = (gi_vec4){(float)m[r][0], (float)m[r][1], (float)m[r][2], o->pose.position[r]};
+	object_place_rows(&o->pose, data);
 	place_bounds(o, data, m);
 	data->plane = o->plane ? world_plane(o, m) : (gi_vec4){0, 0, 0, 0};
 }

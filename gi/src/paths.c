@@ -22,11 +22,12 @@ static const uint32_t ENOUGH_SOFTWARE = 1 << 12, ENOUGH_GPU = 1 << 17, MOST_SOFT
 
 enum { MOST_PATHS = 1 << 24 };
 
-enum { WITH_SPECULAR = 1, WITH_SKY_IMAGE = 2, PATH_PROGRAMS = 4 };
-enum { SKY_ROWS = 9 }; /* uniform */
+enum { WITH_SPECULAR = 1, WITH_SKY_IMAGE = 2, WITH_LIGHTS = 4, PATH_PROGRAMS = 8 };
+enum { LIGHT_COUNT = 9, SKY_ROWS = 10 }; /* uniforms */
 
 struct gi_paths {
-	/* Without mirrors and glass, and with; likewise below a picture of the sky: of the four what was wanted */
+	/* Without mirrors and glass, and with; likewise below a picture of the sky, and with lights that have no
+	 * surface: of the eight those that were wanted */
 	uint32_t programs[PATH_PROGRAMS];
 	PATH_BUFFERS(BUFFER_MEMBER)
 };
@@ -116,7 +117,9 @@ void paths_free(gi_context *gi)
 
 static int which_program(const gi_context *gi)
 {
-	return (specular_is_ready(gi) ? WITH_SPECULAR : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0);
+	uint32_t lights;
+	return (specular_is_ready(gi) ? WITH_SPECULAR : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0) |
+	       (punctual_lights(gi, &lights) ? WITH_LIGHTS : 0);
 }
 
 static uint32_t program_of(const gi_context *gi)
@@ -126,8 +129,14 @@ static uint32_t program_of(const gi_context *gi)
 
 static gi_result make_program(gi_context *gi)
 {
-	static const char *const files[PATH_PROGRAMS] = {"paths.comp", "paths_specular.comp", "paths_sky.comp",
-							 "paths_sky_specular.comp"};
+	static const char *const files[PATH_PROGRAMS] = {"paths.comp",
+							 "paths_specular.comp",
+							 "paths_sky.comp",
+							 "paths_sky_specular.comp",
+							 "paths_punctual.comp",
+							 "paths_specular_punctual.comp",
+							 "paths_sky_punctual.comp",
+							 "paths_sky_specular_punctual.comp"};
 	const int which = which_program(gi);
 	const gpu_program_file file = {files[which], &gi->paths->programs[which]};
 	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, &file, 1);
@@ -183,6 +192,12 @@ static void bind_paths(const gi_context *gi, const path_scene *s, uint32_t seed)
 	PATH_BUFFERS(BUFFER_BIND)
 	if (specular_is_ready(gi))
 		specular_bind(gi);
+	uint32_t lights;
+	const gpu_buffer *punctual = punctual_lights(gi, &lights);
+	if (punctual) {
+		gpu_bind(&gi->gpu, GI_BIND_PUNCTUAL_LIGHTS, punctual);
+		gpu_set_uint(&gi->gpu, program, LIGHT_COUNT, lights);
+	}
 	if (sky_shows_image(gi))
 		sky_bind(gi, program, SKY_ROWS);
 	gpu_set_uint(&gi->gpu, program, 5, seed);

@@ -87,3 +87,23 @@ bool rank_primitives(const gi_scene *s, gi_primitive *primitives, gi_uvec4 *leav
 	gi_free(list);
 	return true;
 }
+
+static uint32_t material_of(const object_record *o, uint32_t number)
+{
+	return o->hierarchy.leaf_material[gi_bits_from_float(o->bvh.primitives[number].a.w)];
+}
+
+/* Those that did not emit at the commit have an object's lowest ranks, those that did its highest. */
+void rank_again(const object_record *o, gi_primitive *primitives)
+{
+	const uint32_t count = o->bvh.primitive_count;
+	uint32_t lit = 0, dark = 0;
+	for (uint32_t n = 0; n < count; n++)
+		lit += o->emission[material_of(o, n)].ranked;
+	uint32_t next_lit = o->highest_rank + 1 - lit;
+	for (uint32_t n = 0; n < count; n++) {
+		const uint32_t number = o->by_size[n];
+		const bool emitted = o->emission[material_of(o, number)].ranked;
+		primitives[number].b.w = gi_float_from_bits(emitted ? next_lit++ : o->lowest_rank + dark++);
+	}
+}

@@ -13,4 +13,7 @@
  * out. */
 bool rank_primitives(const gi_scene *scene, gi_primitive *primitives, gi_uvec4 *leaves);
 
+/* Gives primitives of one object, which were made anew, the ranks that they have since the last commit. */
+void rank_again(const object_record *object, gi_primitive *primitives);
+
 #endif

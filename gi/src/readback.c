@@ -86,18 +86,18 @@ static void fill_leaf(const gi_context *gi, const leaf_arrays *a, const object_r
 	memcpy(out->radiosity, &a->radiosity[leaf], sizeof out->radiosity);
 }
 
-/* What comes through mirrors and glass is no link's. */
-static gi_result add_caustics(gi_context *gi, gi_leaf *leaves, uint32_t count)
+/* Irradiance that is no link's: through mirrors and glass, from lights without a surface. The first of `stride` vec4 a
+ * leaf; light NULL: none. */
+static gi_result add_vectors(gi_context *gi, const gpu_buffer *light, uint32_t stride, gi_leaf *leaves, uint32_t count)
 {
-	const gpu_buffer *light = caustics_light(gi);
 	if (!light)
 		return GI_OK;
-	gi_vec4 *found = read_buffer(gi, light, sizeof *found * gi->scene.leaf_count);
+	gi_vec4 *found = read_buffer(gi, light, sizeof *found * stride * gi->scene.leaf_count);
 	if (!found)
 		return no_memory(gi);
 	for (uint32_t leaf = 0; leaf < count; leaf++)
 		for (int c = 0; c < 3; c++)
-			leaves[leaf].irradiance[c] += (&found[leaf].x)[c];
+			leaves[leaf].irradiance[c] += (&found[stride * leaf].x)[c];
 	gi_free(found);
 	return GI_OK;
 }
@@ -125,7 +125,12 @@ static gi_result fill_irradiance(gi_context *gi, gi_leaf *leaves, uint32_t count
 	const bool ok = light && links;
 	gi_free(light);
 	gi_free(links);
-	return ok ? add_caustics(gi, leaves, count) : no_memory(gi);
+	if (!ok)
+		return no_memory(gi);
+	gi_result result = add_vectors(gi, caustics_light(gi), 1, leaves, count);
+	if (!result)
+		result = add_vectors(gi, punctual_sums(gi), GI_PUNCTUAL_PARTS, leaves, count);
+	return result;
 }
 
 gi_result gi_read_leaves(gi_context *gi, gi_leaf *leaves, uint32_t capacity, uint32_t *count)

@@ -123,6 +123,35 @@ struct Point {
 };
 
 using Points = Array<Point>;
+
+/* A sum of the caller's vertices, in order of their numbers, which OpenSubdiv interpolates as it does points. */
+struct Sum {
+	using Term = std::pair<uint32_t, double>;
+	Array<Term> terms;
+
+	void Clear(void * = nullptr)
+	{
+		terms.clear();
+	}
+	void AddWithWeight(const Sum &other, double weight)
+	{
+		if (weight == 0.0)
+			return;
+		Array<Term> merged;
+		merged.reserve(terms.size() + other.terms.size());
+		auto own = terms.begin();
+		for (const Term &term : other.terms) {
+			while (own != terms.end() && own->first < term.first)
+				merged.push_back(*own++);
+			const bool both = own != terms.end() && own->first == term.first;
+			merged.push_back({term.first, weight * term.second + (both ? (own++)->second : 0.0)});
+		}
+		merged.insert(merged.end(), own, terms.end());
+		terms.swap(merged);
+	}
+};
+
+using Sums = Array<Sum>;
 using Refiner_ptr = std::unique_ptr<Far::TopologyRefiner>;
 
 /* The cage without what carries no surface: repeated corners, faces of fewer than three different corners, unused
@@ -132,6 +161,8 @@ struct Cage {
 	Array<int> counts;
 	Array<int> indices;
 	Array<uint32_t> materials;
+	Array<uint32_t> faces;   /* of each, the caller's number */
+	Array<uint32_t> origins; /* likewise of each point */
 	Array<int> crease_vertices;
 	Array<float> crease_sharpness;
 };
@@ -253,6 +284,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 		out.counts.push_back(int(count));
 		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
 		out.materials.push_back(material);
+		out.faces.push_back(face);
 		return;
 	}
 	using Triangle = uint32_t[3];
@@ -267,6 +299,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 		for (uint32_t corner : triangles[t])
 			out.indices.push_back(int(corners[corner]));
 		out.materials.push_back(material);
+		out.faces.push_back(face);
 	}
 }
 
@@ -306,6 +339,7 @@ Array<int> clean_points(const gi_refine_cage &cage, Cage &out)
 		for (int axis = 0; axis < 3; axis++)
 			point.value[axis] = double(cage.positions[3 * size_t(vertex) + axis]) * cage.scale[axis];
 		out.points.push_back(point);
+		out.origins.push_back(vertex);
 	}
 	for (int &index : out.indices)
 		index = renumbered[index];
@@ -419,11 +453,12 @@ Refiner_ptr make_refiner(const Cage &cage, const gi_refine_cage &source, uint32_
 	return refiner;
 }
 
-Points interpolate(const Far::TopologyRefiner &refiner, Points points)
+/* Points, or sums. */
+template <class Values> Values interpolate(const Far::TopologyRefiner &refiner, Values points)
 {
 	const Far::PrimvarRefinerReal<double> primvar(refiner);
 	for (int level = 1; level <= refiner.GetMaxLevel(); level++) {
-		Points finer(size_t(refiner.GetLevel(level).GetNumVertices()));
+		Values finer(size_t(refiner.GetLevel(level).GetNumVertices()));
 		primvar.Interpolate(level, points, finer);
 		points.swap(finer);
 	}
@@ -537,6 +572,57 @@ void export_vertices(const Far::TopologyRefiner &refiner, const Points &points, 
 		export_limit(refiner, points, out);
 }
 
+void export_sums(const Sums &sums, gi_stencils &out)
+{
+	size_t terms = 0;
+	for (const Sum &sum : sums)
+		terms += sum.terms.size();
+	if (terms > UINT32_MAX || !gi_stencils_reserve(&out, uint32_t(sums.size()), uint32_t(terms)))
+		throw std::bad_alloc();
+	for (const Sum &sum : sums) {
+		for (const Sum::Term &term : sum.terms)
+			gi_stencils_add_term(&out, term.first, term.second);
+		gi_stencils_end_point(&out);
+	}
+}
+
+/* The same masks as those that make the positions, on sums. */
+void export_stencils(const Far::TopologyRefiner &refiner, const Cage &cage, gi_refined &out)
+{
+	Sums sums(cage.origins.size());
+	for (size_t i = 0; i < sums.size(); i++)
+		sums[i].terms.push_back({cage.origins[i], 1.0});
+	sums = interpolate(refiner, sums);
+	if (refiner.GetSchemeType() == Sdc::SCHEME_BILINEAR)
+		return export_sums(sums, out.points);
+	Sums limit(sums.size()), tangents1(sums.size()), tangents2(sums.size());
+	Far::PrimvarRefinerReal<double>(refiner).Limit(sums, limit, tangents1, tangents2);
+	const Far::TopologyLevel &level = refiner.GetLevel(refiner.GetMaxLevel());
+	for (size_t i = 0; i < sums.size(); i++)
+		if (!is_smooth(level, int(i))) {
+			tangents1[i].Clear();
+			tangents2[i].Clear();
+		}
+	export_sums(limit, out.points);
+	export_sums(tangents1, out.tangents[0]);
+	export_sums(tangents2, out.tangents[1]);
+}
+
+/* Of the faces of the finest level, those of the caller. */
+void export_origins(const Cage &cage, gi_refined &out)
+{
+	Array<uint32_t> faces(cage.faces);
+	for (uint32_t level = 1; level < out.level_count; level++) {
+		const gi_refine_level &here = out.levels[level];
+		Array<uint32_t> finer(here.face_count);
+		for (uint32_t face = 0; face < here.face_count; face++)
+			finer[face] = faces[here.parent[face]];
+		faces.swap(finer);
+	}
+	out.faces = allocate_block<uint32_t>(faces.size());
+	std::copy(faces.begin(), faces.end(), out.faces);
+}
+
 /* Is every edge walked as often one way as the other? Then the surface has no boundary, and what it encloses hides its
  * backs. Two faces an edge is the usual case; simplified scans also fold edges of four. */
 bool is_closed(const Cage &cage)
@@ -569,6 +655,10 @@ void refine(const gi_refine_cage &source, uint32_t levels, gi_refined &out)
 	const Refiner_ptr refiner = make_refiner(cage, source, levels);
 	export_levels(*refiner, cage, out);
 	export_vertices(*refiner, interpolate(*refiner, cage.points), out);
+	if (source.stencils) {
+		export_stencils(*refiner, cage, out);
+		export_origins(cage, out);
+	}
 	out.closed = is_closed(cage);
 }
 
@@ -612,5 +702,9 @@ void gi_refined_free(gi_refined *refined)
 	gi_free(refined->positions);
 	gi_free(refined->normals);
 	gi_free(refined->parted);
+	gi_free(refined->faces);
+	gi_stencils_free(&refined->points);
+	for (gi_stencils &tangents : refined->tangents)
+		gi_stencils_free(&tangents);
 	*refined = gi_refined{};
 }

@@ -4,9 +4,7 @@
 #ifndef GI_REFINE_H
 #define GI_REFINE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "stencils.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -35,6 +33,7 @@ typedef struct gi_refine_cage {
 	gi_refine_scheme scheme;
 	gi_refine_boundary boundary;
 	float scale[3]; /* applied to the positions before anything else */
+	bool stencils;  /* the refined has what it takes to be evaluated at other positions */
 } gi_refine_cage;
 
 /* The faces of one level. Corner numbers are vertices of the FINEST level: the descendant of a coarse vertex has the
@@ -56,6 +55,11 @@ typedef struct gi_refined {
 	uint8_t *parted;       /* a face of the finest level: bit k, edge k parts the light on its sides; NULL: none */
 	bool closed;           /* no boundary: faces walk every edge of the cage as often one way as the other */
 	bool out_of_memory;    /* why gi_refine failed; all else is zero then */
+
+	/* Where stencils were asked for: positions, and two tangents across each normal, as sums of the cage's vertices
+	 * with its scale applied. Tangents without terms are no normal; a bilinear cage has none at all. */
+	gi_stencils points, tangents[2];
+	uint32_t *faces; /* a face of the finest level: number of the cage's face that it lies in */
 } gi_refined;
 
 /* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for

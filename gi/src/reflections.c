@@ -71,12 +71,24 @@ static int which_trace(const gi_context *gi)
 	return (gi->scene.translucent_leaves > 0 ? WITH_TRANSLUCENT : 0) | (sky_shows_image(gi) ? WITH_SKY_IMAGE : 0);
 }
 
-gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
+/* What draws photons, where there are any. */
+static gi_result prepare_splats(gi_context *gi, gi_reflections *r)
 {
-	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
 	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
 	static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+	if (!caustics_light(gi))
+		return GI_OK;
+	gi_result result = gpu_program_want(&gi->gpu, "splat.vert", "splat.frag", &r->splat_program);
+	if (!result && !r->square.array)
+		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a photon", attributes, sizeof *corners, 4,
+					 corners, 6, indices);
+	return result;
+}
+
+gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
+{
+	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
 	const int which = which_trace(gi);
 	gi_result result = gpu_program_want(&gi->gpu, "screen.vert", TRACES[which], &r->trace_program[which]);
 	if (!result && sky_shows_image(gi))
@@ -84,13 +96,10 @@ gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *
 	if (!result)
 		result = gpu_program_want(&gi->gpu, "screen.vert", "mirror_add.frag", &r->add_program);
 	if (!result)
-		result = gpu_program_want(&gi->gpu, "splat.vert", "splat.frag", &r->splat_program);
+		result = prepare_splats(gi, r);
 	if (!result)
 		result = gpu_target_create(&gi->gpu, &r->layer, "layer of reflections", formats, false, view->width,
 					   view->height);
-	if (!result && !r->square.array)
-		result = gpu_mesh_create(&gi->gpu, &r->square, "disc of a photon", attributes, sizeof *corners, 4,
-					 corners, 6, indices);
 	if (!result)
 		find_parts(gi, r, view);
 	return result;

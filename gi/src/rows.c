@@ -18,6 +18,7 @@
 #include "context.h"
 #include "host_memory.h"
 #include "loans.h"
+#include "receive.h"
 #include "rows_plan.h"
 #include "specular_rows.h"
 #include "state.h"
@@ -32,18 +33,31 @@
 static const double ENTRIES_TIMES_TOLERANCE = 4.5;
 static const double ENTRIES_AT_LEAST = 128;
 
-void rows_programs(gi_rows *r, gpu_program_file list[ROWS_PROGRAMS])
+uint32_t rows_programs(gi_rows *r, rows_set set, gpu_program_file list[ROWS_PROGRAMS])
 {
-	const gpu_program_file programs[ROWS_PROGRAMS] = {
-	    {"pose.comp", &r->pose_program},         {"cut.comp", &r->cut_program},
-	    {"factor.comp", &r->factor_program},     {"flag.comp", &r->flag_program},
-	    {"trace.comp", &r->trace_program},       {"close.comp", &r->close_program},
-	    {"recycle.comp", &r->recycle_program},   {"prepare.comp", &r->prepare_program},
-	    {"renumber.comp", &r->renumber_program}, {"trace_tops.comp", &r->tops_program},
-	    {"concern.comp", &r->concern_program},   {"changed.comp", &r->changed_program},
-	    {"unmark.comp", &r->unmark_program},     {"cut_kept.comp", &r->kept_program},
-	    {"covered.comp", &r->covered_program}};
-	memcpy(list, programs, sizeof programs);
+	const struct {
+		rows_set set;
+		gpu_program_file program;
+	} programs[] = {{ROWS_ALWAYS, {"pose.comp", &r->pose_program}},
+			{ROWS_ALWAYS, {"cut.comp", &r->cut_program}},
+			{ROWS_ALWAYS, {"factor.comp", &r->factor_program}},
+			{ROWS_ALWAYS, {"trace.comp", &r->trace_program}},
+			{ROWS_ALWAYS, {"close.comp", &r->close_program}},
+			{ROWS_ALWAYS, {"recycle.comp", &r->recycle_program}},
+			{ROWS_ALWAYS, {"prepare.comp", &r->prepare_program}},
+			{ROWS_ALWAYS, {"changed.comp", &r->changed_program}},
+			{ROWS_MOTION, {"concern.comp", &r->concern_program}},
+			{ROWS_MOTION, {"flag.comp", &r->flag_program}},
+			{ROWS_MOTION, {"unmark.comp", &r->unmark_program}},
+			{ROWS_STATICS, {"trace_tops.comp", &r->tops_program}},
+			{ROWS_STATICS_MOTION, {"cut_kept.comp", &r->kept_program}},
+			{ROWS_STATICS_MOTION, {"covered.comp", &r->covered_program}},
+			{ROWS_KEPT, {"renumber.comp", &r->renumber_program}}};
+	uint32_t count = 0;
+	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
+		if (programs[k].set == set)
+			list[count++] = programs[k].program;
+	return count;
 }
 
 gi_result rows_init(gi_context *gi)
@@ -149,7 +163,7 @@ gi_result rows_allocate_tables(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	gpu *g = &gi->gpu;
-	const uint64_t leaves = gi->scene.leaf_count;
+	const uint64_t leaves = scene_row_count(&gi->scene);
 	const uint64_t table = sizeof(gi_uvec4) * leaves * scene_source_count(&gi->scene);
 	gi_result result = gpu_buffer_renew(g, &r->segments, GI_BIND_SEGMENTS, table, NULL);
 	if (!result)
@@ -166,7 +180,7 @@ gi_result rows_allocate(gi_context *gi)
 {
 	gi_rows *r = &gi->rows;
 	const gi_scene *s = &gi->scene;
-	const uint64_t leaves = s->leaf_count;
+	const uint64_t leaves = scene_row_count(s);
 	const gi_result result = rows_allocate_tables(gi);
 	if (result)
 		return result;
@@ -193,7 +207,7 @@ static gi_result rows_are_too_large(gi_context *gi, uint64_t needed, uint64_t mo
 	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 		       "rows of %u leaves need a buffer of %" PRIu64 " MiB and %s: raise row_tolerance, %g so far, or "
 		       "leaf_size%s",
-		       gi->scene.leaf_count, (sizeof(gi_uvec4) * needed >> 20) + 1,
+		       scene_row_count(&gi->scene), (sizeof(gi_uvec4) * needed >> 20) + 1,
 		       gpu_limit_text(&gi->gpu, sizeof(gi_uvec4) * most), (double)gi->def.row_tolerance,
 		       many ? ", or make what does not move GI_MOBILITY_STATIC" : "");
 }
@@ -227,7 +241,8 @@ static void begin(gi_context *gi)
 	gi_rows *r = &gi->rows;
 	rows_clear_counts(gi);
 	STATE_CLEAR(gi, refresh);
-	gpu_buffer_clear(&gi->gpu, &r->touched, 0, sizeof(uint32_t) * (GI_TOUCHED_PARTS - 1) * gi->scene.leaf_count, 0);
+	gpu_buffer_clear(&gi->gpu, &r->touched, 0,
+			 sizeof(uint32_t) * (GI_TOUCHED_PARTS - 1) * (uint64_t)scene_row_count(&gi->scene), 0);
 	if (!r->rebuild) {
 		gpu_buffer_clear(&gi->gpu, &r->entry_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
 		gpu_buffer_clear(&gi->gpu, &r->link_pool, sizeof(uint32_t) * GI_POOL_PENDING, sizeof(uint32_t), 0);
@@ -273,12 +288,11 @@ static void run(gi_context *gi, gi_pass pass, uint32_t program, uint64_t threads
 
 static void trace(gi_context *gi)
 {
-	const gi_rows *r = &gi->rows;
 	rows_progress(gi, GI_PASS_TRACE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
-	gpu_dispatch_indirect(&gi->gpu, r->trace_program, &gi->state, STATE_OFFSET(trace));
+	gpu_dispatch_indirect(&gi->gpu, receive_trace_program(gi, false), &gi->state, STATE_OFFSET(trace));
 	if (gi->scene.statics_slot != GI_NONE)
-		gpu_dispatch_indirect(&gi->gpu, r->tops_program, &gi->state, STATE_OFFSET(trace));
+		gpu_dispatch_indirect(&gi->gpu, receive_trace_program(gi, true), &gi->state, STATE_OFFSET(trace));
 	specular_rows_follow(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_TRACE]);
 }
@@ -319,7 +333,7 @@ static void find_covered(gi_context *gi, const rows_plan *p)
 	if (p->part)
 		gpu_dispatch_indirect(&gi->gpu, r->covered_program, &gi->state, STATE_OFFSET(chosen));
 	else
-		gpu_dispatch(&gi->gpu, r->covered_program, gi->scene.leaf_count);
+		gpu_dispatch(&gi->gpu, r->covered_program, scene_row_count(&gi->scene));
 }
 
 /* Queues what movers may have changed, of the rows that they may concern, or of those chosen. */
@@ -330,7 +344,7 @@ static void flag(gi_context *gi, const rows_plan *p)
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_FLAG]);
 	find_covered(gi, p);
 	if (!p->part) {
-		gpu_dispatch(&gi->gpu, r->concern_program, gi->scene.leaf_count);
+		gpu_dispatch(&gi->gpu, r->concern_program, scene_row_count(&gi->scene));
 		prepare(gi, ROWS_LISTED);
 	}
 	gpu_dispatch_indirect(&gi->gpu, r->flag_program, &gi->state,
@@ -369,14 +383,14 @@ gi_result rows_update(gi_context *gi, const gi_budget *budget)
 	}
 	cut(gi, &p);
 	prepare(gi, AFTER_CUT);
-	run_indirect(gi, GI_PASS_FACTOR, r->factor_program, STATE_OFFSET(factor));
+	run_indirect(gi, GI_PASS_FACTOR, receive_factor_program(gi), STATE_OFFSET(factor));
 	if (!r->rebuild)
 		flag(gi, &p);
 	prepare(gi, AFTER_FLAG);
 	if (p.several && !r->rebuild)
 		gpu_dispatch_indirect(&gi->gpu, r->unmark_program, &gi->state, STATE_OFFSET(trace));
 	trace(gi);
-	gpu_dispatch(&gi->gpu, r->changed_program, gi->scene.leaf_count);
+	gpu_dispatch(&gi->gpu, r->changed_program, scene_row_count(&gi->scene));
 	prepare(gi, AFTER_TRACE);
 	run_indirect(gi, GI_PASS_CLOSE, specular_rows_close_program(gi), STATE_OFFSET(close));
 	rows_recycle(gi);

@@ -31,16 +31,28 @@ typedef struct gi_rows {
 	    kept_program, covered_program;
 } gi_rows;
 
-enum { ROWS_PROGRAMS = 15 };
-void rows_programs(gi_rows *rows, gpu_program_file list[ROWS_PROGRAMS]);
+/* Programs by what takes them: a scene that does without a set compiles none of it (programs.c). */
+typedef enum rows_set {
+	ROWS_ALWAYS,
+	ROWS_MOTION,         /* updates that keep rows: something moved, came, went, or began to emit */
+	ROWS_STATICS,        /* static objects under common nodes */
+	ROWS_STATICS_MOTION, /* both */
+	ROWS_KEPT,           /* commits that keep rows */
+	ROWS_SETS
+} rows_set;
+enum { ROWS_PROGRAMS = 8 }; /* of a set at most */
+/* How many there are. */
+uint32_t rows_programs(gi_rows *rows, rows_set set, gpu_program_file list[ROWS_PROGRAMS]);
 gi_result rows_init(gi_context *gi);
 gi_result rows_allocate(gi_context *gi);
 /* Where the objects of the scene before the commit are now, slot by slot. */
 typedef struct rows_moves {
 	gi_move *list;
-	uint32_t count, leaf_count, first_source; /* slots and leaves before */
-	uint32_t *nodes, node_count;              /* where each node is now */
-	uint32_t statics_slot;                    /* before; GI_NONE: there was none, or its nodes are what they were */
+	uint32_t count, first_source; /* slots before */
+	uint32_t place_count;         /* and with sets of receivers behind them, for which the list goes on */
+	uint32_t row_count;           /* leaves and receivers before */
+	uint32_t *nodes, node_count;  /* where each node is now */
+	uint32_t statics_slot;        /* before; GI_NONE: there was none, or its nodes are what they were */
 } rows_moves;
 /* Instead of rows_allocate, where a scene takes the place of another that has much in common with it: rows of what
  * stays are kept, and renumbered as the last step, which cannot fail. Takes what it keeps out of `before`. */

@@ -17,7 +17,7 @@ static const double BLOCKS = 1.6;
 static gi_result make_room(gi_context *gi, const gi_rows *before, const rows_moves *moves, bool *larger)
 {
 	gi_rows *r = &gi->rows;
-	const double more = (double)gi->scene.leaf_count / moves->leaf_count;
+	const double more = (double)scene_row_count(&gi->scene) / moves->row_count;
 	const double wanted = BLOCKS * more * more * (double)gi->report.entries;
 	*larger = more > 1 && wanted > (double)before->entry_limit;
 	if (!*larger)
@@ -106,7 +106,7 @@ static void free_moves(gi_context *gi, move_buffers *owner)
 static gi_result upload_moves(gi_context *gi, const rows_moves *m, move_buffers *out)
 {
 	gi_result result =
-	    gpu_buffer_allocate(&gi->gpu, &out->slots, buffer_labels.MOVES, sizeof *m->list * m->count, m->list);
+	    gpu_buffer_allocate(&gi->gpu, &out->slots, buffer_labels.MOVES, sizeof *m->list * m->place_count, m->list);
 	if (!result)
 		result = gpu_buffer_allocate(&gi->gpu, &out->nodes, buffer_labels.NODE_MOVES,
 					     sizeof *m->nodes * m->node_count, m->nodes);
@@ -138,8 +138,9 @@ static void renumber_all(gi_context *gi, const gi_rows *before, const move_buffe
 	gpu_set_uint(&gi->gpu, r->renumber_program, 8,
 		     gi->scene.statics_slot == GI_NONE ? 0 : gi->scene.object_data[gi->scene.statics_slot].nodes.y);
 	gpu_set_uint(&gi->gpu, r->renumber_program, 9, shifted);
-	for (uint32_t slot = 0, end; slot < m->count; slot = end) {
-		for (end = slot + 1; end < m->count && went(m, end) == went(m, slot); end++)
+	gpu_set_uint(&gi->gpu, r->renumber_program, 10, m->place_count);
+	for (uint32_t slot = 0, end; slot < m->place_count; slot = end) {
+		for (end = slot + 1; end < m->place_count && went(m, end) == went(m, slot); end++)
 			;
 		renumber(gi, m->list[slot].before.x, m->list[end - 1].before.y, went(m, slot) ? m->count + 1 : gone);
 	}

@@ -3,6 +3,7 @@
 #include "changes.h"
 #include "context.h"
 #include "host_memory.h"
+#include "receiver_sets.h"
 #include "sky.h"
 #include "specular_rows.h"
 
@@ -35,6 +36,12 @@ bool rows_slot_moved(const gi_context *gi, uint32_t slot)
 static bool slot_relit(const gi_context *gi, uint32_t slot)
 {
 	return gi->scene.object_data[slot].changed.y > gi->rows.current;
+}
+
+/* The same of having another shape. */
+static bool slot_reshaped(const gi_context *gi, uint32_t slot)
+{
+	return gi->scene.object_data[slot].changed.z > gi->rows.current;
 }
 
 /* Is there one in [first, end)? */
@@ -86,9 +93,11 @@ static void number_changes(gi_context *gi)
 		object_record *o = &s->objects[s->slots[slot]];
 		o->moved_update = o->moved ? update : o->moved_update;
 		o->relit_update = o->relit ? update : o->relit_update;
-		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, 0, 0};
+		o->reshaped_update = o->reshaped ? update : o->reshaped_update;
+		s->object_data[slot].changed = (gi_uvec4){o->moved_update, o->relit_update, o->reshaped_update, 0};
 		s->object_data[slot].extra.w = 0;
 	}
+	receiver_sets_number(gi, update);
 	if (s->statics_slot != GI_NONE)
 		number_tops(gi);
 }
@@ -98,12 +107,14 @@ static bool pair_is_dirty(const gi_context *gi, uint32_t receiver, uint32_t sour
 {
 	if (gi->rows.rebuild || slot_relit(gi, source))
 		return true;
-	return receiver != source && (rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source));
+	if (receiver == source)
+		return slot_reshaped(gi, source);
+	return rows_slot_moved(gi, receiver) || rows_slot_moved(gi, source);
 }
 
 static bool plan_poses(gi_context *gi, rows_plan *p)
 {
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
+	for (uint32_t slot = 0; slot < scene_place_count(&gi->scene); slot++) {
 		const gi_object_data *data = &gi->scene.object_data[slot];
 		if (!gi->rows.rebuild && !gi->rows.kept && data->changed.x != gi->rows.update)
 			continue;
@@ -120,9 +131,9 @@ static bool plan_poses(gi_context *gi, rows_plan *p)
 static bool plan_cuts(gi_context *gi, rows_plan *p)
 {
 	const gi_scene *s = &gi->scene;
-	for (uint32_t receiver = 0; receiver < s->slot_count; receiver++) {
+	for (uint32_t receiver = 0; receiver < scene_place_count(s); receiver++) {
 		const gi_uvec4 nodes = s->object_data[receiver].nodes;
-		if (nodes.w == nodes.z || s->slots[receiver] == GI_NONE)
+		if (nodes.w == nodes.z || !scene_has_rows(s, receiver))
 			continue;
 		for (uint32_t source = s->first_source; source < s->slot_count; source++) {
 			if (!pair_is_dirty(gi, receiver, source))
@@ -276,7 +287,7 @@ static gi_result upload_runs(gi_context *gi, const rows_plan *p)
 			return result;
 	}
 	gpu_buffer_upload(&gi->gpu, &r->runs, 0, bytes, r->run_data);
-	gpu_buffer_upload(&gi->gpu, &gi->scene.objects_gpu, 0, sizeof(gi_object_data) * gi->scene.slot_count,
+	gpu_buffer_upload(&gi->gpu, &gi->scene.objects_gpu, 0, sizeof(gi_object_data) * scene_place_count(&gi->scene),
 			  gi->scene.object_data);
 	return GI_OK;
 }
@@ -314,7 +325,7 @@ static bool flagging_would_end_early(const gi_context *gi)
 	const gi_scene *s = &gi->scene;
 	if (!gi->gpu.software || !s->leaf_count)
 		return false;
-	const double longest = LONGEST_ROW * (double)gi->report.entries / s->leaf_count;
+	const double longest = LONGEST_ROW * (double)gi->report.entries / scene_row_count(s);
 	return (longest + scene_source_count(s)) * count_candidates(gi) > TURNS;
 }
 
@@ -334,7 +345,7 @@ gi_result rows_plan_make(gi_context *gi, const gi_budget *budget, rows_plan *p)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	if (p->cut_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
-			       gi->scene.leaf_count, gi->scene.slot_count);
+			       scene_row_count(&gi->scene), gi->scene.slot_count);
 	result = specular_rows_prepare(gi, p->part);
 	if (!result)
 		result = upload_object_lists(gi, p);
@@ -359,7 +370,7 @@ static bool materials_changed(const gi_context *gi)
 static uint32_t newest_change(const gi_context *gi)
 {
 	uint32_t newest = gi->rows.lost_update;
-	for (uint32_t slot = 0; slot < gi->scene.slot_count; slot++) {
+	for (uint32_t slot = 0; slot < scene_place_count(&gi->scene); slot++) {
 		const gi_uvec4 changed = gi->scene.object_data[slot].changed;
 		newest = changed.x > newest ? changed.x : newest;
 		newest = changed.y > newest ? changed.y : newest;
@@ -372,12 +383,18 @@ static gi_vec4 higher_of(gi_vec4 a, gi_vec4 b)
 	return (gi_vec4){fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z), fmaxf(a.w, b.w)};
 }
 
+/* As large as may be subtracted from. */
+static const float BRIGHTEST = 3e38f;
+
 /* The sky has rho 0: its E / (1 - rho) is E. */
 static gi_vec4 ceiling_of(const gi_context *gi)
 {
 	float sky[3];
 	sky_brightest(gi, sky);
 	gi_vec4 ceiling = {sky[0], sky[1], sky[2], 1};
+	/* How much lights bring to a leaf the GPU alone knows: it bounds what is first reflected (emitted.glsl). */
+	if (light_list_shines(&gi->light_list))
+		ceiling = (gi_vec4){BRIGHTEST, BRIGHTEST, BRIGHTEST, 1};
 	for (uint32_t k = 0; k < gi->scene.object_count; k++)
 		if (gi->scene.objects[k].committed)
 			ceiling = higher_of(ceiling, gi->scene.objects[k].ceiling);
@@ -401,6 +418,7 @@ void rows_plan_upload_frame(gi_context *gi, const rows_plan *p, const gi_budget 
 	const float sky_tolerance = lit ? def->row_tolerance : BLACK_SKY_COARSENESS * def->row_tolerance;
 	gi->frame = (gi_frame){
 	    .counts = {s->leaf_count, s->node_count, s->slot_count, s->vertex_count},
+	    .rows = {scene_row_count(s), 0, 0, 0},
 	    .limits = {(uint32_t)gi->rows.entry_limit, (uint32_t)gi->rows.entry_limit, def->near_samples,
 		       def->emitter_samples},
 	    .tolerance = {def->row_tolerance, def->row_tolerance / def->emitter_refinement, sky_tolerance,

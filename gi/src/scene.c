@@ -26,6 +26,26 @@ uint32_t scene_source_count(const gi_scene *s)
 	return s->slot_count - s->first_source;
 }
 
+uint32_t scene_row_count(const gi_scene *s)
+{
+	return s->leaf_count + s->receiver_count;
+}
+
+uint32_t scene_vertex_count(const gi_scene *s)
+{
+	return s->vertex_count + GI_RECEIVER_CORNERS * s->receiver_count;
+}
+
+uint32_t scene_place_count(const gi_scene *s)
+{
+	return s->slot_count + s->set_count;
+}
+
+bool scene_has_rows(const gi_scene *s, uint32_t place)
+{
+	return place >= s->slot_count || s->slots[place] != GI_NONE;
+}
+
 object_record *scene_object_in(const gi_scene *s, uint32_t slot)
 {
 	return s->slots[slot] == GI_NONE ? NULL : &s->objects[s->slots[slot]];

@@ -15,6 +15,15 @@ typedef struct scene_top {
 	uint32_t before;  /* its node in the scene before the last commit, GI_NONE: it was not there */
 } scene_top;
 
+/* A set of receivers: points that rows are made for and that are sources of none. Its slot, and the numbers of its
+ * points as leaves, nodes and vertices, lie behind those of all objects and the sky. */
+enum { GI_RECEIVER_CORNERS = 4 };
+typedef struct receiver_place {
+	uint32_t set;          /* in the list of the context (receiver_sets.h) */
+	uint32_t first, count; /* points among those of all sets */
+	uint32_t light;        /* where its light begins, in vec4 */
+} receiver_place;
+
 typedef struct gi_scene {
 	object_record *objects; /* by handle index */
 	uint32_t object_count;  /* places, dead ones too; there is room for the next power of two */
@@ -39,10 +48,13 @@ typedef struct gi_scene {
 	bool regroup;            /* a static object moved or was hidden: the next update begins with a commit */
 	uint32_t leaf_count, node_count, vertex_count, light_count, large_count;
 	uint32_t translucent_leaves;
+	receiver_place *sets;                            /* those with normals first */
+	uint32_t set_count, receiver_count, light_words; /* light_words: vec4 that their light takes */
+	float mean_area;                                 /* of leaves, m2; 0 without receivers */
 
 	gi_arena arrays;             /* all of these, slots and tops: */
-	gi_object_data *object_data; /* slot_count */
-	gi_node_topology *topology;  /* node_count, as uploaded */
+	gi_object_data *object_data; /* of slots, then of sets of receivers */
+	gi_node_topology *topology;  /* of nodes and receivers, as uploaded */
 	gi_vec4 *node_exitance;      /* node_count: rgb, w mean rho */
 	gi_bvh_node *tlas;
 	gi_uvec4 *tlas_packed;
@@ -63,6 +75,11 @@ bool scene_slot_is_seen(const gi_scene *scene, uint32_t slot);
 void scene_sky_exitance(const gi_scene *scene, float out[3]);
 float scene_ray_lift(const gi_scene *scene); /* of rays that find the nearest surface, metres */
 uint32_t scene_source_count(const gi_scene *scene);
+uint32_t scene_row_count(const gi_scene *scene);    /* leaves and receivers */
+uint32_t scene_vertex_count(const gi_scene *scene); /* receivers' too, GI_RECEIVER_CORNERS each */
+uint32_t scene_place_count(const gi_scene *scene);  /* slots and sets of receivers */
+/* Does what has this place have rows: neither the sky nor static objects as one. */
+bool scene_has_rows(const gi_scene *scene, uint32_t place);
 void scene_place_sky(gi_object_data *data);
 void scene_update_exitance(gi_context *gi, object_record *object);
 /* The flags of a node that scene_update_exitance sets. */

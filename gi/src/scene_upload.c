@@ -6,14 +6,14 @@
  */
 #include "scene_upload.h"
 
-#include "bits.h"
-#include "bvh_pack.h"
 #include "context.h"
 #include "emitters.h"
 #include "frames.h"
 #include "host_memory.h"
 #include "rank.h"
+#include "receiver_sets.h"
 #include "scene_limits.h"
+#include "scene_object.h"
 #include "sky.h"
 #include "statics.h"
 
@@ -123,30 +123,35 @@ static void count_all(const gi_context *gi, gathered *g)
 		n->node_count += g->sky.node_count;
 		n->vertex_count += g->sky.vertex_count;
 	}
+	receiver_sets_count(gi, n);
+	g->material_count += n->set_count ? 1 : 0;
 }
 
 /* What the scene keeps, and what goes to the GPU alone. */
 static void lay_out(gathered *g, gi_arena *stays, gi_arena *passes)
 {
 	gi_scene *n = &g->next;
+	const size_t nodes = (size_t)n->node_count + n->receiver_count, rows = scene_row_count(n),
+		     vertices = scene_vertex_count(n), places = scene_place_count(n);
 	n->slots = gi_arena_take(stays, n->slot_count, sizeof *n->slots);
-	n->object_data = gi_arena_take(stays, n->slot_count, sizeof *n->object_data);
-	n->topology = gi_arena_take(stays, n->node_count, sizeof *n->topology);
+	n->object_data = gi_arena_take(stays, places, sizeof *n->object_data);
+	n->topology = gi_arena_take(stays, nodes, sizeof *n->topology);
 	n->node_exitance = gi_arena_take(stays, n->node_count, sizeof *n->node_exitance);
 	n->tlas = gi_arena_take(stays, n->tlas_count, sizeof *n->tlas);
 	n->tlas_packed = gi_arena_take(stays, 2 * (size_t)n->tlas_count, sizeof *n->tlas_packed);
+	n->sets = gi_arena_take(stays, n->set_count, sizeof *n->sets);
 	n->tops = gi_arena_take(stays, n->top_count, sizeof *n->tops);
 	n->sums = gi_arena_take(stays, n->top_count, sizeof *n->sums);
 	n->changed_slots = gi_arena_take(stays, n->first_source, sizeof *n->changed_slots);
-	g->rest = gi_arena_take(passes, n->node_count, sizeof *g->rest);
+	g->rest = gi_arena_take(passes, nodes, sizeof *g->rest);
 	g->spread = gi_arena_take(passes, n->node_count, sizeof *g->spread);
-	g->vertices = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices);
-	g->vertices_world = gi_arena_take(passes, n->vertex_count, sizeof *g->vertices_world);
-	g->leaves = gi_arena_take(passes, n->leaf_count, sizeof *g->leaves);
+	g->vertices = gi_arena_take(passes, vertices, sizeof *g->vertices);
+	g->vertices_world = gi_arena_take(passes, vertices, sizeof *g->vertices_world);
+	g->leaves = gi_arena_take(passes, rows, sizeof *g->leaves);
 	g->materials = gi_arena_take(passes, g->material_count, sizeof *g->materials);
 	g->bvh = gi_arena_take(passes, g->bvh_count, sizeof *g->bvh);
 	g->primitives = gi_arena_take(passes, g->primitive_count, sizeof *g->primitives);
-	g->leaf_quads = gi_arena_take(passes, 4 * (size_t)n->leaf_count, sizeof *g->leaf_quads);
+	g->leaf_quads = gi_arena_take(passes, 4 * rows, sizeof *g->leaf_quads);
 	g->large = gi_arena_take(passes, n->node_count, sizeof *g->large);
 	g->light_links = gi_arena_take(passes, g->light_link_count / 2 + 1, sizeof *g->light_links);
 	g->light_first = gi_arena_take(passes, (size_t)n->light_count + 1, sizeof *g->light_first);
@@ -164,7 +169,7 @@ static bool allocate_all(gi_context *gi, gathered *g)
 		return false;
 	lay_out(g, &n->arrays, &gi->passing);
 	/* Not all of these is written below. */
-	memset(n->object_data, 0, sizeof *n->object_data * n->slot_count);
+	memset(n->object_data, 0, sizeof *n->object_data * scene_place_count(n));
 	memset(n->changed_slots, 0, sizeof *n->changed_slots * n->first_source);
 	memset(n->tlas_packed, 0, sizeof *n->tlas_packed * 2 * n->tlas_count);
 	memset(g->spread, 0, sizeof *g->spread * n->node_count);
@@ -179,52 +184,26 @@ static void gather_hierarchy(gathered *g, const gi_hierarchy *h, uint32_t node_b
 		memcpy(g->spread + node_base, h->spread, sizeof *g->spread * h->node_count);
 	memcpy(g->vertices + vertex_base, h->vertices, sizeof *g->vertices * h->vertex_count);
 	for (uint32_t k = 0; k < h->node_count; k++) {
-		gi_node_topology t = h->topology[k];
-		t.range.x += node_base;
-		t.range.y += leaf_base;
-		uint32_t *corners = &t.corners.x;
-		for (int c = 0; c < 4; c++)
-			corners[c] += corners[c] == GI_NONE ? 0 : vertex_base;
+		const gi_node_topology t = scene_topology_of(h, k, (scene_base){node_base, vertex_base, leaf_base});
 		g->next.topology[node_base + k] = t;
 		if (t.range.z > GI_LARGE_NODE_LEAVES)
 			g->large[g->next.large_count++] = node_base + k;
 	}
 }
 
-static float add_bits(float value, uint32_t base)
-{
-	const uint32_t bits = gi_bits_from_float(value);
-	return gi_float_from_bits(bits == GI_NONE ? bits : bits + base);
-}
-
 static void gather_rays(gathered *g, const object_record *o, gi_object_data *data)
 {
-	gi_pack_grid(&o->hierarchy.lower, &o->hierarchy.upper, &data->grid, &data->cells);
-	for (uint32_t k = 0; k < o->bvh.node_count; k++)
-		g->bvh[o->bvh_base + k] =
-		    gi_pack_node(&o->bvh.nodes[k], data->grid, data->cells, o->bvh_base, o->primitive_base);
-	for (uint32_t k = 0; k < o->bvh.primitive_count; k++) {
-		gi_primitive p = o->bvh.primitives[k];
-		p.a.w = add_bits(p.a.w, o->leaf_base);
-		g->primitives[o->primitive_base + k] = p;
-	}
+	scene_fill_tree(o, data, g->bvh + o->bvh_base);
+	scene_fill_primitives(o, g->primitives + o->primitive_base);
 }
 
-/* Their areas are summed up along the object, so that rays can end on its leaves by area. */
 static void gather_leaves(gathered *g, const object_record *o)
 {
 	const gi_hierarchy *h = &o->hierarchy;
-	double area = 0;
-	for (uint32_t l = 0; l < h->leaf_count; l++) {
-		const gi_uvec4 corners = h->topology[h->leaf_node[l]].corners;
-		gi_vec4 *quad = g->leaf_quads + 4 * (size_t)(o->leaf_base + l);
-		for (int c = 0; c < 4; c++)
-			quad[c] = h->vertices[(&corners.x)[c]];
-		area += (double)h->geometry[h->leaf_node[l]].moment.w;
-		quad[0].w = (float)area;
+	scene_fill_quads(h, g->leaf_quads + 4 * (size_t)o->leaf_base);
+	for (uint32_t l = 0; l < h->leaf_count; l++)
 		g->leaves[o->leaf_base + l] =
 		    (gi_uvec4){o->node_base + h->leaf_node[l], o->slot, o->material_base + h->leaf_material[l], 0};
-	}
 }
 
 static void gather_light(gathered *g, const object_record *o, uint32_t link_base)
@@ -292,6 +271,23 @@ static void gather_sky(const gi_context *gi, gathered *g, uint32_t slot, uint32_
 		n->node_exitance[node + k] = sky_exitance(gi, k);
 }
 
+static void gather_receivers(const gi_context *gi, gathered *g, uint32_t material)
+{
+	gi_scene *n = &g->next;
+	double area = 0;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		if (object_is_alive(&gi->scene.objects[k]))
+			area += gi->scene.objects[k].hierarchy.area;
+	n->mean_area = n->leaf_count ? (float)(area / n->leaf_count) : 1;
+	receiver_sets_gather(gi, n,
+			     &(receiver_arrays){.rest = g->rest,
+						.vertices = g->vertices,
+						.leaves = g->leaves,
+						.leaf_quads = g->leaf_quads,
+						.material = &g->materials[material],
+						.material_number = material});
+}
+
 static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, carried *old, uint32_t *old_count)
 {
 	gi_scene *n = &g->next;
@@ -348,12 +344,14 @@ static void gather_objects(gi_context *gi, const gi_scene *before, gathered *g, 
 	g->light_first[light] = link;
 	if (n->sky_slot != GI_NONE)
 		gather_sky(gi, g, slot, node, vertex, leaf);
+	if (n->set_count)
+		gather_receivers(gi, g, material);
 }
 
 /* As pose.comp does in the first update: what is read before it is where it belongs. */
 static void place_vertices(gathered *g)
 {
-	for (uint32_t slot = 0; slot < g->next.slot_count; slot++) {
+	for (uint32_t slot = 0; slot < scene_place_count(&g->next); slot++) {
 		const gi_object_data *d = &g->next.object_data[slot];
 		for (uint32_t k = d->extra.y; k < d->extra.z; k++) {
 			const gi_vec3d p = gi_point_to_world(d, gi_vec3d_from(g->vertices[k]));
@@ -366,24 +364,26 @@ static gi_result upload_gathered(gi_context *gi, gathered *g)
 {
 	gpu *gpu = &gi->gpu;
 	gi_scene *s = &gi->scene, *n = &g->next;
+	const uint64_t nodes = (uint64_t)n->node_count + n->receiver_count, rows = scene_row_count(n),
+		       vertices = scene_vertex_count(n);
 	const struct {
 		uint32_t binding;
 		gpu_buffer *buffer;
 		uint64_t size;
 		const void *data;
 	} uploads[] = {
-	    {GI_BIND_OBJECTS, &s->objects_gpu, sizeof(gi_object_data) * n->slot_count, n->object_data},
-	    {GI_BIND_TOPOLOGY, &s->topology_gpu, sizeof(gi_node_topology) * n->node_count, n->topology},
-	    {GI_BIND_REST, &s->rest_gpu, sizeof(gi_node_geometry) * n->node_count, g->rest},
+	    {GI_BIND_OBJECTS, &s->objects_gpu, sizeof(gi_object_data) * scene_place_count(n), n->object_data},
+	    {GI_BIND_TOPOLOGY, &s->topology_gpu, sizeof(gi_node_topology) * nodes, n->topology},
+	    {GI_BIND_REST, &s->rest_gpu, sizeof(gi_node_geometry) * nodes, g->rest},
 	    {GI_BIND_SPREAD, &s->spread_gpu, sizeof(gi_node_spread) * n->node_count, g->spread},
-	    {GI_BIND_WORLD, &s->world_gpu, sizeof(gi_node_geometry) * n->node_count, NULL},
-	    {GI_BIND_VERTICES_REST, &s->vertices_rest_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices},
-	    {GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu, sizeof(gi_vec4) * n->vertex_count, g->vertices_world},
-	    {GI_BIND_LEAVES, &s->leaves_gpu, sizeof(gi_uvec4) * n->leaf_count, g->leaves},
+	    {GI_BIND_WORLD, &s->world_gpu, sizeof(gi_node_geometry) * nodes, NULL},
+	    {GI_BIND_VERTICES_REST, &s->vertices_rest_gpu, sizeof(gi_vec4) * vertices, g->vertices},
+	    {GI_BIND_VERTICES_WORLD, &s->vertices_world_gpu, sizeof(gi_vec4) * vertices, g->vertices_world},
+	    {GI_BIND_LEAVES, &s->leaves_gpu, sizeof(gi_uvec4) * rows, g->leaves},
 	    {GI_BIND_MATERIALS, &s->materials_gpu, sizeof(gi_material_data) * g->material_count, g->materials},
 	    {GI_BIND_BVH, &s->bvh_gpu, sizeof(gi_uvec4) * g->bvh_count, g->bvh},
 	    {GI_BIND_PRIMITIVES, &s->primitives_gpu, sizeof(gi_primitive) * g->primitive_count, g->primitives},
-	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * n->leaf_count, g->leaf_quads},
+	    {GI_BIND_LEAF_QUADS, &s->leaf_quads_gpu, 4 * sizeof(gi_vec4) * rows, g->leaf_quads},
 	    {GI_BIND_TLAS, &s->tlas_gpu, 2 * sizeof(gi_uvec4) * n->tlas_count, NULL},
 	    {GI_BIND_NODE_EXITANCE, &s->node_exitance_gpu, sizeof(gi_vec4) * n->node_count, n->node_exitance},
 	    {GI_BIND_LARGE_NODES, &s->large_nodes_gpu, sizeof(uint32_t) * n->large_count, g->large},
@@ -434,13 +434,13 @@ static uint64_t larger_of(uint64_t a, uint64_t b)
 static gi_result check_sizes(gi_context *gi, const gathered *g)
 {
 	const gi_scene *n = &g->next;
-	const uint64_t leaves = n->leaf_count, sources = n->slot_count - n->first_source;
+	const uint64_t leaves = scene_row_count(n), sources = n->slot_count - n->first_source;
 	const uint64_t table = limits_table_bytes(leaves, sources);
 	uint64_t largest = sizeof(gi_vec4) * GI_LEAF_PARTS * leaves;
-	largest = larger_of(largest, sizeof(gi_node_geometry) * n->node_count);
-	largest = larger_of(largest, sizeof(gi_vec4) * n->vertex_count);
+	largest = larger_of(largest, sizeof(gi_node_geometry) * ((uint64_t)n->node_count + n->receiver_count));
+	largest = larger_of(largest, sizeof(gi_vec4) * (uint64_t)scene_vertex_count(n));
 	largest = larger_of(largest, sizeof(gi_primitive) * g->primitive_count);
-	largest = larger_of(largest, sizeof(gi_object_data) * n->slot_count);
+	largest = larger_of(largest, sizeof(gi_object_data) * scene_place_count(n));
 	largest = larger_of(largest, 2 * sizeof(uint32_t) * (uint64_t)g->light_link_count);
 	const bool by_table = table >= largest;
 	const uint64_t needed = larger_of(largest, table), limit = gpu_buffer_limit(&gi->gpu, needed);
@@ -450,11 +450,11 @@ static gi_result check_sizes(gi_context *gi, const gathered *g)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 			       "%u leaves are more than the %u that entries can name: use fewer levels or a larger "
 			       "leaf_size",
-			       n->leaf_count, GI_ENTRY_LEAF_MASK);
+			       (uint32_t)leaves, GI_ENTRY_LEAF_MASK);
 	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY,
 		       "%u leaves of %u objects need a buffer of %" PRIu64 " MiB and %s: use fewer levels or a larger "
 		       "leaf_size%s",
-		       n->leaf_count, g->order_count, (needed >> 20) + 1, gpu_limit_text(&gi->gpu, limit),
+		       (uint32_t)leaves, g->order_count, (needed >> 20) + 1, gpu_limit_text(&gi->gpu, limit),
 		       by_table && limits_table_bytes(leaves, 0) < table
 			   ? ", or make what does not move GI_MOBILITY_STATIC: the table is of leaves times what moves"
 			   : "");
@@ -476,6 +476,10 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 			      uint32_t *old_count)
 {
 	gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->object_count; k++)
+		if (object_is_alive(&s->objects[k]) && s->objects[k].reshapes)
+			object_apply_shape(&s->objects[k]);
+	receiver_sets_changed(gi); /* poses of what they are fixed to */
 	/* Boxes first: whether there is a sky depends on them. */
 	for (uint32_t k = 0; k < s->object_count; k++)
 		if (object_is_alive(&s->objects[k]) && !is_placed(&s->objects[k])) {
@@ -496,6 +500,7 @@ static gi_result upload_scene(gi_context *gi, const scene_before *before, gather
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gather_objects(gi, before->scene, g, old, old_count);
 	s->large_count = g->next.large_count;
+	s->mean_area = g->next.mean_area;
 	statics_follow(s, before->scene, before->objects, gi->rows.update + 1);
 	s->statics_update = statics_are_same(before->scene, s) ? before->scene->statics_update : gi->rows.update + 1;
 	statics_place(&g->statics, s, g->rest, g->spread, s->topology);

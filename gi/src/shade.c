@@ -17,6 +17,7 @@
 #include "context.h"
 #include "host_memory.h"
 #include "overlay.h"
+#include "punctual_shadow.h"
 #include "reflections.h"
 #include "shadow.h"
 #include "specular.h"
@@ -50,6 +51,7 @@ typedef enum program {
 	PROGRAM_LAST,
 	PROGRAM_LAST_SHADOWS,
 	PROGRAM_SURFACE_LAST, /* no lamp at all */
+	PROGRAM_PUNCTUAL,     /* a light without a surface */
 	PROGRAM_COUNT
 } program;
 static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_none.frag"},
@@ -59,15 +61,20 @@ static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_
 							    {"screen.vert", "light_more_shadows.frag"},
 							    {"screen.vert", "light_last.frag"},
 							    {"screen.vert", "light_last_shadows.frag"},
-							    {"screen.vert", "surface_last.frag"}};
+							    {"screen.vert", "surface_last.frag"},
+							    {"screen.vert", "light_punctual.frag"}};
 
 struct gi_shade {
 	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
 	gpu_mesh mesh, screen;
+	uint32_t *first_vertex;      /* of the mesh, by slot; GI_NONE: it is not drawn */
+	struct draw_vertex *staging; /* of a shape that changed */
+	uint32_t staging_room;
 	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
+	gi_punctual_shadow punctual;
 	gi_overlays overlays;
 	gi_reflections reflections;
 };
@@ -86,12 +93,11 @@ static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
 	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
 }
 
-static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+static void fill_drawn(const object_record *o, draw_vertex *vertices)
 {
-	const gi_drawn_surface *drawn = &o->drawn;
-	for (uint32_t k = 0; k < drawn->vertex_count; k++) {
-		const gi_draw_vertex *from = &drawn->vertices[k];
-		draw_vertex *to = &vertices[first_vertex + k];
+	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
+		const gi_draw_vertex *from = &o->drawn.vertices[k];
+		draw_vertex *to = &vertices[k];
 		memcpy(to->position, from->position, sizeof to->position);
 		memcpy(to->normal, from->normal, sizeof to->normal);
 		memcpy(to->weight, from->weight, sizeof to->weight);
@@ -100,8 +106,13 @@ static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t fi
 		for (int i = 0; i < 4; i++)
 			to->light[i] = o->light_base + from->light[i];
 	}
-	for (uint32_t k = 0; k < drawn->index_count; k++)
-		indices[k] = first_vertex + drawn->indices[k];
+}
+
+static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
+{
+	fill_drawn(o, vertices + first_vertex);
+	for (uint32_t k = 0; k < o->drawn.index_count; k++)
+		indices[k] = first_vertex + o->drawn.indices[k];
 }
 
 typedef struct sized {
@@ -139,12 +150,16 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 	draw_vertex *vertices = gi_malloc(sizeof *vertices * (vertex_count + 1));
 	uint32_t *indices = gi_malloc(sizeof *indices * (index_count + 1));
 	gi_result result = GI_OK;
-	if (!order || !vertices || !indices)
+	shade->first_vertex = gi_malloc(sizeof *shade->first_vertex * (s->slot_count + 1));
+	if (!order || !vertices || !indices || !shade->first_vertex)
 		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
+		shade->first_vertex[slot] = GI_NONE;
 	vertex_count = index_count = 0;
 	for (uint32_t k = 0; !result && k < count; k++) {
 		const object_record *o = &s->objects[s->slots[order[k].slot]];
 		add_drawn(o, vertices, (uint32_t)vertex_count, indices + index_count);
+		shade->first_vertex[order[k].slot] = (uint32_t)vertex_count;
 		vertex_count += o->drawn.vertex_count;
 		index_count += o->drawn.index_count;
 	}
@@ -165,6 +180,42 @@ static gi_result build_mesh(gi_context *gi, gi_shade *shade)
 
 /* ---- life ---- */
 
+/* What is drawn of an object has another shape: so has it in the mesh. */
+static bool redraw_object(gi_context *gi, gi_shade *shade, uint32_t slot)
+{
+	const object_record *o = scene_object_in(&gi->scene, slot);
+	const uint32_t first = shade->first_vertex[slot], count = o->drawn.vertex_count;
+	if (count > shade->staging_room) {
+		draw_vertex *grown = gi_realloc(shade->staging, sizeof *grown * count);
+		if (!grown)
+			return false;
+		shade->staging = grown;
+		shade->staging_room = count;
+	}
+	overlay_invalidate(gi, &shade->overlays);
+	if (first != GI_NONE) {
+		fill_drawn(o, shade->staging);
+		gpu_buffer_upload(&gi->gpu, &shade->mesh.vertices, sizeof(draw_vertex) * first,
+				  sizeof(draw_vertex) * count, shade->staging);
+	}
+	return shadow_reshape(gi, &shade->shadow, slot);
+}
+
+/* Shapes that changed, which nobody looked at so far. */
+static gi_result refit_drawn(gi_context *gi, gi_shade *shade)
+{
+	bool ok = true;
+	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++) {
+		object_record *o = scene_object_in(&gi->scene, slot);
+		if (o && object_refit_drawn(o) && shade->built)
+			ok = redraw_object(gi, shade, slot);
+	}
+	if (ok)
+		return GI_OK;
+	shade_invalidate(gi);
+	return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
 static gi_result prepare(gi_context *gi)
 {
 	if (!gi->shade)
@@ -172,11 +223,10 @@ static gi_result prepare(gi_context *gi)
 	gi_shade *shade = gi->shade;
 	if (!shade)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (shade->built)
-		return GI_OK;
-	gi_result result = build_mesh(gi, shade);
-	if (!result)
-		result = shadow_create(gi, &shade->shadow);
+	gi_result result = refit_drawn(gi, shade);
+	if (result || shade->built)
+		return result;
+	result = build_mesh(gi, shade);
 	if (result)
 		shade_invalidate(gi);
 	else
@@ -189,7 +239,10 @@ void shade_invalidate(gi_context *gi)
 	if (!gi->shade)
 		return;
 	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
+	gi_free(gi->shade->first_vertex);
+	gi->shade->first_vertex = NULL;
 	shadow_invalidate(gi, &gi->shade->shadow);
+	punctual_shadow_invalidate(&gi->shade->punctual);
 	overlay_invalidate(gi, &gi->shade->overlays);
 	gi->shade->built = false;
 }
@@ -200,11 +253,13 @@ void shade_free(gi_context *gi)
 		return;
 	shade_invalidate(gi);
 	shadow_free(gi, &gi->shade->shadow);
+	punctual_shadow_free(gi, &gi->shade->punctual);
 	overlay_free(gi, &gi->shade->overlays);
 	reflections_free(gi, &gi->shade->reflections);
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
+	gi_free(gi->shade->staging);
 	for (int k = 0; k < PROGRAM_COUNT; k++)
 		gpu_program_free(&gi->gpu, &gi->shade->programs[k]);
 	gi_free(gi->shade);
@@ -248,7 +303,7 @@ static void draw_rect(const gi_context *gi, program which, float farthest, const
 	const uint32_t program = shade->programs[which];
 	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
 	gpu_set_corner(&gi->gpu, program, 0, corner);
-	if (which >= PROGRAM_LAST) {
+	if (which >= PROGRAM_LAST && which <= PROGRAM_SURFACE_LAST) {
 		gpu_set_uint(&gi->gpu, program, 1, !shade->others);
 		gpu_set_floats(&gi->gpu, program, 2, 1, 1, &farthest);
 	}
@@ -290,27 +345,44 @@ static void bind_surfaces(gi_context *gi, const gpu_target *surfaces)
 	gpu_bind_texture(&gi->gpu, GI_UNIT_MASKS, shade->shadow.mask_words.texture);
 }
 
-/* All lamps but the last, and caustics, into a picture of their own. */
-static void add_others(gi_context *gi, uint32_t lamps, const gi_view *view, const float clip_from_world[16])
+/* Lights without a surface, added to what is drawn into. Leaves the lamps' maps bound. */
+static void add_lights(gi_context *gi, uint32_t lights, const gi_view *view, screen_rect r)
+{
+	static const int corner[2] = {0, 0};
+	const gi_shade *shade = gi->shade;
+	for (uint32_t k = 0; k < lights; k++) {
+		punctual_shadow_bind(gi, &shade->punctual, k);
+		draw_rect(gi, PROGRAM_PUNCTUAL, view_farthest(view), corner, r.lower[0], r.lower[1], r.upper[0],
+			  r.upper[1]);
+	}
+	if (lights)
+		gpu_depth_maps_bind(&gi->gpu, &shade->shadow.maps, GI_UNIT_MAPS);
+}
+
+/* All lamps but the last, lights without a surface and caustics, into a picture of their own. */
+static void add_others(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view,
+		       const float clip_from_world[16])
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
 	const bool caustics = specular_is_ready(gi) && view->mode != GI_MODE_DIRECT && gi->def.pixel_lamps;
-	shade->others = lamps > 1;
-	if (lamps <= 1 && !caustics)
+	shade->others = lamps > 1 || lights;
+	if (lamps <= 1 && !lights && !caustics)
 		return;
 	gpu_target_clear(&gi->gpu, &shade->so_far);
 	gpu_draw_to_target(&gi->gpu, &shade->so_far, view_convention(view));
 	gpu_draw_added(&gi->gpu, true);
 	for (uint32_t k = 0; k + 1 < lamps; k++)
 		draw_lamp(gi, PROGRAM_MORE, k, view, corner);
+	add_lights(gi, lights, view, (screen_rect){{0, 0}, {(int)view->width, (int)view->height}});
+	gpu_draw_unscissored(&gi->gpu);
 	if (caustics)
 		shade->others = reflections_splat(gi, &shade->reflections, clip_from_world) || shade->others;
 	gpu_draw_added(&gi->gpu, false);
 }
 
 /* Of a layer, whose surfaces may be hidden anywhere. */
-static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, const gi_view *view)
+static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, uint32_t lights, const gi_view *view)
 {
 	static const int corner[2] = {0, 0};
 	gi_shade *shade = gi->shade;
@@ -323,12 +395,13 @@ static void light_layer(gi_context *gi, const screen_rect *r, uint32_t lamps, co
 		draw_rect(gi, PROGRAM_MORE_SHADOWS, view_farthest(view), corner, r->lower[0], r->lower[1], r->upper[0],
 			  r->upper[1]);
 	}
+	add_lights(gi, lights, view, *r);
 	gpu_draw_unscissored(&gi->gpu);
 	gpu_draw_added(&gi->gpu, false);
 }
 
-static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, const gi_view *view,
-		      const gpu_draw_state *state, const int corner[2])
+static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lamps, uint32_t lights,
+		      const gi_view *view, const gpu_draw_state *state, const int corner[2])
 {
 	gi_shade *shade = gi->shade;
 	gi_reflections *r = &shade->reflections;
@@ -336,22 +409,22 @@ static void draw_part(gi_context *gi, const reflections_part *part, uint32_t lam
 		bind_surfaces(gi, &shade->surfaces);
 		reflections_trace(gi, r, &part->rect, layer, view, &shade->screen);
 		bind_surfaces(gi, &r->layer);
-		if (lamps)
-			light_layer(gi, &part->rect, lamps, view);
+		if (lamps || lights)
+			light_layer(gi, &part->rect, lamps, lights, view);
 		gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
-		reflections_add(gi, r, &part->rect, lamps > 0, view, corner, &shade->screen);
+		reflections_add(gi, r, &part->rect, lamps || lights, view, corner, &shade->screen);
 	}
 }
 
-static void draw_reflections(gi_context *gi, uint32_t lamps, const gi_view *view, const gpu_draw_state *state,
-			     const int corner[2])
+static void draw_reflections(gi_context *gi, uint32_t lamps, uint32_t lights, const gi_view *view,
+			     const gpu_draw_state *state, const int corner[2])
 {
 	const gi_reflections *r = &gi->shade->reflections;
 	for (uint32_t k = 0; k < r->part_count; k++)
-		draw_part(gi, &r->parts[k], lamps, view, state, corner);
+		draw_part(gi, &r->parts[k], lamps, lights, view, state, corner);
 }
 
-static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps)
+static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps, uint32_t lights)
 {
 	static const gpu_format surfaces[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED},
 				so_far[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_NONE};
@@ -360,10 +433,12 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
-	const bool more = lamps > 1 || specular_is_ready(gi);
+	const bool more = lamps > 1 || lights || specular_is_ready(gi);
 	gi_result result = want_program(gi, surface_program(gi));
 	if (!result && !lamps)
 		result = want_program(gi, PROGRAM_SURFACE_LAST);
+	if (!result && lights)
+		result = want_program(gi, PROGRAM_PUNCTUAL);
 	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
 		result = want_program(gi, k);
 	if (!result && !shade->screen.array)
@@ -376,7 +451,7 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 	return result;
 }
 
-/* In a scene without lamps and without mirrors and glass: straight into the host's framebuffer. */
+/* In a scene without lamps and lights and without mirrors and glass: straight into the host's framebuffer. */
 static gi_result draw_own(gi_context *gi, const gi_view *view, const float clip_from_world[16])
 {
 	const gi_result result = want_program(gi, PROGRAM_OWN);
@@ -390,9 +465,10 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 {
 	gi_shade *shade = gi->shade;
 	const uint32_t lamps = view->mode == GI_MODE_INDIRECT ? 0 : shade->shadow.lamp_count;
-	if (!lamps && !specular_is_ready(gi))
+	const uint32_t lights = view->mode == GI_MODE_INDIRECT ? 0 : shade->punctual.count;
+	if (!lamps && !lights && !specular_is_ready(gi))
 		return draw_own(gi, view, clip_from_world);
-	gi_result result = prepare_lamps(gi, view, lamps);
+	gi_result result = prepare_lamps(gi, view, lamps, lights);
 	if (!result && specular_is_ready(gi))
 		result = reflections_prepare(gi, &shade->reflections, view);
 	if (result)
@@ -401,7 +477,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 	gpu_draw_to_target(&gi->gpu, &shade->surfaces, view_convention(view));
 	draw_surfaces(gi, surface_program(gi), view, clip_from_world);
 	bind_surfaces(gi, &shade->surfaces);
-	add_others(gi, lamps, view, clip_from_world);
+	add_others(gi, lamps, lights, view, clip_from_world);
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (lamps)
 		draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, corner);
@@ -410,7 +486,7 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 			  (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
 	if (specular_is_ready(gi))
-		draw_reflections(gi, lamps, view, state, corner);
+		draw_reflections(gi, lamps, lights, view, state, corner);
 	return GI_OK;
 }
 
@@ -444,6 +520,24 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 	return GI_OK;
 }
 
+/* Without lamps and lights nothing of it is made. */
+static gi_result update_shadows(gi_context *gi)
+{
+	gi_shadow *shadow = &gi->shade->shadow;
+	if (!gi->lamps.count && !punctual_shadow_is_wanted(gi)) {
+		shadow->lamp_count = 0;
+		punctual_shadow_free(gi, &gi->shade->punctual);
+		return GI_OK;
+	}
+	gi_result result = shadow->drawn_rows ? GI_OK : shadow_create(gi, shadow);
+	if (result) {
+		shadow_invalidate(gi, shadow);
+		return result;
+	}
+	result = shadow_update(gi, shadow);
+	return result ? result : punctual_shadow_update(gi, &gi->shade->punctual, shadow);
+}
+
 static gi_result draw(gi_context *gi, const gi_view *view)
 {
 	gi_result result = prepare(gi);
@@ -454,7 +548,7 @@ static gi_result draw(gi_context *gi, const gi_view *view)
 	bind_scene(gi);
 	bind_solver(gi);
 	if (view->mode != GI_MODE_INDIRECT && !is_heat_map(view))
-		result = shadow_update(gi, &gi->shade->shadow);
+		result = update_shadows(gi);
 	if (!result)
 		result = draw_picture(gi, view, &state);
 	gpu_draw_end(&gi->gpu, &state);

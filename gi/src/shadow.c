@@ -210,14 +210,24 @@ static void draw_maps(const gi_context *gi, const gi_shadow *shadow, const lamp_
 	}
 }
 
+bool shadow_reshape(gi_context *gi, gi_shadow *shadow, uint32_t slot)
+{
+	if (!shadow->drawn_rows)
+		return true;
+	shadow->reshaped = true;
+	return casters_refit(gi, &shadow->casters, slot);
+}
+
 static bool poses_changed(const gi_context *gi, gi_shadow *shadow)
 {
-	bool changed = false;
+	bool changed = shadow->reshaped;
+	shadow->reshaped = false;
 	for (uint32_t slot = 0; slot < shadow->casters.count; slot++) {
 		const gi_object_data *d = &gi->scene.object_data[slot];
 		changed = changed || memcmp(shadow->drawn_rows[slot], &d->row0, sizeof *shadow->drawn_rows) != 0;
 		memcpy(shadow->drawn_rows[slot], &d->row0, sizeof *shadow->drawn_rows);
 	}
+	shadow->poses += changed;
 	return changed;
 }
 

@@ -29,12 +29,17 @@ typedef struct gi_shadow {
 	shadow_seen seen[GI_LAMP_MAX]; /* of the maps that are drawn */
 	uint32_t drawn_lamps;          /* generation of gi_lamps that the maps show */
 	bool drawn;                    /* the maps were drawn for the poses in drawn_rows */
+	bool reshaped;                 /* a caster has had another shape since */
+	uint64_t poses;                /* goes up where an object has another pose than in the picture before */
 	float (*drawn_rows)[12];       /* by slot */
 	struct lamp_box *boxes;        /* scratch: of the casters */
 } gi_shadow;
 
 /* Builds the casters of the committed scene. */
 gi_result shadow_create(struct gi_context *gi, gi_shadow *shadow);
+
+/* The object has another shape now; nothing where there are no casters yet. False when memory ran out. */
+bool shadow_reshape(struct gi_context *gi, gi_shadow *shadow, uint32_t slot);
 
 /* Brings lamps and maps up to the poses of the last update; nothing when they are. Leaves another framebuffer bound
  * when it drew. */

@@ -124,10 +124,13 @@ static bool is_known_to_be_over(const gi_context *gi)
 	return !groups;
 }
 
-/* Does anything emit? Where nothing does the solution is B = E = 0, which sweeps from a bright start would approach
+/* Does anything shine? Where nothing does the solution is B = E = 0, which sweeps from a bright start would approach
  * for ever: the solve starts from there. */
-static bool is_lit(const gi_scene *s)
+static bool is_lit(const gi_context *gi)
 {
+	const gi_scene *s = &gi->scene;
+	if (light_list_shines(&gi->light_list))
+		return true;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++) {
 		const gi_vec4 e = s->node_exitance[s->object_data[slot].nodes.x];
 		if (e.x + e.y + e.z > 0)
@@ -141,7 +144,10 @@ static void gather_emitted(gi_context *gi)
 {
 	STATE_CLEAR(gi, emitted);
 	const bool through = gi->specular_rows, caustics = caustics_light(gi);
-	const uint32_t program = through ? gi->specular_rows->emitted_program : gi->solver.emitted_program;
+	const uint32_t punctual = punctual_emitted_program(gi);
+	const uint32_t program = punctual  ? punctual
+				 : through ? gi->specular_rows->emitted_program
+					   : gi->solver.emitted_program;
 	if (through) {
 		gpu_set_uint(&gi->gpu, program, 1, !gi->def.pixel_lamps);
 		gpu_set_uint(&gi->gpu, program, 2, caustics);
@@ -149,8 +155,12 @@ static void gather_emitted(gi_context *gi)
 	if (caustics)
 		caustics_bind_light(gi);
 	gpu_set_uint(&gi->gpu, program, 0,
-		     through || gi->diffusion || (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
+		     through || gi->diffusion || program != gi->solver.emitted_by ||
+			 (gi->frame.update.w & (GI_UPDATE_MATERIAL | GI_UPDATE_REBUILD)) != 0);
 	gpu_dispatch(&gi->gpu, program, gi->scene.leaf_count);
+	gi->solver.emitted_by = program;
+	if (punctual)
+		bind_rows(gi);
 	if (gi->diffusion)
 		diffusion_emitted(gi);
 }
@@ -158,7 +168,7 @@ static void gather_emitted(gi_context *gi)
 static void solve(gi_context *gi, uint32_t stage, uint32_t sweeps)
 {
 	gi_solver *s = &gi->solver;
-	const bool cold = s->cold || !is_lit(&gi->scene);
+	const bool cold = s->cold || !is_lit(gi);
 	rows_progress(gi, GI_PASS_SOLVE);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_SOLVE]);
 	if (stage == STAGE_BEGIN)
@@ -180,7 +190,7 @@ void solver_update(gi_context *gi, bool anew, const gi_budget *budget)
 {
 	gi_solver *s = &gi->solver;
 	const bool timed = budget_times_solve(gi, budget);
-	const bool begin = anew || s->cold || !is_lit(&gi->scene);
+	const bool begin = anew || s->cold || !is_lit(gi);
 	bind_all(gi);
 	if (gi->diffusion)
 		diffusion_bind(gi);

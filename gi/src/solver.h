@@ -6,7 +6,9 @@
 #include "gpu.h"
 
 typedef struct gi_solver {
-	bool cold;        /* the next solve starts from B = E, whatever B is in the buffers */
+	bool cold; /* the next solve starts from B = E, whatever B is in the buffers */
+	/* The program whose sums of what is emitted are there: another one makes all of them anew */
+	uint32_t emitted_by;
 	bool unconverged; /* of the newest report: another frame of sweeps would come nearer */
 	SOLVER_BUFFERS(BUFFER_MEMBER)
 	uint32_t emitted_program, gather_program, double_program, weigh_program, pull_program, large_program,

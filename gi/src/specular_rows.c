@@ -60,7 +60,7 @@ void specular_rows_follow(gi_context *gi)
 	if (gi->frame.update.w & GI_UPDATE_PART)
 		gpu_dispatch_indirect(&gi->gpu, s->list_program, &gi->state, STATE_OFFSET(chosen));
 	else
-		gpu_dispatch(&gi->gpu, s->list_program, gi->scene.leaf_count);
+		gpu_dispatch(&gi->gpu, s->list_program, scene_row_count(&gi->scene));
 	gpu_set_uint(&gi->gpu, gi->rows.prepare_program, 0, AFTER_LISTING);
 	gpu_dispatch_groups(&gi->gpu, gi->rows.prepare_program, 1);
 	specular_bind(gi);

@@ -138,7 +138,8 @@ static bool take_points(splitter *s, const gi_refined *base)
 	uint32_t room = 256;
 	while (room < 4 * base->vertex_count)
 		room *= 2;
-	if (!group || !split_grow_table(s, room)) {
+	const bool sums = !s->stencils || gi_stencils_copy(&base->points, s->stencils);
+	if (!group || !sums || !split_grow_table(s, room)) {
 		gi_free(group);
 		return false;
 	}
@@ -155,7 +156,7 @@ static bool take_points(splitter *s, const gi_refined *base)
 		/* Points of the cage stay apart where the cage has them apart. */
 		s->points[k] = gi_vec3d_load(base->positions[k]);
 		s->component[k] = gi_group_of(group, k);
-		uint32_t *place = split_find_place(s, s->points[k], s->component[k]);
+		uint32_t *place = split_find_place(s, s->points[k], s->component[k], k);
 		s->point_count++;
 		if (*place == GI_NONE)
 			*place = k;
@@ -200,6 +201,8 @@ static void free_splitter(splitter *s)
 	gi_free(s->nodes);
 	gi_free(s->inside.lines);
 	gi_free(s->around.lines);
+	if (s->stencils)
+		gi_stencils_free(s->stencils);
 }
 
 static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *base, gi_refined *out)
@@ -211,7 +214,7 @@ static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *bas
 		sort_cuts(s->def, cage->face_count, offsets, order);
 		divide_all(s, base, offsets, order, cage->scale);
 		done = !s->full && split_export_levels(s, cage->face_materials, out) && split_export_parted(s, out) &&
-		       split_export_points(s, out);
+		       split_export_points(s, out) && (!s->stencils || split_export_stencils(s, out));
 	}
 	out->closed = base->closed;
 	gi_free(offsets);
@@ -233,7 +236,8 @@ bool gi_split(const gi_refine_cage *cage, const gi_split_def *def, gi_refined *o
 	const bool refined = numbers && gi_refine(&numbered, 0, &base, message, message_size);
 	bool done = refined, memory = !numbers || base.out_of_memory;
 	if (refined) {
-		splitter s = {.def = def};
+		gi_stencils stencils = {0};
+		splitter s = {.def = def, .stencils = cage->stencils ? &stencils : NULL};
 		done = split(&s, cage, &base, out);
 		memory = s.leaf_count < MOST_LEAVES;
 		if (!done)

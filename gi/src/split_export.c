@@ -85,3 +85,18 @@ bool split_export_points(const splitter *s, gi_refined *out)
 		split_round_point(s->points[k], out->positions[k]);
 	return true;
 }
+
+bool split_export_stencils(splitter *s, gi_refined *out)
+{
+	const uint32_t finest = out->level_count - 1;
+	out->faces = gi_malloc(sizeof *out->faces * ((size_t)out->levels[finest].face_count + 1));
+	if (!out->faces)
+		return false;
+	uint32_t count = 0;
+	for (uint32_t k = 0; k < s->node_count; k++)
+		if (is_on_level(&s->nodes[k], finest))
+			out->faces[count++] = s->nodes[k].face;
+	out->points = *s->stencils;
+	*s->stencils = (gi_stencils){0};
+	return true;
+}

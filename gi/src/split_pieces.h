@@ -52,7 +52,8 @@ typedef struct split_node {
 typedef struct splitter {
 	const gi_split_def *def;
 	gi_vec3d *points;
-	uint32_t *component; /* of each point: points of one place are one where faces are joined */
+	gi_stencils *stencils; /* of them; NULL: not wanted */
+	uint32_t *component;   /* of each point: points of one place are one where faces are joined */
 	uint32_t point_count, point_room;
 	uint32_t *table, table_room; /* hash of points */
 	split_node *nodes;
@@ -74,8 +75,9 @@ bool split_reserve(void **array, uint32_t count, uint32_t *room, size_t size);
 bool split_reserve_point(splitter *s);
 bool split_grow_table(splitter *s, uint32_t room);
 
-/* The place of a point in the table: where one of its place and component is, or a free one. */
-uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component);
+/* The place of a point in the table: where one of its place and component is, or a free one. Where there are stencils
+ * it is a sum of the same vertices as point `number` too: what lies in one place at rest need not stay there. */
+uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component, uint32_t number);
 
 /* (a (n - k) + b k) / n: the same from either end. */
 uint32_t split_point_between(splitter *s, uint32_t a, uint32_t b, double weight_a, double weight_b);
@@ -126,5 +128,7 @@ uint8_t split_parted_edges(const splitter *s, const polygon *p, span around);
 bool split_export_levels(const splitter *s, const uint32_t *materials, gi_refined *out);
 bool split_export_parted(const splitter *s, gi_refined *out);
 bool split_export_points(const splitter *s, gi_refined *out);
+/* The faces' numbers, and the stencils, which are the splitter's no more. */
+bool split_export_stencils(splitter *s, gi_refined *out);
 
 #endif

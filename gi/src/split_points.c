@@ -39,8 +39,12 @@ void split_round_point(gi_vec3d p, float out[3])
 	out[2] = (float)p.z;
 }
 
-/* The place of a point in the table: where one of its place and component is, or a free one. */
-uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component)
+static bool are_one(const splitter *s, uint32_t point, uint32_t number)
+{
+	return !s->stencils || gi_stencils_alike(s->stencils, point, number);
+}
+
+uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component, uint32_t number)
 {
 	float at[3], other[3];
 	split_round_point(p, at);
@@ -48,7 +52,8 @@ uint32_t *split_find_place(const splitter *s, gi_vec3d p, uint32_t component)
 	for (; s->table[k] != GI_NONE; k = (k + 1) & (s->table_room - 1)) {
 		const uint32_t point = s->table[k];
 		split_round_point(s->points[point], other);
-		if (s->component[point] == component && at[0] == other[0] && at[1] == other[1] && at[2] == other[2])
+		if (s->component[point] == component && at[0] == other[0] && at[1] == other[1] && at[2] == other[2] &&
+		    are_one(s, point, number))
 			break;
 	}
 	return &s->table[k];
@@ -64,7 +69,7 @@ bool split_grow_table(splitter *s, uint32_t room)
 	s->table = table;
 	s->table_room = room;
 	for (uint32_t k = 0; k < s->point_count; k++) {
-		uint32_t *place = split_find_place(s, s->points[k], s->component[k]);
+		uint32_t *place = split_find_place(s, s->points[k], s->component[k], k);
 		if (*place == GI_NONE)
 			*place = k;
 	}
@@ -79,15 +84,19 @@ bool split_reserve_point(splitter *s)
 	       (2 * s->point_count < s->table_room || split_grow_table(s, 2 * s->table_room));
 }
 
+/* Its stencil, where there are any, is there already. */
 static uint32_t add_point(splitter *s, gi_vec3d p, uint32_t component)
 {
-	if (s->full || !split_reserve_point(s)) {
+	if (!split_reserve_point(s)) {
 		s->full = true;
 		return 0;
 	}
-	uint32_t *place = split_find_place(s, p, component);
-	if (*place != GI_NONE)
+	uint32_t *place = split_find_place(s, p, component, s->point_count);
+	if (*place != GI_NONE) {
+		if (s->stencils)
+			gi_stencils_drop_last(s->stencils);
 		return *place;
+	}
 	s->points[s->point_count] = p;
 	s->component[s->point_count] = component;
 	return *place = s->point_count++;
@@ -96,6 +105,10 @@ static uint32_t add_point(splitter *s, gi_vec3d p, uint32_t component)
 /* (a (n - k) + b k) / n: the same from either end. */
 uint32_t split_point_between(splitter *s, uint32_t a, uint32_t b, double weight_a, double weight_b)
 {
+	if (s->full || (s->stencils && !gi_stencils_add_between(s->stencils, a, b, weight_a, weight_b))) {
+		s->full = true;
+		return 0;
+	}
 	const gi_vec3d sum =
 	    gi_vec3d_add(gi_vec3d_scale(s->points[a], weight_a), gi_vec3d_scale(s->points[b], weight_b));
 	return add_point(s, gi_vec3d_scale(sum, 1 / (weight_a + weight_b)), s->component[a]);

@@ -486,7 +486,14 @@ static void get_buffers(input *in)
 	gi_buffers buffers;
 	gi_object object = next_object(in);
 	gi_pose pose;
+	gi_object_range range;
+	gi_vertex_light light[3];
+	float points[9], normals[9];
+	next_floats(in, points, 9);
+	next_floats(in, normals, 9);
 	check(gi_get_buffers(gi, &buffers));
+	check(gi_get_object_range(gi, object, &range));
+	check(gi_map_vertices(gi, object, points, next_byte(in) & 1 ? normals : NULL, 3, light));
 	check(gi_get_pose(gi, object, &pose));
 	gi_object_is_valid(gi, object);
 }

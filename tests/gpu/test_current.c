@@ -110,11 +110,15 @@ static void expect_values_taken(home *h)
 	engine_mesh mesh;
 	gi_pose pose;
 	gi_buffers buffers;
+	gi_object_range range;
+	gi_vertex_light light;
 	heard.count = 0;
 	assert_gi(gi_set_pose(h->gi, h->floor, (gi_pose){{0, .25f, 0}, {0, 0, 0, 1}}));
 	assert_gi(gi_get_pose(h->gi, h->floor, &pose));
 	assert_gi(gi_set_pose(h->gi, h->floor, gi_pose_identity()));
 	assert_gi(gi_get_buffers(h->gi, &buffers));
+	assert_gi(gi_get_object_range(h->gi, h->floor, &range));
+	assert_gi(gi_map_vertices(h->gi, h->floor, (float[]){0, 0, 0}, NULL, 1, &light));
 	assert_true(shape_quad((float[]){0, 0, 0}, (float[]){0, 0, 1}, (float[]){1, 0, 0}, 1, 1, &mesh));
 	assert_gi(gi_destroy_object(h->gi, harness_add(h->gi, &(harness_object){.name = "more"}, &mesh)));
 	gi_invalidate(h->gi);

@@ -163,6 +163,17 @@ static gi_object add(gi_context *gi, const char *name, float y, bool up, float e
 			   &mesh);
 }
 
+static void add_receiver(gi_context *gi)
+{
+	static const float position[3] = {.2f, .5f, .1f}, normal[3] = {0, 1, 0};
+	gi_receivers_def def = gi_receivers_def_default();
+	gi_receivers receivers;
+	def.positions = position;
+	def.normals = normal;
+	def.count = 1;
+	assert_gi(gi_create_receivers(gi, &def, &receivers));
+}
+
 static void draw(gi_context *gi, gi_overlay overlay)
 {
 	gi_view view = gi_view_default();
@@ -181,7 +192,11 @@ static void do_everything(gi_context *gi)
 	add(gi, "lamp", 2, false, 20);
 	const gi_object more = add(gi, "another lamp", 1.5f, false, 30);
 	assert_gi(gi_set_specular(gi, more, 0, (gi_specular){.transmittance = {.5f, .5f, .5f}, .index = 1.5f}));
+	add_receiver(gi);
 	assert_gi(gi_commit(gi));
+	const gi_light_def def = gi_light_def_default();
+	gi_light light;
+	assert_gi(gi_create_light(gi, &def, &light));
 	harness_update(gi);
 	assert_gi(gi_set_pose(gi, more, (gi_pose){{.5f, .25f, 0}, {0, 0, 0, 1}}));
 	assert_gi(gi_update(gi, &(gi_budget){.rays = 100}));

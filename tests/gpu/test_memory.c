@@ -218,6 +218,35 @@ static gi_result try_create_drawn(loaded *l)
 	return create(l, &def);
 }
 
+/* A shape that changes: by joints, refined as a whole or split. */
+static gi_object_def skin_def(void)
+{
+	static const uint32_t joints[16];
+	static const float weights[16] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+	gi_object_def def = square_def();
+	def.deforms = true;
+	def.joints = joints;
+	def.joint_weights = weights;
+	def.joint_count = 1;
+	def.double_sided = true;
+	return def;
+}
+
+static gi_result try_create_skin(loaded *l)
+{
+	gi_object_def def = skin_def();
+	def.scheme = GI_SCHEME_CATMULL_CLARK;
+	def.levels = 1;
+	return create(l, &def);
+}
+
+static gi_result try_create_skin_by_size(loaded *l)
+{
+	gi_object_def def = skin_def();
+	def.leaf_size = .4f;
+	return create(l, &def);
+}
+
 /* With an allocator that is not the context's, which then has blocks of both. */
 static gi_result try_prepare(loaded *l)
 {
@@ -404,6 +433,8 @@ static void objects(void **state)
 	in_every_way(&(trial){"gi_create_object", .try = try_create});
 	in_every_way(&(trial){"gi_create_object by a leaf size", .try = try_create_by_size});
 	in_every_way(&(trial){"gi_create_object with a drawn mesh", .try = try_create_drawn});
+	in_every_way(&(trial){"gi_create_object that deforms", .try = try_create_skin});
+	in_every_way(&(trial){"gi_create_object that deforms, by a leaf size", .try = try_create_skin_by_size});
 	in_every_way(&(trial){"gi_prepare_object", .try = try_prepare});
 	in_every_way(&(trial){"gi_choose_leaves", .try = try_choose});
 }
@@ -552,11 +583,19 @@ static void contexts(void **state)
 }
 
 /* A mover goes back and forth: what it takes is there after the first time. */
-static void check_steady_frames(bool mirror)
+static void check_steady_frames(bool mirror, bool skin)
 {
 	loaded l = load(false);
+	gi_object sheet = {0};
 	if (mirror)
 		put_up_a_mirror(&l);
+	if (skin) {
+		gi_object_def def = skin_def();
+		def.scheme = GI_SCHEME_CATMULL_CLARK;
+		def.levels = 1;
+		assert_gi(gi_create_object(l.gi, &def, &sheet));
+		assert_gi(gi_commit(l.gi));
+	}
 	const faults_memory scene = faults_memory_now();
 	assert_true(scene.blocks > 0 && scene.bytes > 0);
 	faults_memory warm = scene;
@@ -565,6 +604,8 @@ static void check_steady_frames(bool mirror)
 			warm = faults_memory_now();
 		const gi_pose pose = {{frame % 2 ? .125f : 0, .5f, 0}, {0, 0, 0, 1}};
 		assert_gi(gi_set_pose(l.gi, l.ball, pose));
+		if (skin)
+			assert_gi(gi_set_scale(l.gi, sheet, (float[]){1, frame % 2 ? 1.1f : 1, 1}));
 		assert_gi(gi_update(l.gi, frame % 4 < 2 ? NULL : &(gi_budget){.rays = 100}));
 		assert_gi(draw(&l, GI_OVERLAY_NONE));
 		gi_report report;
@@ -581,8 +622,9 @@ static void check_steady_frames(bool mirror)
 static void a_steady_frame_allocates_nothing(void **state)
 {
 	(void)state;
-	check_steady_frames(false);
-	check_steady_frames(true);
+	check_steady_frames(false, false);
+	check_steady_frames(true, false);
+	check_steady_frames(false, true);
 }
 
 static void an_allocator_is_whole(void **state)

@@ -727,6 +727,7 @@ bool reference_trace_with(const reference_scene *scene, const reference_options 
 	bool ok = result_init(out, scene->leaf_count, options->paths_per_leaf) && build_triangles(&t, scene) &&
 		  build_lights(&t) && build_embree(&t, scene);
 	if (ok) {
+		atomic_store(&t.next_leaf, options->first_leaf);
 		run_workers(&t);
 		out->segments = atomic_load(&t.segments);
 	} else {

@@ -28,6 +28,7 @@ typedef struct reference_options {
 	uint64_t seed;           /* another seed gives an independent result */
 	uint32_t thread_count;   /* 0: one per processor. Never changes a bit of the result */
 	uint32_t max_bounces;    /* reflections followed; 0: no limit. A limit leaves the light of longer paths out */
+	uint32_t first_leaf;     /* what falls on leaves before it is not asked, and left 0 */
 } reference_options;
 
 /* Two independent unbiased estimates ("halves") of the area mean of irradiance over each leaf, W/m2. Their mean is the

@@ -17,7 +17,8 @@ static void draw_cage(const test_cage *t, uint32_t levels, uint32_t extra, drawn
 	refine_cage(t, levels, &out->coarse);
 	refine_cage(t, levels + extra, &out->fine);
 	assert_true(gi_hierarchy_build(&out->coarse, &out->h, NULL, 0));
-	assert_true(gi_drawn_from_cage(&out->h, &out->coarse, extra > 0 ? &out->fine : NULL, extra, &out->drawn));
+	assert_true(gi_drawn_from_cage(&out->h, &out->coarse, extra > 0 ? &out->fine : NULL, extra,
+				       GI_LIGHT_EDGE_COSINE, &out->drawn));
 }
 
 static void free_drawn(drawn_cage *s)
@@ -253,7 +254,7 @@ static void light_has_no_step_where_leaves_hang(void **state)
 	assert_true(gi_split(&t.cage, &(gi_split_def){.leaf_size = .9f, .cuts = cuts, .cut_count = 3}, &s.coarse,
 			     message, sizeof message));
 	assert_true(gi_hierarchy_build(&s.coarse, &s.h, NULL, 0));
-	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, NULL, 0, &s.drawn));
+	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, NULL, 0, GI_LIGHT_EDGE_COSINE, &s.drawn));
 	check_drawn(&s.h, &s.drawn);
 	double *light = calloc(s.h.leaf_count, sizeof *light);
 	assert_non_null(light);
@@ -334,7 +335,7 @@ static void finer_levels_must_be_of_the_same_cage(void **state)
 	refine_cage(&t, 1, &coarse);
 	refine_cage(&other, 2, &fine);
 	assert_true(gi_hierarchy_build(&coarse, &h, NULL, 0));
-	assert_false(gi_drawn_from_cage(&h, &coarse, &fine, 1, &drawn));
+	assert_false(gi_drawn_from_cage(&h, &coarse, &fine, 1, GI_LIGHT_EDGE_COSINE, &drawn));
 	assert_null(drawn.vertices);
 	gi_hierarchy_free(&h);
 	gi_refined_free(&coarse);
@@ -387,7 +388,8 @@ static void a_detailed_ball_takes_the_light_of_its_cage(void **state)
 	cage_cube(&t, GI_REFINE_CATMULL_CLARK);
 	build_cage(&t, 2, &h);
 	make_ball(&b, 5, 0.01f);
-	assert_true(gi_drawn_from_mesh(&h, b.positions, b.vertex_count, b.indices, b.index_count, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, b.positions, b.vertex_count, b.indices, b.index_count,
+				       GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	check_drawn(&h, &drawn);
 	assert_int_equal(drawn.vertex_count, b.vertex_count);
 	assert_int_equal(drawn.index_count, b.index_count);
@@ -417,7 +419,8 @@ static void light_varies_smoothly_over_a_detailed_mesh(void **state)
 	cage_cube(&t, GI_REFINE_CATMULL_CLARK);
 	build_cage(&t, 2, &h);
 	make_ball(&b, 6, 0.0f);
-	assert_true(gi_drawn_from_mesh(&h, b.positions, b.vertex_count, b.indices, b.index_count, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, b.positions, b.vertex_count, b.indices, b.index_count,
+				       GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	double *light = light_of_leaves(&h, 1.0, 0.0, 0.0);
 	for (uint32_t i = 0; i < drawn.index_count; i++) {
 		const uint32_t a = drawn.indices[i], c = drawn.indices[i % 3 == 2 ? i - 2 : i + 1];
@@ -446,11 +449,11 @@ static void both_sides_of_a_thin_slab_keep_their_own_light(void **state)
 	const float positions[12] = {-0.5f, -0.5f, 0.011f, -0.5f, 0.5f,  0.011f,
 				     0.5f,  0.5f,  0.011f, 0.5f,  -0.5f, 0.011f};
 	const uint32_t down[6] = {0, 1, 2, 0, 2, 3}, up[6] = {0, 2, 1, 0, 3, 2};
-	assert_true(gi_drawn_from_mesh(&h, positions, 4, down, 6, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, positions, 4, down, 6, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	for (uint32_t i = 0; i < 4; i++)
 		assert_true(h.geometry[h.leaf_node[drawn.vertices[i].leaf]].axis.z < -0.9f);
 	gi_drawn_free(&drawn);
-	assert_true(gi_drawn_from_mesh(&h, positions, 4, up, 6, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, positions, 4, up, 6, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	for (uint32_t i = 0; i < 4; i++)
 		assert_true(h.geometry[h.leaf_node[drawn.vertices[i].leaf]].axis.z > 0.9f);
 	gi_drawn_free(&drawn);
@@ -467,7 +470,7 @@ static void a_vertex_that_nothing_faces_takes_the_closest(void **state)
 	build_cage(&t, 0, &h);
 	const float positions[12] = {1.2f, 1.2f, 0.1f, 1.2f, 1.4f, 0.1f, 1.4f, 1.2f, 0.1f, 9.0f, 9.0f, 9.0f};
 	const uint32_t down[3] = {0, 1, 2};
-	assert_true(gi_drawn_from_mesh(&h, positions, 4, down, 3, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, positions, 4, down, 3, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	check_drawn(&h, &drawn);
 	const uint32_t node = h.leaf_node[drawn.vertices[0].leaf];
 	assert_true(drawn.vertices[0].normal[2] < -0.9f);
@@ -488,14 +491,14 @@ static void broken_meshes_are_refused(void **state)
 	build_cage(&t, 0, &h);
 	float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 	uint32_t indices[3] = {0, 1, 3};
-	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 3, &drawn));
+	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 3, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	assert_null(drawn.vertices);
 	indices[2] = 2;
 	positions[4] = NAN;
-	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 3, &drawn));
+	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 3, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	positions[4] = 0.0f;
-	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 2, &drawn));
-	assert_true(gi_drawn_from_mesh(&h, positions, 3, indices, 3, &drawn));
+	assert_false(gi_drawn_from_mesh(&h, positions, 3, indices, 2, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
+	assert_true(gi_drawn_from_mesh(&h, positions, 3, indices, 3, GI_LIGHT_CAGE_EDGE_COSINE, &drawn));
 	gi_drawn_free(&drawn);
 	gi_drawn_free(&drawn);
 	gi_drawn_free(NULL);

@@ -225,13 +225,15 @@ typedef struct gi_context_def {
 
 GI_API gi_context_def gi_context_def_default(void);
 
-/* Hands the shaders of every frame to the driver and does not wait for them: drivers that compile on threads of their
+/* Hands the shaders of every scene to the driver and does not wait for them: drivers that compile on threads of their
  * own do so while the host loads its scene, and the first gi_commit waits for what is left. Shaders that are not there
  * (shader_directory) fail here with GI_ERROR_SHADER, those that do not compile fail in gi_commit. On failure *out is
  * NULL.
  *
- * The rest is compiled when first wanted: by the first gi_update with a budget or with estimate_leaves, by gi_draw
- * for each kind of picture (mode, overlay, number of lamps) and by gi_trace_paths. A driver may also put off its
+ * The rest is compiled when first wanted: what updates take where something moves, once an object is created that is
+ * not GI_MOBILITY_STATIC; what static objects take, and commits that keep rows, by the first such gi_commit; by the
+ * first gi_update with a budget or with estimate_leaves, by gi_draw for each kind of picture (mode, overlay, number of
+ * lamps) and by gi_trace_paths. A driver may also put off its
  * part to the first use, as Mesa's llvmpipe does. Who wants no hitch later calls each once behind the loading
  * screen. Drivers keep what they compiled, so that the second start is fast (Mesa: ~/.cache/mesa_shader_cache). */
 GI_API gi_result gi_context_create(const gi_context_def *def, gi_context **out);
@@ -327,7 +329,7 @@ typedef struct gi_subsurface {
 	float index;         /* of refraction, over that outside; 1..2.5, marble 1.5, milk and skin 1.3 */
 } gi_subsurface;
 
-/* World from object: rotate, then translate. A scale belongs to gi_object_def. */
+/* World from object: rotate, then translate. A scale belongs to gi_object_def, or gi_set_scale. */
 typedef struct gi_pose {
 	float position[3]; /* metres, each within 1e9 of 0 */
 	float rotation[4]; /* quaternion x y z w; normalised by the library, must not be zero */
@@ -428,6 +430,21 @@ typedef struct gi_object_def {
 	const uint32_t *draw_indices; /* draw_index_count, three a triangle */
 	uint32_t draw_index_count;
 
+	/* Neighbouring leaves share light at their common corners where their normals differ by less than this,
+	 * degrees; 0..180, default 0: 40, or 70 with a detailed mesh, whose cage has edges that it has not */
+	float light_edge;
+	/* For hosts that draw it themselves (gi_map_vertices): gi_draw leaves it out, and nothing is built or kept for
+	 * that. It gives, takes and blocks light like any other. Default false */
+	bool undrawn;
+	/* Its shape may change: gi_set_positions, gi_set_joints, gi_set_scale ("moving skin" below). It is movable
+	 * whatever mobility says, GI_MOBILITY_STATIC is an error; no subsurface. Default false */
+	bool deforms;
+	/* Four joints of each vertex of the cage, and likewise of the mesh that is drawn, for gi_set_joints: 4 *
+	 * vertex_count numbers below joint_count and their weights, >= 0 and of any sum, by which they are divided. A
+	 * vertex whose weights are all 0 follows no joint. NULL, the default: none does */
+	const uint32_t *joints, *draw_joints;
+	const float *joint_weights, *draw_joint_weights;
+	uint32_t joint_count;
 	/* Each leaf is a material of its own, at first that of its face: material m of gi_set_material and the like is
 	 * then leaf m, and gi_set_leaf_materials sets many. What a texture, or a colour of vertices, gives each leaf
 	 * in the mean. Takes some 100 bytes a leaf; default false. */
@@ -541,6 +558,36 @@ GI_API gi_result gi_get_leaf_uvs(const gi_context *gi, gi_object object, gi_leaf
 GI_API gi_result gi_set_leaf_materials(gi_context *gi, gi_object object, uint32_t first, uint32_t count,
 				       const gi_material *values);
 
+/* ---- moving skin ------------------------------------------------------------------------------------------------- */
+
+/* Shapes of an object that was created with gi_object_def.deforms: a figure that walks, a flag, what grows. Values,
+ * free to change every frame, that take effect in the next gi_update:
+ *
+ *     world = pose (scale (joints (positions)))
+ *
+ * Which leaves there are, how they hang together, how fine they are drawn and cut as emitters, and which of surfaces in
+ * one place is seen (Rules) stays what the definition's positions made it: they should be those of a pose in which
+ * nothing is squeezed, a figure's bind pose. All else is a function of the shape, by OpenSubdiv's masks on the cage:
+ * rows are those of a context in which an object of that definition had this shape from the first, bit for bit. It
+ * costs what a move costs, and all pairs of leaves of the object anew; rays meet it leaf by leaf, however flat it is.
+ * Turned inside out it is lit on the side its normals point to then.
+ *
+ * GI_ERROR_INVALID_GEOMETRY, with the shape as it was: a number that is not finite, a vertex farther than 1e9 m from
+ * the object's origin, a leaf of less than 1e-24 m2 (the line names its face). GI_ERROR_INVALID_ARGUMENT: the object
+ * was created without deforms. */
+
+/* Of the cage: 3 * vertex_count of the definition. */
+GI_API gi_result gi_set_positions(gi_context *gi, gi_object object, const float *positions);
+/* Of the mesh that is drawn in the cage's place: 3 * draw_vertex_count. It does not follow the cage by itself; where
+ * both have joints those move both. */
+GI_API gi_result gi_set_draw_positions(gi_context *gi, gi_object object, const float *positions);
+/* Linear blend skinning: each vertex goes to the mean of where its joints take it, by weight. matrices: count (that of
+ * the definition) times 16, column-major, object space from that of the positions: of glTF the inverse of the mesh's
+ * place times the joint's place times its inverse bind matrix. All are the identity until they are set. */
+GI_API gi_result gi_set_joints(gi_context *gi, gi_object object, const float *matrices, uint32_t count);
+/* Instead of gi_object_def.scale, each > 0 and as different as wanted. */
+GI_API gi_result gi_set_scale(gi_context *gi, gi_object object, const float scale[3]);
+
 /* What is hidden gives, takes and blocks no light and is not drawn; its leaves are there and black. Like a move it
  * takes no gi_commit and effect in the next gi_update, and costs like one. Default: not hidden. (A gi_sky that is
  * chosen automatically does not look at it: a room encloses the others while it is hidden too.) */
@@ -563,6 +610,76 @@ GI_API gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobi
  * work, where a buffer would be larger than the renderer binds; GI_ERROR_SHADER, every time, when a shader does not
  * compile. */
 GI_API gi_result gi_commit(gi_context *gi);
+
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* Lights without a surface: a point that shines all round or into a cone, and a sun. They light leaves by rays that are
+ * remembered: 16 of each leaf and light, from points spread over the leaf, so that edges of sunlight are where they
+ * should be. Rays are traced again for leaves that something moved before, or that moved, and for all of them where the
+ * light moved; a light at rest costs nothing, and a new colour a solve, no rays. All of that is done by the next
+ * gi_update, whatever its budget: at most 16 rays a leaf and light (gi_report.light_rays).
+ *
+ * What they light reflects it as ever: B, rows, bounds and gi_trace_paths have their light. Mirrors and glass are
+ * opaque to them: they hide what is behind, and no light of these lights goes on by way of them, but it does once
+ * it was reflected by something else. Below surfaces (gi_subsurface) it is scattered as other light. */
+typedef struct gi_light {
+	uint32_t index1; /* by value; zero is no light. Stale ones and those of other contexts are detected */
+	uint32_t generation;
+	uint32_t context;
+} gi_light;
+
+typedef enum gi_light_type {
+	GI_LIGHT_POINT,       /* E = I cos / d^2 */
+	GI_LIGHT_SPOT,        /* the same within a cone */
+	GI_LIGHT_DIRECTIONAL, /* a sun, at no place: E = E_sun cos */
+} gi_light_type;
+
+/* Who adds the direct light of a light to pictures. Its reflections are in them in any case. */
+typedef enum gi_light_shown {
+	/* gi_draw, pixel by pixel with shadow maps (default); GI_MOST_PIXEL_LIGHTS of them, further ones by leaves */
+	GI_LIGHT_BY_PIXELS,
+	GI_LIGHT_BY_LEAVES, /* the leaves: as coarse as they are, at no cost a pixel */
+	GI_LIGHT_BY_HOST,   /* the host: neither gi_draw nor the indirect light of gi_get_buffers has it */
+} gi_light_shown;
+
+/* Most lights at a time, switched off ones too; and most that gi_draw shows pixel by pixel. */
+#define GI_MOST_LIGHTS 256
+#define GI_MOST_PIXEL_LIGHTS 16
+
+/* Falloffs are those of glTF's KHR_lights_punctual. */
+typedef struct gi_light_def {
+	gi_light_type type; /* default GI_LIGHT_POINT */
+	/* Linear RGB, each 0..1e12. Point and spot: radiant intensity, W/sr: what a lamp of P watts all round has is
+	 * P / (4 pi); directional: irradiance of a surface that faces it, W/m2. default 1 1 1 */
+	float intensity[3];
+	float position[3];  /* metres, world, each within 1e9 of 0; not of a directional one; default 0 0 0 */
+	float direction[3]; /* world, in which it shines; spot and directional; any length but 0; default 0 0 -1 */
+	/* Spot: radians from the axis to where light begins to fall off, and to where there is none:
+	 * clamp((cos - cos outer) / (cos inner - cos outer))^2. 0 <= inner < outer <= pi/2; default 0 and pi/4 */
+	float inner_angle, outer_angle;
+	/* Point and spot: > 0: what lights is multiplied by max(0, 1 - (d / range)^4), nothing from d = range on,
+	 * metres; 0, the default: 1 / d^2 alone */
+	float range;
+	/* Point and spot: shadows are as soft as those of a ball of this radius, metres; what arrives is that of a
+	 * point all the same. Nothing should be nearer than that, or it hides a part. >= 0, default 0 */
+	float radius;
+	/* Directional: radius of its disc in the sky, radians; the sun's is 0.00465. [0, 0.5], default 0 */
+	float angular_radius;
+	gi_light_shown shown; /* default GI_LIGHT_BY_PIXELS */
+	bool enabled;         /* default true; off and on again costs rays only where something moved meanwhile */
+	uint32_t internal;
+} gi_light_def;
+
+GI_API gi_light_def gi_light_def_default(void);
+
+/* They take effect in the next gi_update; no gi_commit is needed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT
+ * where a value is out of its range, or there are GI_MOST_LIGHTS. */
+GI_API gi_result gi_create_light(gi_context *gi, const gi_light_def *def, gi_light *out);
+/* All values, as often as wanted: `def` from gi_get_light or gi_light_def_default. */
+GI_API gi_result gi_set_light(gi_context *gi, gi_light light, const gi_light_def *def);
+GI_API gi_result gi_get_light(const gi_context *gi, gi_light light, gi_light_def *out);
+GI_API gi_result gi_destroy_light(gi_context *gi, gi_light light);
+GI_API bool gi_light_is_valid(const gi_context *gi, gi_light light);
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
@@ -635,8 +752,10 @@ typedef enum gi_pass {
 	GI_PASS_TRACE,    /* visibility rays */
 	GI_PASS_CLOSE,    /* row sums */
 	GI_PASS_CAUSTICS, /* photons through mirrors and glass */
+	GI_PASS_LIGHTS,   /* rays to lights without a surface */
 	GI_PASS_SOLVE,    /* sweeps */
 	GI_PASS_LIGHT,    /* indirect irradiance of what is drawn */
+	GI_PASS_RECEIVE,  /* light of receivers */
 	GI_PASS_ESTIMATE, /* how far off the rows are (def.estimate_leaves) */
 	GI_PASS_SHADOW,   /* shadow maps (gi_draw) */
 	GI_PASS_DRAW,     /* the picture (gi_draw) */
@@ -651,7 +770,7 @@ typedef struct gi_report {
 	gi_outcome outcome;
 
 	uint32_t objects, leaves, nodes; /* nodes: leaves and their ancestors */
-	uint64_t entries;                /* in all rows, hidden ones too */
+	uint64_t entries;                /* in all rows, receivers' too, hidden ones too */
 	uint64_t links;                  /* entries the solve reads: not hidden, not black */
 	uint64_t new_entries;            /* cut anew this frame */
 	uint64_t flagged_entries;        /* at rest, but retested since a mover may have changed them */
@@ -660,6 +779,7 @@ typedef struct gi_report {
 	/* Rows of which something that is seen is other than it was: summed and closed again */
 	uint64_t closed_rows;
 	uint64_t rays;
+	uint64_t light_rays; /* of those, to lights without a surface (gi_light) */
 
 	uint64_t waiting_rows; /* under a budget: not refreshed although something of them may have changed */
 	/* Their entries that may have; of rows not assessed, how many of theirs bring light */
@@ -777,16 +897,199 @@ GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
  * direction: any length but 0. On the CPU, some 10 ns a leaf of the objects whose ball the ray meets. */
 GI_API gi_result gi_pick_leaf(gi_context *gi, const float origin[3], const float direction[3], uint32_t *leaf);
 
-/* For hosts that shade for themselves: OpenGL buffer names, valid until the next gi_commit, or gi_update that
- * commits by itself (gi_mobility); GI_ERROR_NOT_COMMITTED before the first. All std430. */
+/* ---- light for a host's own meshes and shaders ------------------------------------------------------------------- */
+
+/* A host that draws its own meshes takes the light of the leaves from buffers, in its own shaders:
+ *
+ *     once a mesh:       gi_map_vertices(gi, object, ...) and its result into a vertex buffer or buffer texture
+ *     after an update:   gi_get_buffers(); where `layout` is another than before, gi_get_object_range() of each
+ *     in the shader:     gi_light_at_vertex(first_light, light, weight) of gi_light.glsl gives H; radiance is
+ *                        (rho H + E) / pi
+ *
+ * Where the host has no area lamps of its own, gi_context_def.pixel_lamps is to be 0: then H has all light, else all
+ * but that of the lamps that gi_draw lights per pixel. Of lights without a surface gi_light_def.shown says the same.
+ * gi_object_def.undrawn spares what only gi_draw takes. */
+
+/* Where a vertex has its light from: corners that leaves share (light vertices), counted from the first one of its
+ * object. 32 bytes: as vertex attributes an integer and a float one of four, as a buffer texture two texels of
+ * GL_RGBA32UI. */
+typedef struct gi_vertex_light {
+	uint32_t light[4];
+	float weight[4]; /* >= 0, sum 1 */
+} gi_vertex_light;
+
+/* Finds for each of `count` points of a host's mesh the closest point of the object's leaves, of those whose normal is
+ * within 90 degrees of the point's own while there is one near, and what the light vertices round it count there. The
+ * mesh may be as fine as wanted, and stand off its cage. positions: 3 * count, metres, in the space of
+ * gi_object_def.positions, scale not applied. normals: 3 * count, of any length, or NULL: none. out: count.
+ *
+ * What comes out holds for as long as the object lives, over commits, moves and updates; an object that was destroyed
+ * and created again is to be mapped again. CPU work, no OpenGL: 100,000 points take about a second, the same points
+ * give the same bits. GI_ERROR_INVALID_ARGUMENT where a number is not finite. On failure out is undefined. */
+GI_API gi_result gi_map_vertices(const gi_context *gi, gi_object object, const float *positions, const float *normals,
+				 uint32_t count, gi_vertex_light *out);
+/* The same of an object that was prepared, on any thread. Messages go to `message` with `user`; NULL: to stderr. */
+GI_API gi_result gi_map_prepared_vertices(const gi_prepared_object *prepared, const float *positions,
+					  const float *normals, uint32_t count, gi_vertex_light *out,
+					  gi_message_fn *message, void *user);
+
+/* OpenGL names of what updates write, an element a vec4. They may be read at any time in the context that updates are
+ * issued in, and are to be written by the library alone. No barrier is needed before they are read as storage blocks,
+ * buffer textures, uniform blocks, by copies or glGetBufferSubData; as vertex attributes glMemoryBarrier(
+ * GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT), into pixels GL_PIXEL_BUFFER_BARRIER_BIT after gi_update. In another context
+ * that shares objects: after a fence, and bound again there.
+ *
+ * The textures are the same bytes as GL_TEXTURE_BUFFER of GL_RGBA32UI, for usamplerBuffer and uintBitsToFloat
+ * (gi_light.glsl): software renderers read them several times faster than storage blocks. */
 typedef struct gi_buffers {
-	uint32_t leaf_radiosity; /* vec4 per leaf: B rgb, W/m2, w 0; what follows is the solver's */
-	/* vec4 per leaf: irradiance from everything but what gi_draw lights per pixel, W/m2 */
+	uint32_t leaf_radiosity; /* per leaf: B rgb, W/m2, w 0; what follows leaf_count elements is the solver's */
+	/* per leaf: irradiance H from everything but what gi_draw lights per pixel (pixel_lamps), rgb, W/m2 */
 	uint32_t leaf_indirect;
-	uint32_t light_indirect; /* vec4 per light vertex: the same, interpolated to the corners of the leaves */
+	uint32_t light_indirect; /* per light vertex: the same, interpolated to the corners of the leaves */
+	uint32_t leaf_radiosity_texture, leaf_indirect_texture, light_indirect_texture;
+	uint32_t leaf_count, light_count; /* elements */
+	/* Another number than before: there was a gi_commit, or a gi_update that committed by itself (gi_mobility).
+	 * Names, counts and the ranges of all objects are to be asked for again; those of before are gone. */
+	uint32_t layout;
 } gi_buffers;
 
+/* Costs nothing: may be called every frame. GI_ERROR_NOT_COMMITTED before the first gi_commit. */
 GI_API gi_result gi_get_buffers(gi_context *gi, gi_buffers *out);
+
+/* Where an object's elements stand in those buffers: what gi_map_vertices counts from first_light on, and leaves in the
+ * order of gi_read_leaves. They stay until gi_buffers.layout changes. */
+typedef struct gi_object_range {
+	uint32_t first_leaf, leaf_count;
+	uint32_t first_light, light_count;
+} gi_object_range;
+
+/* GI_ERROR_NOT_COMMITTED for an object that no gi_commit has taken in yet. */
+GI_API gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_object_range *out);
+
+/* Text of a file of GLSL for hosts' shaders, NULL: there is none of that name. They are installed too, in
+ * share/gi/glsl (CMake: gi_GLSL_DIR, pkg-config: glsldir). "gi_light.glsl": the light of leaves and light vertices. */
+GI_API const char *gi_glsl(const char *name);
+
+/* ---- receivers --------------------------------------------------------------------------------------------------- */
+
+/* Points that light falls on and that give none: vertices or lightmap texels of the host's own meshes, probes for
+ * characters, particles and fog. Each has a row as a leaf has one, follows what moves as leaves do, and is no part of
+ * the solve: with receivers and without, leaves have the same light to the bit. Their light is in a GPU buffer, which
+ * every gi_update brings up to date.
+ *
+ *     gi_receivers_def def = gi_receivers_def_default();
+ *     def.positions = ...; def.normals = ...; def.count = ...;
+ *     gi_create_receivers(gi, &def, &texels);  gi_commit(gi);
+ *     every frame:  gi_update(gi, NULL);  gi_get_receiver_buffer(gi, texels, &light);  the host's shaders read it
+ */
+typedef struct gi_receivers {
+	uint32_t index1; /* zero is none */
+	uint32_t generation;
+	uint32_t context;
+} gi_receivers;
+
+typedef struct gi_receivers_def {
+	/* 3 * count, metres, each within 1e9 of 0. With an object: in its space, times its scale; else of `pose` */
+	const float *positions;
+	/* 3 * count, of any length but 0, which light falls on the side of; NULL: none, and then harmonics are needed */
+	const float *normals;
+	uint32_t count; /* from 1 */
+	/* 0, the default: irradiance along the normal. 1 or 2: spherical harmonics of the irradiance along all normals,
+	 * up to that band, 4 or 9 coefficients a colour: where there is no normal, or a normal map follows. A receiver
+	 * is then a point that sees all round. Band 1 alone is up to 35 % off along a normal, band 2 up to 8 % */
+	uint32_t harmonics;
+	/* Side of the square across the normal that light is taken the mean over, a lightmap's texel, metres; default
+	 * 0: about a point, a 4096th of its coordinates wide. Nothing to harmonics */
+	float size;
+	/* How far points are moved along their normals before anything else, metres, at most 1e9; default 0. A point in
+	 * the plane of a surface, within about 1e-6 of its coordinates, receives what falls on either side of that,
+	 * by its normal. One that is deeper sees the surface's inside, which is black, or nothing: vertices of a mesh
+	 * finer than its cage need an offset of as much as the two are apart, texels of walls none. */
+	float offset;
+	gi_object object; /* that they are fixed to; default zero: none. Where it is destroyed they stay */
+	gi_pose pose;     /* of those of no object; default none */
+	uint32_t internal;
+} gi_receivers_def;
+
+GI_API gi_receivers_def gi_receivers_def_default(void);
+
+/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too; under
+ * a budget those that came are dark until their rows were refreshed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
+GI_API gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out);
+
+/* The next gi_commit gives their place away; until then the buffer is as it is. */
+GI_API gi_result gi_destroy_receivers(gi_context *gi, gi_receivers receivers);
+GI_API bool gi_receivers_are_valid(const gi_context *gi, gi_receivers receivers);
+
+/* Free to change every frame; in the next gi_update all of their rows are made anew, and nothing else. */
+GI_API gi_result gi_set_receivers_pose(gi_context *gi, gi_receivers receivers, gi_pose pose);
+/* As many points as the definition has; NULL: those that are there. */
+GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const float *positions, const float *normals);
+
+/* Where the light of a set is: vec4 [first, first + stride * count) of an OpenGL buffer, std430, point after point. The
+ * name and the range are valid until the first gi_update after the next gi_commit, of after one that commits by itself
+ * (gi_mobility); gi_get_report().frame tells nothing new of them. GI_ERROR_NOT_COMMITTED before the first gi_update
+ * after the gi_commit that took the set in.
+ *
+ *   stride 1: irradiance rgb, W/m2; w the share of what the point sees that light can come from: 0 within a solid
+ *   stride 4, 9: c_lm rgb in the order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2); w of the first as
+ *       above. E(n) = sum of c_lm Y_lm(n), W/m2, Y_lm real and normalised: 0.282095, 0.488603 (y z x), 1.092548 (xy yz),
+ *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
+ *       Representation for Irradiance Environment Maps, 2001). World axes.
+ *
+ * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for
+ * lights that the host draws itself (GI_LIGHT_BY_HOST). The library writes the buffer by a compute shader
+ * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
+ * otherwise glMemoryBarrier with the bit for that. It must not write it. */
+typedef struct gi_receiver_buffer {
+	uint32_t buffer;
+	uint32_t first, count, stride;
+} gi_receiver_buffer;
+
+GI_API gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, gi_receiver_buffer *out);
+
+/* Copies up to `capacity` vec4 of it: for tests; waits for the GPU. *count: how many there are, 0 on error. light may be
+ * NULL to ask for the count. */
+GI_API gi_result gi_read_receivers(gi_context *gi, gi_receivers receivers, float *light, uint32_t capacity,
+				   uint32_t *count);
+
+/* ---- probes ------------------------------------------------------------------------------------------------------ */
+
+/* A grid of receivers that see all round, for characters, particles and fog, and a look-up between them for the host's
+ * shaders (gi_glsl("gi_probe.glsl")) that asks only those that see the place: each knows in 256 directions the planes of
+ * the surfaces within the diagonal of a cell, so that a wall of any thickness above spacing / 20 hides what is behind
+ * it. They are traced again where something moved near a probe. */
+typedef struct gi_probes_def {
+	float lower[3];     /* the first probe, metres, each within 1e9 of 0; world */
+	float spacing;      /* > 0: between neighbours along each axis, metres */
+	uint32_t count[3];  /* along x, y and z, each from 1 */
+	uint32_t harmonics; /* 1 or 2; default 2: band 1 alone is up to 35 % off along a normal, band 2 up to 8 % */
+	uint32_t internal;
+} gi_probes_def;
+
+GI_API gi_probes_def gi_probes_def_default(void);
+
+/* Receivers in the order x, then y, then z, which stay where they are: of the functions for receivers those that move
+ * them refuse. Errors as of gi_create_receivers. */
+GI_API gi_result gi_create_probes(gi_context *gi, const gi_probes_def *def, gi_receivers *out);
+
+/* As shaders have it: gi_probe_grid of gi_probe.glsl, three vec4. */
+typedef struct gi_probe_grid {
+	float lower[3], spacing;
+	uint32_t count[3], first_light; /* where its light begins, in vec4 */
+	uint32_t stride, first_plane;   /* vec4 a probe, 4 or 9; where its planes begin */
+	uint32_t unused[2];
+} gi_probe_grid;
+
+/* OpenGL names: of the buffers for storage blocks, of their buffer textures (GL_RGBA32UI) for samplers. They and the
+ * grid's numbers are valid as long as those of gi_get_receiver_buffer, and the same barriers hold. */
+typedef struct gi_probe_buffers {
+	uint32_t light, planes;
+	uint32_t light_texture, planes_texture;
+	gi_probe_grid grid;
+} gi_probe_buffers;
+
+GI_API gi_result gi_get_probe_buffers(const gi_context *gi, gi_receivers probes, gi_probe_buffers *out);
 
 /* ---- read-back (waits for the GPU) ------------------------------------------------------------------------------- */
 

@@ -1,0 +1,171 @@
+/* Figures of files that walk: a skin and morph targets of a glTF file, played as gi_play does. Every frame's rows are a
+ * rebuild's, bit for bit; what a step costs beside a rigid figure of the same size that moves is told.
+ */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
+#include "snapshot.h"
+
+#include "demos/file_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static const char FILE_NAME[] = RELUME_SOURCE_DIR "/demos/scenes/walker.gltf";
+
+static gi_context *open_scene(file_scene *f, bool rigid)
+{
+	char message[512] = "";
+	gi_context_def def = harness_def();
+	def.row_tolerance = .05f;
+	*f = (file_scene){.program = "test_walker", .leaves = 1000};
+	if (!file_scene_load(f, FILE_NAME, message, sizeof message))
+		fail_msg("%s", message);
+	for (uint32_t k = 0; rigid && k < f->scene.object_count; k++)
+		f->scene.objects[k].deforms = false;
+	gi_context *gi = harness_context(&def);
+	if (!file_scene_create(f, gi, message, sizeof message))
+		fail_msg("%s", message);
+	assert_gi(file_scene_animate(f, gi, 0));
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	return gi;
+}
+
+static uint32_t object_named(const file_scene *f, const char *name)
+{
+	uint32_t k = 0;
+	while (k < f->scene.object_count && strcmp(f->scene.objects[k].name, name) != 0)
+		k++;
+	assert_true(k < f->scene.object_count);
+	return k;
+}
+
+static void every_step_is_a_rebuilds(void **state)
+{
+	(void)state;
+	file_scene f;
+	gi_context *gi = open_scene(&f, false);
+	const int frames = harness_is_long() ? 144 : 4;
+	assert_true(f.scene.objects[object_named(&f, "figure")].deforms);
+	assert_true(f.scene.objects[object_named(&f, "curtain")].deforms);
+	assert_false(f.scene.objects[object_named(&f, "block")].deforms);
+	assert_true(f.scene.duration_s == 6 && !f.scene.warning[0]);
+	for (int frame = 1; frame <= frames; frame++) {
+		char when[64];
+		snprintf(when, sizeof when, "frame %d", frame);
+		assert_gi(file_scene_animate(&f, gi, frame / 24.0));
+		const gi_report r = harness_update(gi);
+		assert_true(r.outcome > 0 && r.new_entries > 0);
+		snapshot_expect_rebuilt_rows(gi, when);
+	}
+	gi_context_destroy(gi);
+	file_scene_free(&f);
+}
+
+/* ---- where it is ---- */
+
+/* Corners of an object's leaves. */
+static void bounds_of(gi_context *gi, gi_object object, double lower[3], double upper[3])
+{
+	snapshot s = snapshot_take(gi);
+	for (int k = 0; k < 3; k++) {
+		lower[k] = INFINITY;
+		upper[k] = -INFINITY;
+	}
+	for (uint32_t l = 0; l < s.leaf_count; l++)
+		for (int c = 0; c < 4 && s.leaves[l].object.index1 == object.index1; c++)
+			for (int k = 0; k < 3; k++) {
+				lower[k] = fmin(lower[k], (double)s.leaves[l].corners[c][k]);
+				upper[k] = fmax(upper[k], (double)s.leaves[l].corners[c][k]);
+			}
+	snapshot_free(&s);
+}
+
+/* On its circle, as tall as it is made, a foot near the floor at any time; the curtain waves and stays where it
+ * hangs. */
+static void it_walks(void **state)
+{
+	(void)state;
+	file_scene f;
+	gi_context *gi = open_scene(&f, false);
+	const uint32_t figure = object_named(&f, "figure"), curtain = object_named(&f, "curtain");
+	double before = INFINITY;
+	for (int k = 0; k < 5; k++) {
+		const double time_s = .35 + 1.13 * k, way = time_s / 6 * 2 * 3.14159265358979;
+		double lower[3], upper[3];
+		assert_gi(file_scene_animate(&f, gi, time_s));
+		harness_update(gi);
+		bounds_of(gi, f.handles[figure], lower, upper);
+		assert_true(fabs(lower[1]) < .03 && upper[1] > 1.6 && upper[1] < 1.85);
+		/* A stride and the arms reach half a metre to either side. */
+		assert_true(fabs((lower[0] + upper[0]) / 2 - .95 * sin(way)) < .3);
+		assert_true(fabs((lower[2] + upper[2]) / 2 - .95 * cos(way)) < .3);
+		bounds_of(gi, f.handles[curtain], lower, upper);
+		assert_true(fabs(lower[0] + .05) < .01 && fabs(upper[0] - 1.45) < .01);
+		assert_true(upper[2] - lower[2] > .1 && upper[2] - lower[2] < .3);
+		assert_true(fabs(lower[2] - before) > 1e-4);
+		before = lower[2];
+	}
+	gi_context_destroy(gi);
+	file_scene_free(&f);
+}
+
+/* ---- what it costs ---- */
+
+static double processor_ms(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+	return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+/* The figure alone moves. */
+static double ms_a_step(bool rigid, int frames, gi_report *last)
+{
+	file_scene f;
+	gi_context *gi = open_scene(&f, rigid);
+	const uint32_t figure = object_named(&f, "figure");
+	f.scene.objects[object_named(&f, "curtain")].deforms = false;
+	double sum = 0;
+	for (int frame = -2; frame < frames; frame++) {
+		const double time_s = (frame + 3) / 24.0, way = time_s / 6 * 2 * 3.14159265358979, half = way / 2;
+		const double began = processor_ms();
+		if (rigid)
+			assert_gi(gi_set_pose(gi, f.handles[figure],
+					      (gi_pose){{(float)(.95 * sin(way)), 0, (float)(.95 * cos(way))},
+							{0, (float)sin(half), 0, (float)cos(half)}}));
+		else
+			assert_gi(file_scene_animate(&f, gi, time_s));
+		*last = harness_update(gi);
+		sum += frame < 0 ? 0 : processor_ms() - began; /* shaders are compiled first */
+	}
+	gi_context_destroy(gi);
+	file_scene_free(&f);
+	return sum / frames;
+}
+
+static void what_a_step_costs(void **state)
+{
+	(void)state;
+	const int frames = harness_is_long() ? 48 : 4;
+	gi_report rigid, walking;
+	const double turned = ms_a_step(true, frames, &rigid), walked = ms_a_step(false, frames, &walking);
+	printf(
+	    "  processor ms a frame of %u leaves: walking %.1f, as a rigid figure %.1f, ratio %.2f (new entries %u and "
+	    "%u, rays %u and %u)\n",
+	    walking.leaves, walked, turned, walked / turned, (unsigned)walking.new_entries, (unsigned)rigid.new_entries,
+	    (unsigned)walking.rays, (unsigned)rigid.rays);
+	assert_int_equal(walking.leaves, rigid.leaves);
+	assert_true(walking.new_entries > 0 && rigid.new_entries > 0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(every_step_is_a_rebuilds),
+	    cmocka_unit_test(it_walks),
+	    cmocka_unit_test(what_a_step_costs),
+	};
+	return cmocka_run_group_tests(tests, harness_open, harness_close);
+}
