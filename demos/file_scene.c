@@ -4,6 +4,7 @@
 #include "file_inside.h"
 #include "file_rays.h"
 #include "file_sides.h"
+#include "file_textures.h"
 #include "fineness.h"
 #include "options.h"
 #include "progress.h"
@@ -343,6 +344,7 @@ typedef struct prepared {
 	engine_mesh cage, drawn; /* drawn: empty where the cage is */
 	gi_material *materials;
 	gi_specular *specular;
+	uint32_t *face_materials; /* of textured ones: the scene's numbers; NULL: no face has a texture */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -367,6 +369,8 @@ static void define(const file_scene *f, const engine_scene_object *object, const
 	def->scheme = schemes[object->scheme];
 	def->levels = f->leaf_size > 0 ? 0 : object->levels;
 	def->double_sided = object->double_sided;
+	def->uvs = p->face_materials ? p->cage.uvs : NULL;
+	def->leaf_materials = p->face_materials;
 	memcpy(def->scale, object->rest.scale, sizeof def->scale);
 	def->pose = to_pose(&object->rest);
 }
@@ -396,6 +400,18 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 	if (simplified)
 		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
 			    object->mesh.face_count, out->cage.face_count);
+	if (simplified && file_textures_are_used(&f->scene, &object->mesh))
+		options_say(f->program, "%s has the means of its textures: its cage has no place in them",
+			    object->name);
+	if (file_textures_are_used(&f->scene, &out->cage)) {
+		const size_t bytes = sizeof *out->face_materials * out->cage.face_count;
+		out->face_materials = malloc(bytes);
+		if (!out->face_materials) {
+			snprintf(message, message_size, "out of memory");
+			return false;
+		}
+		memcpy(out->face_materials, out->cage.face_materials, bytes);
+	}
 	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
 	out->specular = malloc(sizeof *out->specular * (f->scene.material_count + 1));
 	if (out->materials && out->specular)
@@ -430,8 +446,8 @@ static void name_options(char *message, size_t message_size)
 }
 
 /* Chooses sizes for what has none and creates all. */
-static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, const bool *moves, char *message,
-			    size_t message_size)
+static gi_result create_all(file_scene *f, gi_context *gi, const prepared *objects, gi_object_def *defs,
+			    const bool *moves, char *message, size_t message_size)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
@@ -443,8 +459,11 @@ static gi_result create_all(file_scene *f, gi_context *gi, gi_object_def *defs, 
 		name_options(message, message_size);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
-	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
+	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
 		result = gi_create_object(gi, &defs[k], &f->handles[k]);
+		if (!result && objects[k].face_materials)
+			result = file_textures_set(&f->scene, objects[k].face_materials, gi, f->handles[k]);
+	}
 	gi_free_leaf_choice(&choice);
 	return result;
 }
@@ -470,7 +489,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		defs[k].deforms = f->shapes[k].bends || f->shapes[k].scales;
 	}
 	if (created) {
-		gi_result result = create_all(f, gi, defs, moves, message, message_size);
+		gi_result result = create_all(f, gi, objects, defs, moves, message, message_size);
 		if (!result)
 			result = file_lights_create(&f->lights, &f->scene, gi, f->program);
 		if (result && !message[0])
@@ -482,6 +501,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		engine_mesh_free(&objects[k].drawn);
 		free(objects[k].materials);
 		free(objects[k].specular);
+		free(objects[k].face_materials);
 	}
 	free(objects);
 	free(defs);

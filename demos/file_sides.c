@@ -82,7 +82,7 @@ static bool turn_faces(const engine_scene *scene, engine_mesh *mesh, const sides
 		const uint64_t hits = (uint64_t)of_faces[f].front + of_faces[f].back;
 		bool lit_behind = of_faces[f].back * 100ull > hits && !is_lamp(scene, mesh, f);
 		if (lit_behind && is_turned(&of_faces[f])) {
-			engine_mesh_turn_face(corners, mesh->face_counts[f]);
+			engine_mesh_turn_face(mesh, corners, mesh->face_counts[f]);
 			++*turned;
 		} else if (lit_behind) {
 			all = false;
@@ -112,7 +112,7 @@ static bool add_backs(const engine_scene *scene, engine_mesh *mesh)
 	engine_mesh_keep_faces(&backs, is_no_lamp, &(painted){scene, &backs});
 	uint32_t *corners = backs.indices;
 	for (uint32_t f = 0; f < backs.face_count; corners += backs.face_counts[f++])
-		engine_mesh_turn_face(corners, backs.face_counts[f]);
+		engine_mesh_turn_face(&backs, corners, backs.face_counts[f]);
 	bool added = engine_mesh_append(mesh, &backs, 0);
 	engine_mesh_free(&backs);
 	return added;
@@ -158,7 +158,7 @@ static bool mend_object(engine_scene *scene, engine_scene_object *object, sides 
 		uint32_t *corners = object->mesh.indices;
 		for (uint32_t f = 0; f < object->mesh.face_count; corners += object->mesh.face_counts[f++]) {
 			if (!is_lamp(scene, &object->mesh, f))
-				engine_mesh_turn_face(corners, object->mesh.face_counts[f]);
+				engine_mesh_turn_face(&object->mesh, corners, object->mesh.face_counts[f]);
 		}
 		m->turned += object->mesh.face_count;
 		return true;

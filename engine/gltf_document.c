@@ -9,9 +9,9 @@
 enum { GLB_MAGIC = 0x46546c67, GLB_JSON = 0x4e4f534a, GLB_BIN = 0x004e4942 };
 #define MAX_FILE_SIZE ((size_t)4 << 30) /* a .glb counts its bytes in 32 bits */
 
-static const char *const array_names[GLTF_ARRAYS] = {"accessors", "animations", "buffers",   "bufferViews",
-						     "cameras",   "images",     "materials", "meshes",
-						     "nodes",     "scenes",     "skins",     "textures"};
+static const char *const array_names[GLTF_ARRAYS] = {"accessors", "animations", "buffers", "bufferViews", "cameras",
+						     "images",    "materials",  "meshes",  "nodes",       "scenes",
+						     "skins",     "textures",   "samplers"};
 
 /* ---- members ----------------------------------------------------------------------------------------------------- */
 
@@ -267,14 +267,10 @@ static bool is_one_of(const char *name, const char *const *list, size_t count)
 }
 
 static const char *const known_extensions[] = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",
-    "KHR_materials_transmission",
-    "KHR_materials_ior",
-    "KHR_texture_transform", /* a mean has no place */
-    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+    "KHR_materials_transmission",      "KHR_materials_ior",
+    "KHR_texture_transform",           "KHR_lights_punctual",
 };
 
 /* What holds the geometry alone may not be required; of the rest, what is not read is told where it is used. */

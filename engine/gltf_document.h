@@ -25,6 +25,7 @@ typedef enum gltf_array {
 	GLTF_SCENES,
 	GLTF_SKINS,
 	GLTF_TEXTURES,
+	GLTF_SAMPLERS,
 	GLTF_ARRAYS
 } gltf_array;
 
@@ -61,8 +62,9 @@ typedef struct gltf_accessor {
 /* The mean of an image, decoded when first asked for. */
 typedef struct gltf_image {
 	bool tried, read;
-	float mean[4];   /* r g b in linear light, alpha */
-	char fault[128]; /* why it was not read */
+	float mean[4];    /* r g b in linear light, alpha */
+	uint32_t texture; /* the scene's number and one; 0: it was not read */
+	char fault[128];  /* why it was not read */
 } gltf_image;
 
 typedef struct gltf_document {

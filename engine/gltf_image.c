@@ -1,4 +1,4 @@
-/* Images of a glTF file, decoded once each when a material asks for its mean. */
+/* Images of a glTF file, decoded once each when a material asks for them. */
 #include "gltf_scene.h"
 #include "image_mean.h"
 
@@ -9,14 +9,19 @@
 enum { MAX_IMAGE_BYTES = 1 << 28 };
 
 /* Of all images of a file: what decoding takes a few seconds for. */
-#define MAX_ALL_PIXELS ((uint64_t)1 << 28)
+#define MAX_ALL_PIXELS ((uint64_t)1 << 26)
 
 static bool decode(gltf_document *document, const uint8_t *bytes, size_t size, gltf_image *image)
 {
 	uint64_t pixels = 0;
 	const char *fault = "the images of the file have too many pixels";
-	bool read =
-	    document->pixels_read <= MAX_ALL_PIXELS && engine_image_mean(bytes, size, image->mean, &pixels, &fault);
+	engine_texture texture;
+	bool read = document->pixels_read <= MAX_ALL_PIXELS &&
+		    engine_image_decode(bytes, size, &texture.pixels, texture.mean, &pixels, &fault);
+	if (read) {
+		memcpy(image->mean, texture.mean, sizeof image->mean);
+		read = import_add_texture(document->loader, &texture, &image->texture);
+	}
 	snprintf(image->fault, sizeof image->fault, "%s", fault);
 	document->pixels_read += pixels;
 	return read;
@@ -42,7 +47,7 @@ static void read_image(gltf_document *document, const cJSON *from, gltf_image *i
 	free(bytes);
 }
 
-bool gltf_image_mean(gltf_document *document, int64_t number, float mean[4], const char **fault)
+bool gltf_image_texture(gltf_document *document, int64_t number, uint32_t *texture, float mean[4], const char **fault)
 {
 	gltf_image *image = &document->images[number];
 	if (!image->tried)
@@ -50,5 +55,6 @@ bool gltf_image_mean(gltf_document *document, int64_t number, float mean[4], con
 	image->tried = true;
 	*fault = image->fault;
 	memcpy(mean, image->mean, sizeof image->mean);
+	*texture = image->texture;
 	return image->read;
 }

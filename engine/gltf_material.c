@@ -10,23 +10,65 @@ static void note_unread(gltf_document *document, bool found, const char *materia
 		import_note(document->loader, material, "%s", text);
 }
 
-/* Multiplies by the mean of a texture; without one, or where it cannot be read, leaves alone. */
-static void apply_mean(gltf_document *document, const cJSON *reference, const char *material, double color[3])
+/* ---- textures ---- */
+
+static engine_wrap wrap_of(const cJSON *sampler, const char *key)
 {
-	int64_t texture = -1;
-	float mean[4];
+	double mode = 10497;
+	gltf_number(sampler, key, &mode);
+	return mode == 33071 ? ENGINE_WRAP_CLAMP : mode == 33648 ? ENGINE_WRAP_MIRROR : ENGINE_WRAP_REPEAT;
+}
+
+/* KHR_texture_transform: scale, then rotation by an angle, then offset. */
+static void read_transform(const cJSON *from, engine_texture_use *use)
+{
+	double offset[2] = {0, 0}, scale[2] = {1, 1}, angle = 0;
+	gltf_numbers(from, "offset", 2, offset);
+	gltf_numbers(from, "scale", 2, scale);
+	gltf_number(from, "rotation", &angle);
+	const double c = cos(angle), s = sin(angle);
+	const double rows[2][3] = {{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}};
+	for (int k = 0; k < 6; k++)
+		use->transform[k / 3][k % 3] = (float)rows[k / 3][k % 3];
+}
+
+/* Set of texture coordinates that a reference asks for. */
+static uint32_t uv_set_of(const cJSON *reference, const cJSON *transform)
+{
+	double set = 0;
+	gltf_number(reference, "texCoord", &set);
+	gltf_number(transform, "texCoord", &set);
+	return set >= 0 && set < 8 ? (uint32_t)set : 0;
+}
+
+/* The texture that a material refers to: its number and one, how it is looked up, and its mean. 0 where there is none
+ * or it cannot be read, which is told. `of` is plural. */
+static engine_texture_use find_texture(gltf_document *document, const cJSON *reference, const char *material,
+				       const char *of, uint32_t *uv_set, float mean[4])
+{
+	int64_t texture = -1, sampler = -1;
 	const char *fault = "the texture names no image";
+	uint32_t number = 0;
 	if (!reference)
-		return;
-	bool found = gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0;
-	int64_t image = found ? document->texture_images[texture] : -1;
-	if (image >= 0 && gltf_image_mean(document, image, mean, &fault)) {
-		for (int c = 0; c < 3; c++)
-			color[c] *= (double)mean[c];
-		import_note(document->loader, material, "emissive textures are read as their mean");
-		return;
+		return engine_texture_use_of(0);
+	const bool found = gltf_index(document, reference, "index", GLTF_TEXTURES, &texture) && texture >= 0;
+	const int64_t image = found ? document->texture_images[texture] : -1;
+	float found_mean[4];
+	if (image < 0 || !gltf_image_texture(document, image, &number, found_mean, &fault)) {
+		import_note(document->loader, material, "%s are left out: %s", of, fault);
+		return engine_texture_use_of(0);
 	}
-	import_note(document->loader, material, "emissive textures are left out: %s", fault);
+	memcpy(mean, found_mean, sizeof found_mean);
+	engine_texture_use use = engine_texture_use_of(number);
+	const cJSON *transform = gltf_extension(reference, "KHR_texture_transform");
+	gltf_index(document, document->tables[GLTF_TEXTURES].items[texture], "sampler", GLTF_SAMPLERS, &sampler);
+	const cJSON *from = sampler >= 0 ? document->tables[GLTF_SAMPLERS].items[sampler] : NULL;
+	use.wrap[0] = wrap_of(from, "wrapS");
+	use.wrap[1] = wrap_of(from, "wrapT");
+	if (transform)
+		read_transform(transform, &use);
+	*uv_set = uv_set_of(reference, transform);
+	return use;
 }
 
 static void read_emission(gltf_document *document, const cJSON *from, engine_scene_material *material)
@@ -35,15 +77,29 @@ static void read_emission(gltf_document *document, const cJSON *from, engine_sce
 	const cJSON *extension = gltf_extension(from, "KHR_materials_emissive_strength");
 	if (!gltf_numbers(from, "emissiveFactor", 3, factor) || !gltf_number(extension, "emissiveStrength", &strength))
 		import_note(document->loader, material->name, "emissions that are no finite numbers are left out");
+	float mean[4] = {1, 1, 1, 1};
+	uint32_t uv_set = material->uv_set;
 	if (factor[0] != 0 || factor[1] != 0 || factor[2] != 0)
-		apply_mean(document, gltf_member(from, "emissiveTexture"), material->name, factor);
-	for (int c = 0; c < 3; c++)
-		material->radiance[c] = (float)(factor[c] * strength);
+		material->radiance_texture = find_texture(document, gltf_member(from, "emissiveTexture"),
+							  material->name, "emissive textures", &uv_set, mean);
+	for (int c = 0; c < 3; c++) {
+		material->radiance_factor[c] = (float)(factor[c] * strength);
+		material->radiance[c] = (float)(factor[c] * strength * (double)mean[c]);
+	}
+	if (material->radiance_texture.number && !material->rho_texture.number) {
+		material->uv_set = uv_set;
+	} else if (material->radiance_texture.number && uv_set != material->uv_set) {
+		material->radiance_texture.number = 0;
+		import_note(document->loader, material->name,
+			    "emissive textures with coordinates of their own are read as their mean");
+	}
 }
 
 /* The colour of the old specular-glossiness model is its diffuse reflectance, which is what rho is. */
-static void read_colour(gltf_document *document, const cJSON *from, const char *name, double color[4])
+static void read_colour(gltf_document *document, const cJSON *from, engine_scene_material *material, double color[4])
 {
+	const char *name = material->name;
+	float mean[4] = {1, 1, 1, 1};
 	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
 	const cJSON *old = gltf_extension(from, "KHR_materials_pbrSpecularGlossiness");
 	bool given = gltf_member(surface, "baseColorFactor") || gltf_member(surface, "baseColorTexture");
@@ -51,12 +107,22 @@ static void read_colour(gltf_document *document, const cJSON *from, const char *
 				   : gltf_numbers(surface, "baseColorFactor", 4, color);
 	if (!sound)
 		import_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
-	note_unread(document, gltf_member(surface, "baseColorTexture") || gltf_member(old, "diffuseTexture"), name,
-		    "textures of base colours are not read, their factors are");
+	const cJSON *texture = gltf_member(surface, "baseColorTexture");
+	if (texture && !gltf_member(surface, "baseColorFactor"))
+		color[0] = color[1] = color[2] = color[3] = 1;
+	material->rho_texture = find_texture(document, texture ? texture : gltf_member(old, "diffuseTexture"), name,
+					     "textures of base colours", &material->uv_set, mean);
+	if (texture && !material->rho_texture.number && !gltf_member(surface, "baseColorFactor"))
+		color[0] = color[1] = color[2] = 0.5;
+	for (int c = 0; c < 4; c++) {
+		if (c < 3)
+			material->rho_factor[c] = (float)color[c];
+		color[c] *= (double)mean[c];
+	}
 }
 
-/* Alpha as coverage: what covers less than half lets the light through. */
-static bool is_clear(gltf_document *document, const cJSON *from, const char *name, double alpha)
+/* Alpha as coverage: what covers less than half lets the light through. Where a texture says what, face by face. */
+static bool is_clear(gltf_document *document, const cJSON *from, engine_scene_material *material, double alpha)
 {
 	const char *mode = gltf_text(from, "alphaMode");
 	double cutoff = 0.5;
@@ -64,8 +130,15 @@ static bool is_clear(gltf_document *document, const cJSON *from, const char *nam
 		return false;
 	if (strcmp(mode, "MASK") == 0)
 		gltf_number(from, "alphaCutoff", &cutoff);
-	bool clear = alpha < cutoff;
-	note_unread(document, !clear && alpha < 1, name, "transparency of alpha above a half is taken as opaque");
+	if (material->rho_texture.number) {
+		const engine_texture *t = &document->loader->scene->textures[material->rho_texture.number - 1];
+		const double factor = t->mean[3] > 0 ? alpha / (double)t->mean[3] : 0;
+		material->cutoff = (float)(cutoff / fmax(factor, 1e-9));
+		return false;
+	}
+	const bool clear = alpha < cutoff;
+	note_unread(document, !clear && alpha < 1, material->name,
+		    "transparency of alpha above a half is taken as opaque");
 	return clear;
 }
 
@@ -126,14 +199,17 @@ static bool read_material(gltf_document *document, const cJSON *from)
 	double color[4] = {0.5, 0.5, 0.5, 1};
 	if (!material)
 		return false;
-	read_colour(document, from, material->name, color);
+	read_colour(document, from, material, color);
 	read_emission(document, from, material);
 	for (int c = 0; c < 3; c++)
 		material->rho[c] = (float)color[c];
 	material->double_sided = cJSON_IsTrue(gltf_member(from, "doubleSided"));
-	material->clear = is_clear(document, from, material->name, color[3]);
+	material->clear = is_clear(document, from, material, color[3]);
 	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
 	read_smoothness(document, from, color, material);
+	if (memcmp(material->mirror, (const float[3]){0}, sizeof material->mirror) != 0 ||
+	    memcmp(material->glass, (const float[3]){0}, sizeof material->glass) != 0)
+		material->rho_texture.number = 0; /* mirrors and glass have the mean */
 	note_unread(document, gltf_member(surface, "metallicRoughnessTexture") || gltf_member(from, "normalTexture"),
 		    material->name, "textures of roughness, metal and normals are not read");
 	return true;

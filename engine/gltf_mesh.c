@@ -3,6 +3,7 @@
 #include "mesh_clean.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,7 +14,7 @@ enum { MAX_TARGETS = 16 };
 
 /* Accessors of a primitive; of the optional ones NULL where there is none. */
 typedef struct primitive {
-	const gltf_accessor *positions, *indices, *colors, *joints[2], *weights[2], *targets[MAX_TARGETS];
+	const gltf_accessor *positions, *indices, *colors, *uvs, *joints[2], *weights[2], *targets[MAX_TARGETS];
 	double target_weights[MAX_TARGETS];
 	uint32_t target_count;
 	const gltf_accessor *all_targets[IMPORT_MOST_TARGETS]; /* for the shape: at rest or not */
@@ -31,6 +32,7 @@ typedef struct reading {
 	engine_mesh *out;    /* its arrays have room for all corners */
 	import_shape *shape; /* likewise; NULL: not wanted */
 	uint32_t left_out;   /* triangles */
+	uint64_t corners;    /* of all, room for which is made */
 } reading;
 
 /* ---- what there is ----------------------------------------------------------------------------------------------- */
@@ -293,6 +295,15 @@ static bool triangle_material(reading *r, const primitive *p, const uint32_t ver
 	return import_tinted_material(r->document->loader, p->material, mean, material);
 }
 
+static void read_uv(const primitive *p, uint32_t vertex, float out[2])
+{
+	double uv[4] = {0, 0, 0, 0};
+	if (p->uvs)
+		gltf_element(p->uvs, vertex, uv);
+	for (int k = 0; k < 2; k++)
+		out[k] = p->uvs && fabs(uv[k]) < 1e6 ? (float)uv[k] : ENGINE_NO_UV;
+}
+
 static bool add_triangle(reading *r, const primitive *p, uint32_t t)
 {
 	engine_mesh *out = r->out;
@@ -308,6 +319,8 @@ static bool add_triangle(reading *r, const primitive *p, uint32_t t)
 	}
 	if (!triangle_material(r, p, vertices, &material))
 		return false;
+	for (int k = 0; out->uvs && k < 3; k++)
+		read_uv(p, vertices[k], out->uvs + 2 * ((size_t)out->index_count + (size_t)k));
 	out->index_count += 3;
 	out->face_materials[out->face_count] = material;
 	out->face_counts[out->face_count++] = 3;
@@ -333,6 +346,20 @@ static bool make_numbers(gltf_document *document)
 	return document->numbers && document->stamps;
 }
 
+/* Texture coordinates, where the material has a texture; the mesh gets room for them with the first. */
+static bool find_uvs(reading *r, const cJSON *from, primitive *p)
+{
+	const engine_scene_material *m = &r->document->loader->scene->materials[p->material];
+	if (!m->rho_texture.number && !m->radiance_texture.number)
+		return true;
+	char key[16];
+	snprintf(key, sizeof key, "TEXCOORD_%u", m->uv_set);
+	p->uvs = optional(r, p, gltf_member(from, "attributes"), key, 2);
+	if (!r->out->uvs)
+		r->out->uvs = calloc(2 * ((size_t)r->corners + 1), sizeof *r->out->uvs);
+	return r->out->uvs || import_fail(r->document->loader, "out of memory for meshes");
+}
+
 static bool add_primitive(reading *r, const cJSON *from)
 {
 	gltf_document *document = r->document;
@@ -348,6 +375,8 @@ static bool add_primitive(reading *r, const cJSON *from)
 		return true;
 	}
 	if (!gltf_material_number(document, from, &p.material))
+		return false;
+	if (!find_uvs(r, from, &p))
 		return false;
 	document->stamp++;
 	for (uint32_t t = 0; t < p.triangle_count; t++) {
@@ -396,8 +425,8 @@ bool gltf_read_mesh(gltf_document *document, const cJSON *mesh, const cJSON *nod
 		    const char *name, engine_mesh *out, import_shape *shape)
 {
 	const cJSON *from, *weights = gltf_member(node, "weights");
-	reading r = {document, skin, weights ? weights : gltf_member(mesh, "weights"), name, out, shape, 0};
 	const uint64_t corners = gltf_count_corners(document, mesh);
+	reading r = {document, skin, weights ? weights : gltf_member(mesh, "weights"), name, out, shape, 0, corners};
 	if (!make_numbers(document) || !make_room(out, corners) || (shape && !make_shape_room(&r, shape, corners)))
 		return import_fail(document->loader, "out of memory for meshes");
 	cJSON_ArrayForEach(from, gltf_member(mesh, "primitives"))

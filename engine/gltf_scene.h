@@ -12,8 +12,9 @@ bool gltf_read_lights(gltf_document *document, const bool *in_scene);
  */
 bool gltf_material_number(gltf_document *document, const cJSON *primitive, uint32_t *number);
 
-/* Mean of an image's pixels, r g b in linear light and alpha. False with the reason in *fault. */
-bool gltf_image_mean(gltf_document *document, int64_t image, float mean[4], const char **fault);
+/* An image as a texture of the scene (its number and one), and the mean of its pixels, r g b in linear light and alpha.
+ * False with the reason in *fault. */
+bool gltf_image_texture(gltf_document *document, int64_t image, uint32_t *texture, float mean[4], const char **fault);
 
 /* Binds the channels to the graph's nodes; a channel that cannot be read is noted and left out. False: out of memory
  * (reported).

@@ -12,7 +12,27 @@
 /* How often each byte occurs in each channel: a mean in linear light needs no more. */
 typedef struct histogram {
 	uint64_t counts[4][256];
+	engine_image_pixels *kept; /* NULL: nobody wants the pixels */
+	size_t written;            /* of them */
 } histogram;
+
+static bool keep_size(histogram *h, uint32_t width, uint32_t height)
+{
+	if (!h->kept)
+		return true;
+	*h->kept = (engine_image_pixels){width, height, malloc(4 * (size_t)width * height + 1)};
+	return h->kept->rgba != NULL;
+}
+
+static void keep_pixels(histogram *h, const uint8_t *pixels, size_t count, int channels)
+{
+	uint8_t *to = h->kept->rgba + 4 * h->written;
+	for (size_t i = 0; i < count; i++) {
+		to[4 * i + 3] = 255;
+		memcpy(to + 4 * i, pixels + i * (size_t)channels, (size_t)channels);
+	}
+	h->written += count;
+}
 
 static void count_pixels(histogram *h, const uint8_t *pixels, size_t count, int channels)
 {
@@ -20,6 +40,8 @@ static void count_pixels(histogram *h, const uint8_t *pixels, size_t count, int 
 		for (int c = 0; c < channels; c++)
 			h->counts[c][pixels[i * (size_t)channels + (size_t)c]]++;
 	}
+	if (h->kept)
+		keep_pixels(h, pixels, count, channels);
 }
 
 double engine_linear_of_srgb(double value)
@@ -55,7 +77,8 @@ static bool read_png(const uint8_t *bytes, size_t size, histogram *h, uint64_t *
 		return false;
 	image.format = PNG_FORMAT_RGBA;
 	uint8_t *rgba = too_large(image.width, image.height, pixels, fault) ? NULL : malloc(PNG_IMAGE_SIZE(image));
-	bool read = rgba && png_image_finish_read(&image, NULL, rgba, 0, NULL);
+	bool read =
+	    rgba && png_image_finish_read(&image, NULL, rgba, 0, NULL) && keep_size(h, image.width, image.height);
 	if (read)
 		count_pixels(h, rgba, *pixels, 4);
 	png_image_free(&image);
@@ -96,6 +119,8 @@ static void read_jpeg_rows(jpeg_state *s, histogram *h, uint64_t *pixels, const 
 		leave((j_common_ptr)&s->reader);
 	s->reader.out_color_space = JCS_RGB;
 	jpeg_start_decompress(&s->reader);
+	if (!keep_size(h, s->reader.output_width, s->reader.output_height))
+		leave((j_common_ptr)&s->reader);
 	s->row = malloc((size_t)s->reader.output_width * 3);
 	while (s->row && s->reader.output_scanline < s->reader.output_height) {
 		jpeg_read_scanlines(&s->reader, &s->row, 1);
@@ -130,9 +155,19 @@ static bool read_jpeg(const uint8_t *bytes, size_t size, histogram *h, uint64_t 
 
 bool engine_image_mean(const uint8_t *bytes, size_t size, float mean[4], uint64_t *pixels, const char **fault)
 {
+	return engine_image_decode(bytes, size, NULL, mean, pixels, fault);
+}
+
+bool engine_image_decode(const uint8_t *bytes, size_t size, engine_image_pixels *out, float mean[4], uint64_t *pixels,
+			 const char **fault)
+{
 	static const uint8_t png_start[4] = {0x89, 'P', 'N', 'G'}, jpeg_start[2] = {0xff, 0xd8};
 	histogram *h = calloc(1, sizeof *h);
 	bool read = false;
+	if (out)
+		*out = (engine_image_pixels){0};
+	if (h)
+		h->kept = out;
 	*pixels = 0;
 	*fault = h ? "it is neither PNG nor JPEG" : "there is no memory for it";
 	if (h && size > sizeof png_start && memcmp(bytes, png_start, sizeof png_start) == 0)
@@ -141,6 +176,10 @@ bool engine_image_mean(const uint8_t *bytes, size_t size, float mean[4], uint64_
 		read = read_jpeg(bytes, size, h, pixels, fault);
 	for (int c = 0; read && c < 4; c++)
 		mean[c] = mean_of(h->counts[c], c < 3);
+	if (out && !read) {
+		free(out->rgba);
+		*out = (engine_image_pixels){0};
+	}
 	free(h);
 	return read;
 }

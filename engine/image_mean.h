@@ -21,6 +21,15 @@ double engine_linear_of_srgb(double value);
  */
 bool engine_image_mean(const uint8_t *bytes, size_t size, float mean[4], uint64_t *pixels, const char **fault);
 
+/* The same, and its pixels: 4 bytes each, sRGB and alpha, rows from the top, the caller's to free(); NULL where it
+ * could not be read. */
+typedef struct engine_image_pixels {
+	uint32_t width, height;
+	uint8_t *rgba;
+} engine_image_pixels;
+bool engine_image_decode(const uint8_t *bytes, size_t size, engine_image_pixels *out, float mean[4], uint64_t *pixels,
+			 const char **fault);
+
 #ifdef __cplusplus
 }
 #endif

@@ -155,6 +155,10 @@ bool import_make_graph(import_loader *loader, uint32_t count);
 /* Appends a material, zeroed but for its name and rho 0.5. NULL: out of memory (already reported). */
 engine_scene_material *import_add_material(import_loader *loader, const char *name);
 
+/* Appends a texture, which is the scene's from then on, freed where that fails; its number and one. False: out of
+ * memory. */
+bool import_add_texture(import_loader *loader, engine_texture *texture, uint32_t *number);
+
 /* Number of the material for faces that have none; made when first asked for. False: out of memory (reported). */
 bool import_default_material(import_loader *loader, uint32_t *number);
 

@@ -39,6 +39,9 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		free(scene->lights[i].name);
 	free(scene->materials);
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		free(scene->textures[i].pixels.rgba);
+	free(scene->textures);
 	free(scene->objects);
 	free(scene->lights);
 	free_graph(scene->graph);

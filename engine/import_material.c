@@ -26,6 +26,23 @@ engine_scene_material *import_add_material(import_loader *loader, const char *na
 	return material;
 }
 
+bool import_add_texture(import_loader *loader, engine_texture *texture, uint32_t *number)
+{
+	engine_scene *scene = loader->scene;
+	const size_t count = scene->texture_count;
+	engine_texture *grown = (count & (count - 1)) == 0
+				    ? realloc(scene->textures, (count ? 2 * count : 1) * sizeof *grown)
+				    : scene->textures;
+	if (!grown) {
+		free(texture->pixels.rgba);
+		return false;
+	}
+	scene->textures = grown;
+	scene->textures[scene->texture_count++] = *texture;
+	*number = scene->texture_count;
+	return true;
+}
+
 bool import_default_material(import_loader *loader, uint32_t *number)
 {
 	if (loader->default_material == 0) {
@@ -81,8 +98,10 @@ static bool add_tint(import_loader *loader, uint32_t base, const float color[3])
 	char *name = made->name;
 	*made = *from;
 	made->name = name;
-	for (int c = 0; c < 3; c++)
+	for (int c = 0; c < 3; c++) {
 		made->rho[c] *= color[c];
+		made->rho_factor[c] *= color[c];
+	}
 	return true;
 }
 

@@ -33,20 +33,37 @@ static double rounding_of(const engine_mesh *mesh, double digits)
 
 typedef struct painted {
 	const engine_scene_material *materials;
+	const engine_texture *textures;
 	const engine_mesh *mesh;
 } painted;
+
+/* Mean alpha of a face's fan of triangles, alike by number: those of a face are of about one size. */
+static float coverage(const painted *p, const engine_scene_material *m, const float *uvs, uint32_t count)
+{
+	float sum = 0, mean[4];
+	for (uint32_t k = 1; k + 1 < count; k++) {
+		const float corners[3][2] = {
+		    {uvs[0], uvs[1]}, {uvs[2 * k], uvs[2 * k + 1]}, {uvs[2 * k + 2], uvs[2 * k + 3]}};
+		engine_texture_mean(&p->textures[m->rho_texture.number - 1], &m->rho_texture, corners, mean);
+		sum += mean[3];
+	}
+	return sum / (float)(count - 2);
+}
 
 static bool is_opaque(const void *context, uint32_t face, const uint32_t *corners)
 {
 	const painted *p = context;
-	(void)corners;
-	return !p->materials[p->mesh->face_materials[face]].clear;
+	const engine_scene_material *m = &p->materials[p->mesh->face_materials[face]];
+	const size_t first = (size_t)(corners - p->mesh->indices);
+	if (!(m->cutoff > 0) || !p->mesh->uvs)
+		return !m->clear;
+	return coverage(p, m, p->mesh->uvs + 2 * first, p->mesh->face_counts[face]) >= m->cutoff;
 }
 
 /* Drops the faces whose material lets light through. */
 static void drop_clear_faces(import_loader *loader, engine_scene_object *object)
 {
-	const painted p = {loader->scene->materials, &object->mesh};
+	const painted p = {loader->scene->materials, loader->scene->textures, &object->mesh};
 	import_note_many(loader, engine_mesh_keep_faces(&object->mesh, is_opaque, &p), object->name,
 			 "faces that let light through (alpha below a half) are left out");
 }

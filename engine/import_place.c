@@ -13,7 +13,7 @@ static void mirror_mesh(engine_scene_object *object)
 	object->offset[0] = -object->offset[0];
 	uint32_t *corners = mesh->indices;
 	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++])
-		engine_mesh_turn_face(corners, mesh->face_counts[f]);
+		engine_mesh_turn_face(mesh, corners, mesh->face_counts[f]);
 }
 
 static void stretch_mesh(engine_scene_object *object)

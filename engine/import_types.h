@@ -3,6 +3,7 @@
 #define ENGINE_IMPORT_TYPES_H
 
 #include "mesh.h"
+#include "texture.h"
 
 typedef enum engine_scheme {
 	ENGINE_SCHEME_BILINEAR, /* default */
@@ -19,6 +20,11 @@ typedef struct engine_scene_material {
 	float glass[3];    /* share of refracted light that goes on, [0, 1 - rho]; 0 where it is a mirror */
 	float index;       /* of refraction, of glass, 1..4 */
 	float radiance[3]; /* L of one side, W/(m2 sr), >= 0; exitance E = pi L */
+	/* Where rho and radiance are means of textures: at a place they are the texture there times the factor. */
+	engine_texture_use rho_texture, radiance_texture;
+	float rho_factor[3], radiance_factor[3];
+	uint32_t uv_set;   /* of a file with several sets of texture coordinates: the one of the textures */
+	float cutoff;      /* of alpha of rho_texture: faces of less in the mean are left out; 0: none are */
 	bool double_sided; /* two back-to-back sides */
 	bool used;         /* some face has it */
 	bool clear;        /* lets light through: its faces are left out */
@@ -75,6 +81,8 @@ typedef struct engine_scene_camera {
 typedef struct engine_scene {
 	engine_scene_material *materials;
 	uint32_t material_count;
+	engine_texture *textures;
+	uint32_t texture_count;
 	engine_scene_object *objects;
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
 	engine_scene_light *lights;

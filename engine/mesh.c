@@ -8,6 +8,7 @@ void engine_mesh_free(engine_mesh *mesh)
 	free(mesh->positions);
 	free(mesh->face_counts);
 	free(mesh->indices);
+	free(mesh->uvs);
 	free(mesh->face_materials);
 	free(mesh->crease_vertices);
 	free(mesh->crease_sharpness);
@@ -35,6 +36,7 @@ bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out)
 	copy_array(mesh->positions, sizeof(float) * 3 * mesh->vertex_count, (void **)&out->positions, &ok);
 	copy_array(mesh->face_counts, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_counts, &ok);
 	copy_array(mesh->indices, sizeof(uint32_t) * mesh->index_count, (void **)&out->indices, &ok);
+	copy_array(mesh->uvs, sizeof(float) * 2 * mesh->index_count, (void **)&out->uvs, &ok);
 	copy_array(mesh->face_materials, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_materials, &ok);
 	copy_array(mesh->crease_vertices, sizeof(uint32_t) * 2 * mesh->crease_count, (void **)&out->crease_vertices,
 		   &ok);
@@ -62,13 +64,20 @@ void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, u
 	}
 }
 
+void engine_mesh_move_corners(engine_mesh *mesh, size_t to, size_t from, size_t count)
+{
+	memmove(mesh->indices + to, mesh->indices + from, count * sizeof *mesh->indices);
+	if (mesh->uvs)
+		memmove(mesh->uvs + 2 * to, mesh->uvs + 2 * from, 2 * count * sizeof *mesh->uvs);
+}
+
 uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context)
 {
 	uint32_t read = 0, write = 0, faces = 0;
 	for (uint32_t f = 0; f < mesh->face_count; f++) {
 		const uint32_t count = mesh->face_counts[f];
 		if (keep(context, f, mesh->indices + read)) {
-			memmove(mesh->indices + write, mesh->indices + read, count * sizeof *mesh->indices);
+			engine_mesh_move_corners(mesh, write, read, count);
 			if (mesh->face_materials)
 				mesh->face_materials[faces] = mesh->face_materials[f];
 			mesh->face_counts[faces++] = count;

@@ -19,6 +19,7 @@ typedef struct engine_mesh {
 	uint32_t vertex_count;
 	uint32_t *face_counts;    /* face_count corner numbers, each >= 3 */
 	uint32_t *indices;        /* index_count vertex numbers */
+	float *uvs;               /* 2 * index_count, texture coordinates of corners; NULL: none */
 	uint32_t *face_materials; /* face_count material numbers; NULL: all 0 */
 	uint32_t face_count;
 	uint32_t index_count;
@@ -26,6 +27,9 @@ typedef struct engine_mesh {
 	float *crease_sharpness;   /* crease_count values >= 0; 10 and above is infinitely sharp */
 	uint32_t crease_count;
 } engine_mesh;
+
+/* Texture coordinates of a corner that has none: a face of such has the mean of all of a texture. */
+#define ENGINE_NO_UV 4e9f
 
 /* Frees every array and zeroes the struct. NULL arrays and an already zeroed struct are fine. */
 void engine_mesh_free(engine_mesh *mesh);
@@ -38,6 +42,9 @@ bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out);
  */
 typedef bool engine_mesh_keep(const void *context, uint32_t face, const uint32_t *corners);
 uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context);
+
+/* Moves `count` corners from place `from` of the index list to place `to`, with what they carry. */
+void engine_mesh_move_corners(engine_mesh *mesh, size_t to, size_t from, size_t count);
 
 /* Area-weighted normal of face corners (Newell's method), its length is the area. */
 void engine_mesh_face_normal(const engine_mesh *mesh, const uint32_t *corners, uint32_t count, double normal[3]);

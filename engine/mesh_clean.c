@@ -20,17 +20,29 @@ static bool grow(void *array, size_t count, size_t element_size)
 	return pointer != NULL;
 }
 
+static bool grow_uvs(engine_mesh *mesh, size_t corners)
+{
+	const bool fresh = !mesh->uvs;
+	if (!grow(&mesh->uvs, corners, 2 * sizeof(float)))
+		return false;
+	for (size_t i = 0; fresh && i < 2 * (size_t)mesh->index_count; i++)
+		mesh->uvs[i] = ENGINE_NO_UV;
+	return true;
+}
+
 static bool grow_for(engine_mesh *mesh, const engine_mesh *part)
 {
 	size_t vertices = (size_t)mesh->vertex_count + part->vertex_count;
 	size_t faces = (size_t)mesh->face_count + part->face_count;
 	size_t corners = (size_t)mesh->index_count + part->index_count;
 	/* Below 2^30, so that three floats a vertex still count in 32 bits wherever they go. */
+	const bool textured = mesh->uvs || part->uvs;
 	if (vertices >= 1u << 30 || faces >= 1u << 30 || corners >= 1u << 30)
 		return false;
 	return grow(&mesh->positions, vertices, 3 * sizeof(float)) &&
 	       grow(&mesh->face_counts, faces, sizeof(uint32_t)) &&
-	       grow(&mesh->face_materials, faces, sizeof(uint32_t)) && grow(&mesh->indices, corners, sizeof(uint32_t));
+	       grow(&mesh->face_materials, faces, sizeof(uint32_t)) &&
+	       grow(&mesh->indices, corners, sizeof(uint32_t)) && (!textured || grow_uvs(mesh, corners));
 }
 
 bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material)
@@ -45,6 +57,8 @@ bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t mat
 	}
 	for (uint32_t i = 0; i < part->index_count; i++)
 		mesh->indices[mesh->index_count + i] = part->indices[i] + mesh->vertex_count;
+	for (uint32_t i = 0; mesh->uvs && i < 2 * part->index_count; i++)
+		mesh->uvs[2 * (size_t)mesh->index_count + i] = part->uvs ? part->uvs[i] : ENGINE_NO_UV;
 	mesh->vertex_count += part->vertex_count;
 	mesh->face_count += part->face_count;
 	mesh->index_count += part->index_count;
@@ -108,12 +122,13 @@ static bool weld(engine_mesh *mesh, engine_clean_report *report)
 }
 
 /* Removes corners that repeat the one before (around the face too); returns how many stay. */
-static uint32_t drop_repeats(uint32_t *corners, uint32_t count)
+static uint32_t drop_repeats(engine_mesh *mesh, uint32_t first, uint32_t count)
 {
+	const uint32_t *corners = mesh->indices + first, start = corners[0];
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < count; i++) {
-		if (corners[i] != corners[(i + 1) % count])
-			corners[kept++] = corners[i];
+		if (corners[i] != (i + 1 < count ? corners[i + 1] : start))
+			engine_mesh_move_corners(mesh, first + kept++, first + i, 1);
 	}
 	return kept;
 }
@@ -144,12 +159,12 @@ static void drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 {
 	uint32_t read = 0, write = 0, faces = 0;
 	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		uint32_t *corners = mesh->indices + read;
+		const uint32_t first = read;
 		read += mesh->face_counts[f];
-		uint32_t count = drop_repeats(corners, mesh->face_counts[f]);
-		if (count < 3 || !has_area(mesh, corners, count))
+		const uint32_t count = drop_repeats(mesh, first, mesh->face_counts[f]);
+		if (count < 3 || !has_area(mesh, mesh->indices + first, count))
 			continue;
-		memmove(mesh->indices + write, corners, count * sizeof *corners);
+		engine_mesh_move_corners(mesh, write, first, count);
 		write += count;
 		mesh->face_counts[faces] = count;
 		if (mesh->face_materials)
@@ -161,12 +176,18 @@ static void drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 	mesh->index_count = write;
 }
 
-void engine_mesh_turn_face(uint32_t *corners, uint32_t count)
+void engine_mesh_turn_face(engine_mesh *mesh, uint32_t *corners, uint32_t count)
 {
+	float *uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
 	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
-		uint32_t kept = corners[a];
+		const uint32_t kept = corners[a];
 		corners[a] = corners[b];
 		corners[b] = kept;
+		for (int k = 0; uvs && k < 2; k++) {
+			const float uv = uvs[2 * a + k];
+			uvs[2 * a + k] = uvs[2 * b + k];
+			uvs[2 * b + k] = uv;
+		}
 	}
 }
 
@@ -230,19 +251,28 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 	return false;
 }
 
-/* Finds the edge that b has the other way round, and writes the quad a b c d with that edge as its diagonal a-c. */
-static bool join_at_shared_edge(const uint32_t *first, const uint32_t *second, uint32_t *quad)
+static bool uv_is_same(const float *uvs, uint32_t a, uint32_t b)
 {
+	return !uvs || (uvs[2 * a] == uvs[2 * b] && uvs[2 * a + 1] == uvs[2 * b + 1]);
+}
+
+/* Finds the edge that the second of two triangles has the other way round, and writes which of their six corners are
+ * the quad a b c d with that edge as its diagonal a-c. */
+static bool join_at_shared_edge(const uint32_t *first, const float *uvs, uint32_t *quad)
+{
+	const uint32_t *second = first + 3;
 	for (int i = 0; i < 3; i++) {
 		for (int j = 0; j < 3; j++) {
 			uint32_t from = first[i], to = first[(i + 1) % 3];
 			if (second[j] != to || second[(j + 1) % 3] != from)
 				continue;
-			quad[0] = to; /* first is (from, to, x): as (to, x, from) its last edge is the diagonal */
-			quad[1] = first[(i + 2) % 3];
-			quad[2] = from;
-			quad[3] = second[(j + 2) % 3];
-			return quad[1] != quad[3];
+			/* The first is (from, to, x): as (to, x, from) its last edge is the diagonal. */
+			quad[0] = (uint32_t)(i + 1) % 3;
+			quad[1] = (uint32_t)(i + 2) % 3;
+			quad[2] = (uint32_t)i;
+			quad[3] = 3 + (uint32_t)(j + 2) % 3;
+			return first[quad[1]] != first[quad[3]] && uv_is_same(uvs, quad[0], 3 + (uint32_t)j) &&
+			       uv_is_same(uvs, quad[2], 3 + (uint32_t)(j + 1) % 3);
 		}
 	}
 	return false;
@@ -277,14 +307,35 @@ static bool is_convex(const engine_mesh *mesh, const uint32_t *quad)
 	return true;
 }
 
-static bool pair_at(const engine_mesh *mesh, uint32_t face, const uint32_t *corners, uint32_t *quad)
+/* which: of the six corners of both, those of the quad. */
+static bool pair_at(const engine_mesh *mesh, uint32_t face, const uint32_t *corners, uint32_t *which)
 {
+	uint32_t quad[4];
 	if (face + 1 >= mesh->face_count || mesh->face_counts[face] != 3 || mesh->face_counts[face + 1] != 3)
 		return false;
 	if (mesh->face_materials && mesh->face_materials[face] != mesh->face_materials[face + 1])
 		return false;
-	return join_at_shared_edge(corners, corners + 3, quad) && nearly_coplanar(mesh, corners, corners + 3) &&
-	       is_convex(mesh, quad);
+	const float *uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
+	if (!join_at_shared_edge(corners, uvs, which) || !nearly_coplanar(mesh, corners, corners + 3))
+		return false;
+	for (int k = 0; k < 4; k++)
+		quad[k] = corners[which[k]];
+	return is_convex(mesh, quad);
+}
+
+/* The four of six corners from `read` on, at `write`. */
+static void put_quad(engine_mesh *mesh, uint32_t write, uint32_t read, const uint32_t which[4])
+{
+	uint32_t corners[4];
+	float uvs[4][2];
+	for (int k = 0; k < 4; k++) {
+		corners[k] = mesh->indices[read + which[k]];
+		if (mesh->uvs)
+			memcpy(uvs[k], mesh->uvs + 2 * (size_t)(read + which[k]), sizeof uvs[k]);
+	}
+	memcpy(mesh->indices + write, corners, sizeof corners);
+	if (mesh->uvs)
+		memcpy(mesh->uvs + 2 * (size_t)write, uvs, sizeof uvs);
 }
 
 /* In place: what is written never passes what is still to be read. */
@@ -292,11 +343,14 @@ void engine_mesh_pair_triangles(engine_mesh *mesh)
 {
 	uint32_t read = 0, write = 0, faces = 0;
 	for (uint32_t f = 0; f < mesh->face_count;) {
-		uint32_t quad[4], *corners = mesh->indices + read;
-		bool paired = pair_at(mesh, f, corners, quad);
+		uint32_t which[4];
+		const bool paired = pair_at(mesh, f, mesh->indices + read, which);
 		uint32_t count = paired ? 4 : mesh->face_counts[f];
 		uint32_t consumed = paired ? 6 : count;
-		memmove(mesh->indices + write, paired ? quad : corners, count * sizeof *corners);
+		if (paired)
+			put_quad(mesh, write, read, which);
+		else
+			engine_mesh_move_corners(mesh, write, read, count);
 		if (mesh->face_materials)
 			mesh->face_materials[faces] = mesh->face_materials[f];
 		mesh->face_counts[faces++] = count;

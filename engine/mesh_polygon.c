@@ -19,8 +19,12 @@ typedef struct cutter {
 	GLUtesselator *tesselator;
 	engine_mesh out;
 	size_t vertex_room, face_room, index_room;
+	size_t uv_room;
 	uint32_t corners[3], corner_count; /* of the triangle that comes in */
-	uint64_t squares;                  /* of the corners of all polygons cut */
+	const uint32_t *polygon;           /* the corners of the one in work, */
+	uint32_t polygon_count;
+	const float *polygon_uvs; /* and their texture coordinates; NULL: none */
+	uint64_t squares;         /* of the corners of all polygons cut */
 	bool failed;
 } cutter;
 
@@ -43,6 +47,22 @@ static bool grow(void **array, size_t *room, size_t needed, size_t size)
 	return true;
 }
 
+/* Those of the polygon's corners; a vertex that cutting made has the first corner's. */
+static bool add_uvs(cutter *c, const uint32_t *corners, uint32_t count)
+{
+	engine_mesh *out = &c->out;
+	if (!grow((void **)&out->uvs, &c->uv_room, (size_t)out->index_count + count, 2 * sizeof(float)))
+		return false;
+	for (uint32_t k = 0; k < count; k++) {
+		uint32_t at = 0;
+		while (at < c->polygon_count && c->polygon[at] != corners[k])
+			at++;
+		memcpy(out->uvs + 2 * ((size_t)out->index_count + k),
+		       c->polygon_uvs + 2 * (size_t)(at < c->polygon_count ? at : 0), 2 * sizeof(float));
+	}
+	return true;
+}
+
 static bool add_face(cutter *c, const uint32_t *corners, uint32_t count, uint32_t material)
 {
 	engine_mesh *out = &c->out;
@@ -50,6 +70,8 @@ static bool add_face(cutter *c, const uint32_t *corners, uint32_t count, uint32_
 	if (!grow((void **)&out->indices, &c->index_room, (size_t)out->index_count + count, sizeof(uint32_t)) ||
 	    !grow((void **)&out->face_counts, &room, (size_t)out->face_count + 1, sizeof(uint32_t)) ||
 	    !grow((void **)&out->face_materials, &c->face_room, (size_t)out->face_count + 1, sizeof(uint32_t)))
+		return false;
+	if (c->polygon_uvs && !add_uvs(c, corners, count))
 		return false;
 	memcpy(out->indices + out->index_count, corners, count * sizeof *corners);
 	out->index_count += count;
@@ -250,6 +272,9 @@ static bool cut_all(cutter *c, const engine_mesh *mesh, uint32_t *scratch, engin
 	for (uint32_t f = 0; f < mesh->face_count; corners += mesh->face_counts[f++]) {
 		uint32_t count = mesh->face_counts[f], material = mesh->face_materials ? mesh->face_materials[f] : 0;
 		uint32_t before = c->out.face_count;
+		c->polygon = corners;
+		c->polygon_count = count;
+		c->polygon_uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
 		if (count == 3 || (is_convex(mesh, corners, count) && !passes_twice(corners, count, scratch))) {
 			if (!add_face(c, corners, count, material))
 				return false;

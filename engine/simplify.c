@@ -9,7 +9,11 @@
 static bool copy_mesh(const engine_mesh *in, engine_mesh *copy)
 {
 	*copy = (engine_mesh){0};
-	return engine_mesh_append(copy, in, 0);
+	if (!engine_mesh_append(copy, in, 0))
+		return false;
+	free(copy->uvs); /* they belong to corners, which change */
+	copy->uvs = NULL;
+	return true;
 }
 
 /* Splits every face into a fan: a b c, a c d, ... Replaces the arrays of faces. */

@@ -129,9 +129,14 @@ static uint32_t program_of(const gi_context *gi)
 
 static gi_result make_program(gi_context *gi)
 {
-	static const char *const files[PATH_PROGRAMS] = {
-	    "paths.comp",          "paths_specular.comp",          "paths_sky.comp",          "paths_sky_specular.comp",
-	    "paths_punctual.comp", "paths_specular_punctual.comp", "paths_sky_punctual.comp", "paths_sky_specular_punctual.comp"};
+	static const char *const files[PATH_PROGRAMS] = {"paths.comp",
+							 "paths_specular.comp",
+							 "paths_sky.comp",
+							 "paths_sky_specular.comp",
+							 "paths_punctual.comp",
+							 "paths_specular_punctual.comp",
+							 "paths_sky_punctual.comp",
+							 "paths_sky_specular_punctual.comp"};
 	const int which = which_program(gi);
 	const gpu_program_file file = {files[which], &gi->paths->programs[which]};
 	return program_of(gi) ? GI_OK : gpu_programs_compute(&gi->gpu, &file, 1);

@@ -355,8 +355,7 @@ static uint32_t count_astray(const engine_scene *scene, double time_s, const dou
 	float moved[3 * 16];
 	uint32_t astray = 0;
 	assert_true(object->deforms && object->mesh.vertex_count <= 16);
-	assert_true(
-	    engine_scene_follow(scene, 0, object->mesh.positions, object->mesh.vertex_count, &followers));
+	assert_true(engine_scene_follow(scene, 0, object->mesh.positions, object->mesh.vertex_count, &followers));
 	engine_scene_shape(scene, 0, &followers, time_s, moved);
 	assert_true(engine_scene_pose(scene, 0, time_s, &pose));
 	for (uint32_t v = 0; v < object->mesh.vertex_count; v++) {
@@ -419,7 +418,8 @@ static void morph_targets_move(void **state)
 {
 	(void)state;
 	static const float times[2] = {0, 1}, lift[4][3] = {{0, 0, 4}, {0, 0, 4}, {0, 0, 4}, {0, 0, 4}},
-			   pull[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}}, keys[2][2] = {{.5f, 0}, {.25f, 1}};
+			   pull[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}},
+			   keys[2][2] = {{.5f, 0}, {.25f, 1}};
 	static const struct {
 		const char *place;
 		double m[3][4];
@@ -433,18 +433,20 @@ static void morph_targets_move(void **state)
 		ADD_FLOATS(pull, 4, "VEC3");
 		ADD_FLOATS(times, 2, "SCALAR");
 		ADD_FLOATS(keys, 4, "SCALAR");
-		snprintf(members, sizeof members,
-			 "\"nodes\":[{\"mesh\":0,%s}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":7}],"
-			 "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}],"
-			 "\"meshes\":[{\"weights\":[0.25,0],\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
-			 "\"targets\":[{\"POSITION\":4},{\"POSITION\":5}]}]}]",
-			 nodes[n].place);
+		snprintf(
+		    members, sizeof members,
+		    "\"nodes\":[{\"mesh\":0,%s}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":7}],"
+		    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}],"
+		    "\"meshes\":[{\"weights\":[0.25,0],\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+		    "\"targets\":[{\"POSITION\":4},{\"POSITION\":5}]}]}]",
+		    nodes[n].place);
 		engine_scene scene = load_kind(members);
 		for (int k = 0; k <= 2; k++) {
 			const double t = k / 2., lifted = 4 * (.5 - .25 * t), pulled = t;
 			double points[4][3];
 			for (int v = 0; v < 4; v++) {
-				const double p[3] = {(1 + pulled) * (v == 1 || v == 2), (1 + 2 * pulled) * (v >= 2), lifted};
+				const double p[3] = {(1 + pulled) * (v == 1 || v == 2), (1 + 2 * pulled) * (v >= 2),
+						     lifted};
 				for (int row = 0; row < 3; row++)
 					points[v][row] = nodes[n].m[row][0] * p[0] + nodes[n].m[row][1] * p[1] +
 							 nodes[n].m[row][2] * p[2] + nodes[n].m[row][3];
@@ -642,17 +644,46 @@ static void check_emits(const char *image, float expected, const char *words)
 }
 
 /* In linear light: 188 of 255 is about a half. */
-static void emissive_textures_count_by_their_mean(void **state)
+static void emissive_textures_are_read(void **state)
 {
 	(void)state;
-	static const char mean[] = "emissive textures are read as their mean (\"paint\")";
-	check_emits("data:image/png;base64," BLACK, 0, mean);
-	check_emits("data:image/png;base64," HALF_WHITE, 2, mean);
-	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, mean);
+	check_emits("data:image/png;base64," BLACK, 0, "");
+	check_emits("data:image/png;base64," HALF_WHITE, 2, "");
+	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, "");
 	check_emits("data:image/webp;base64,UklGRgAAAABXRUJQ", 4, "it is neither PNG nor JPEG");
 	check_emits("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg", 4, "cut off");
 	check_emits("../../../../etc/passwd", 4, "emissive textures are left out: lies outside");
 	check_emits("none.png", 4, "emissive textures are left out: cannot be opened");
+}
+
+/* Corners keep their coordinates; the factor stays apart from the picture. */
+static void textures_come_with_their_coordinates(void **state)
+{
+	(void)state;
+	static const float uvs[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+	begin();
+	ADD_FLOATS(uvs, 4, "VEC2");
+	engine_scene scene = load_kind(
+	    "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_1\":4},"
+	    "\"indices\":1,\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
+	    "\"baseColorFactor\":[0.5,1,1,1],\"baseColorTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{"
+	    "\"KHR_texture_transform\":{\"offset\":[0.25,0],\"scale\":[2,1]}}}}}],\"textures\":[{\"source\":0,"
+	    "\"sampler\":0}],\"samplers\":[{\"wrapS\":33071}],"
+	    "\"images\":[{\"uri\":\"data:image/png;base64," HALF_WHITE "\"}]");
+	const engine_mesh *mesh = &scene.objects[0].mesh;
+	const engine_scene_material *m = &scene.materials[0];
+	check_tells(&scene, "");
+	assert_true(scene.texture_count == 1 && scene.textures[0].pixels.width == 2 && m->rho_texture.number == 1);
+	check_floats(m->rho, (const float[3]){.25f, .5f, .5f}, 3, 1e-5f);
+	check_floats(m->rho_factor, (const float[3]){.5f, 1, 1}, 3, 1e-5f);
+	check_floats(m->rho_texture.transform[0], (const float[6]){2, 0, .25f, 0, 1, 0}, 6, 1e-6f);
+	assert_true(m->rho_texture.wrap[0] == ENGINE_WRAP_CLAMP && m->rho_texture.wrap[1] == ENGINE_WRAP_REPEAT);
+	assert_true(mesh->face_count == 2 && mesh->uvs);
+	for (uint32_t k = 0; k < mesh->index_count; k++) {
+		const float *p = mesh->positions + 3 * mesh->indices[k];
+		check_floats(mesh->uvs + 2 * k, (const float[2]){p[0], 1 - p[1]}, 2, 1e-6f);
+	}
+	engine_scene_free(&scene);
 }
 
 static void faces_of_little_alpha_let_light_through(void **state)
@@ -736,7 +767,7 @@ static void what_is_not_read_is_told(void **state)
 	check_kind(
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"
 		    "\"KHR_texture_transform\":{\"scale\":[2,2]}}}}"),
-	    2, "textures of base colours are not read, their factors are (\"paint\")");
+	    2, "textures of base colours are left out: the texture names no image (\"paint\")");
 	check_told(finish("\"nodes\":[{\"camera\":0}],\"cameras\":[{\"perspective\":{\"yfov\":1}}]"),
 		   "the file holds no faces");
 }
@@ -953,7 +984,8 @@ int main(void)
 	    cmocka_unit_test(quantized_positions),
 	    cmocka_unit_test(map_coordinates_keep_their_digits),
 	    cmocka_unit_test(meshes_far_from_their_own_zero),
-	    cmocka_unit_test(emissive_textures_count_by_their_mean),
+	    cmocka_unit_test(emissive_textures_are_read),
+	    cmocka_unit_test(textures_come_with_their_coordinates),
 	    cmocka_unit_test(faces_of_little_alpha_let_light_through),
 	    cmocka_unit_test(smooth_metals_are_mirrors_and_what_transmits_is_glass),
 	    cmocka_unit_test(what_is_not_read_is_told),
