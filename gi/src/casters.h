@@ -22,9 +22,9 @@ typedef struct gi_caster {
 	uint32_t wall_count; /* 0: too many to look at */
 	caster_wall *walls;
 	uint32_t sphere_count;
-	gi_vec4 *spheres;                /* hold all of the surface; rest frame, w radius */
-	uint32_t *sphere_nodes;          /* theirs, of a shape that changes */
-	bool as_drawn;                   /* by what is drawn, not by the leaves */
+	gi_vec4 *spheres;       /* hold all of the surface; rest frame, w radius */
+	uint32_t *sphere_nodes; /* theirs, of a shape that changes */
+	bool as_drawn;          /* by what is drawn, not by the leaves */
 	uint32_t first_vertex, vertex_count;
 	double off;                      /* what is drawn lies at most this far outside of them */
 	double outside;                  /* and what casts of them */

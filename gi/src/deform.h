@@ -34,7 +34,7 @@ typedef struct gi_deform {
 	gi_stencils points;             /* of the leaves' vertices */
 	gi_stencils drawn, tangents[2]; /* of the vertices of what is drawn; none where that is the leaves' */
 	uint32_t leaf_count;
-	uint32_t *faces; /* of each leaf: number of the definition's face */
+	uint32_t *faces;   /* of each leaf: number of the definition's face */
 	uint32_t *by_size; /* the leaves in the order of their areas by the definition, the largest first (rank.h) */
 	bool two_sided;
 	gi_shape next, now;

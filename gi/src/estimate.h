@@ -7,8 +7,8 @@
 #include "gpu.h"
 
 typedef struct gi_estimate {
-	bool fresh;  /* chances are those of the committed scene */
-	double area; /* of all its leaves, m2 */
+	bool fresh;      /* chances are those of the committed scene */
+	double area;     /* of all its leaves, m2 */
 	gi_arena memory; /* where chances are made: shapes that change make others every frame */
 	/* Made by the first update that wants them, as the buffers. */
 	uint32_t samples_program, trace_program, sum_program, mean_program;

@@ -5,8 +5,7 @@
 #include "scene_object.h"
 
 /* `count` elements, the first of them the object's element `first` in the scene. */
-static void upload(gi_context *gi, gpu_buffer *buffer, uint64_t size, uint64_t first, uint64_t count,
-		   const void *data)
+static void upload(gi_context *gi, gpu_buffer *buffer, uint64_t size, uint64_t first, uint64_t count, const void *data)
 {
 	gpu_buffer_upload(&gi->gpu, buffer, size * first, size * count, data);
 }

@@ -68,8 +68,8 @@ struct gi_shade {
 	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
 	gpu_mesh mesh, screen;
-	uint32_t *first_vertex;       /* of the mesh, by slot; GI_NONE: it is not drawn */
-	struct draw_vertex *staging;  /* of a shape that changed */
+	uint32_t *first_vertex;      /* of the mesh, by slot; GI_NONE: it is not drawn */
+	struct draw_vertex *staging; /* of a shape that changed */
 	uint32_t staging_room;
 	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */

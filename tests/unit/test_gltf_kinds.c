@@ -346,7 +346,8 @@ static void morph_targets_stand_at_their_weights(void **state)
 	engine_scene_free(&scene);
 }
 
-/* The mesh of object 0 as it follows its joints and targets, in the world; how many vertices are at none of the points. */
+/* The mesh of object 0 as it follows its joints and targets, in the world; how many of its vertices are at none of the
+ * points. */
 static uint32_t count_astray(const engine_scene *scene, double time_s, const double (*points)[3], int count)
 {
 	const engine_scene_object *object = &scene->objects[0];
@@ -355,8 +356,7 @@ static uint32_t count_astray(const engine_scene *scene, double time_s, const dou
 	float moved[3 * 16];
 	uint32_t astray = 0;
 	assert_true(object->deforms && object->mesh.vertex_count <= 16);
-	assert_true(
-	    engine_scene_follow(scene, 0, object->mesh.positions, object->mesh.vertex_count, &followers));
+	assert_true(engine_scene_follow(scene, 0, object->mesh.positions, object->mesh.vertex_count, &followers));
 	engine_scene_shape(scene, 0, &followers, time_s, moved);
 	assert_true(engine_scene_pose(scene, 0, time_s, &pose));
 	for (uint32_t v = 0; v < object->mesh.vertex_count; v++) {
@@ -419,7 +419,8 @@ static void morph_targets_move(void **state)
 {
 	(void)state;
 	static const float times[2] = {0, 1}, lift[4][3] = {{0, 0, 4}, {0, 0, 4}, {0, 0, 4}, {0, 0, 4}},
-			   pull[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}}, keys[2][2] = {{.5f, 0}, {.25f, 1}};
+			   pull[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}},
+			   keys[2][2] = {{.5f, 0}, {.25f, 1}};
 	static const struct {
 		const char *place;
 		double m[3][4];
@@ -433,18 +434,20 @@ static void morph_targets_move(void **state)
 		ADD_FLOATS(pull, 4, "VEC3");
 		ADD_FLOATS(times, 2, "SCALAR");
 		ADD_FLOATS(keys, 4, "SCALAR");
-		snprintf(members, sizeof members,
-			 "\"nodes\":[{\"mesh\":0,%s}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":7}],"
-			 "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}],"
-			 "\"meshes\":[{\"weights\":[0.25,0],\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
-			 "\"targets\":[{\"POSITION\":4},{\"POSITION\":5}]}]}]",
-			 nodes[n].place);
+		snprintf(
+		    members, sizeof members,
+		    "\"nodes\":[{\"mesh\":0,%s}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":7}],"
+		    "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}}]}],"
+		    "\"meshes\":[{\"weights\":[0.25,0],\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+		    "\"targets\":[{\"POSITION\":4},{\"POSITION\":5}]}]}]",
+		    nodes[n].place);
 		engine_scene scene = load_kind(members);
 		for (int k = 0; k <= 2; k++) {
 			const double t = k / 2., lifted = 4 * (.5 - .25 * t), pulled = t;
 			double points[4][3];
 			for (int v = 0; v < 4; v++) {
-				const double p[3] = {(1 + pulled) * (v == 1 || v == 2), (1 + 2 * pulled) * (v >= 2), lifted};
+				const double p[3] = {(1 + pulled) * (v == 1 || v == 2), (1 + 2 * pulled) * (v >= 2),
+						     lifted};
 				for (int row = 0; row < 3; row++)
 					points[v][row] = nodes[n].m[row][0] * p[0] + nodes[n].m[row][1] * p[1] +
 							 nodes[n].m[row][2] * p[2] + nodes[n].m[row][3];
