@@ -346,7 +346,8 @@ static void morph_targets_stand_at_their_weights(void **state)
 	engine_scene_free(&scene);
 }
 
-/* The mesh of object 0 as it follows its joints and targets, in the world; how many vertices are at none of the points. */
+/* The mesh of object 0 as it follows its joints and targets, in the world; how many of its vertices are at none of the
+ * points. */
 static uint32_t count_astray(const engine_scene *scene, double time_s, const double (*points)[3], int count)
 {
 	const engine_scene_object *object = &scene->objects[0];
