@@ -4,9 +4,9 @@
 // the light is, and with that how wide the penumbra is that further looks average over. Texels are compared with the
 // plane of the point's own surface, or it would hide itself where looks are wide.
 //
-// No light comes in along the edges of a room whose walls have no thickness: a look sees the light where all four texels
-// about it do, so that no look does from behind an edge; and of looks no wider than texels, half of which may lie beyond
-// the edge of what is next to the point, half have to see it before any light arrives.
+// No light comes in along the edges of a room whose walls have no thickness: a look sees the light where all four
+// texels about it do, so that no look does from behind an edge; and of looks no wider than texels, half of which may
+// lie beyond the edge of what is next to the point, half have to see it before any light arrives.
 
 layout(std140, binding = GI_UNIFORM_LAMP) uniform view_block { gi_punctual_view view; };
 layout(binding = GI_UNIT_MAP_VALUES) uniform sampler2DArray depth_values;

@@ -1,7 +1,8 @@
 #version 450 core
 // How much of each light without a surface arrives at each leaf and receiver: what would with nothing in between,
 // integrated over the leaf, times the share of it that rays find to arrive. One thread a light and row. Those that
-// nothing changed since they were last looked at stay; of a light that is switched off it is but noted that something did.
+// nothing changed since they were last looked at stay; of a light that is switched off it is but noted that something
+// did.
 //
 // A pure function of the poses of the leaf's object and of all others, and of the light: an update's are a rebuild's.
 #define READ_FRAME

@@ -235,7 +235,6 @@ static void light_leaves(gi_context *gi)
 	/* Rows that are built anew ask nobody what moved (rows.c). */
 	const bool all = !p->built || (moved && gi->frame.update.w & GI_UPDATE_REBUILD);
 	const bool any = upload_lights(gi);
-	rows_progress(gi, GI_PASS_LIGHTS);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_LIGHTS]);
 	bind_scene(gi);
 	bind_rows(gi);

@@ -31,6 +31,7 @@ typedef enum feature {
 	PICTURE,
 	RECEIVERS,
 	HARMONICS,
+	PROBES,
 	LIGHTS,
 	DEFORMING,
 	FEATURES
@@ -61,6 +62,7 @@ static const struct {
     [PICTURE] = {"no drawing", {"surface.frag", "drawn surfaces", "surfaces", "whole picture"}},
     [RECEIVERS] = {"no receivers", {"receive", "light of receivers"}},
     [HARMONICS] = {"no harmonics", {"receive_harmonics", "trace_round.comp", "factor_round.comp"}},
+    [PROBES] = {"no probes", {"probe_planes", "planes about probes"}},
     [LIGHTS] = {"no lights but emitters",
 		{"punctual_", "emitted_specular_punctual", "receive_punctual", "light_punctual.frag",
 		 "lights without a surface", "lights: ", "lights of pictures"}},
@@ -216,6 +218,11 @@ static void make_receivers(const scene *s)
 	def.harmonics = 1;
 	if (has(s, HARMONICS))
 		assert_gi(gi_create_receivers(s->gi, &def, &receivers));
+	gi_probes_def grid = gi_probes_def_default();
+	grid.lower[1] = grid.spacing = 1;
+	grid.count[0] = grid.count[1] = grid.count[2] = 2;
+	if (has(s, PROBES))
+		assert_gi(gi_create_probes(s->gi, &grid, &receivers));
 }
 
 /* Brighter at one side. */
@@ -348,7 +355,8 @@ static uint32_t without(feature f)
 						 [SKY] = OF(SKY_IMAGE),
 						 [SPECULAR] = OF(CAUSTICS),
 						 [PICTURE] = OF(PIXEL_LAMPS),
-						 [RECEIVERS] = OF(HARMONICS)};
+						 [RECEIVERS] = OF(HARMONICS) | OF(PROBES),
+						 [HARMONICS] = OF(PROBES)};
 	return ALL & ~OF(f) & ~takes[f];
 }
 
