@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Texels of the box about a triangle that are each looked at, a square of so many a side; of more, one of each block. */
+/* Texels of the box about a triangle that are each looked at, a square of so many a side; of more, one a block. */
 static const double MOST_SIDE = 256;
 
 /* A triangle so many times as wide and as tall as the picture, which repeats, has the mean of all. */
