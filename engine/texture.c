@@ -3,7 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-static const double MOST_TEXELS = 4e6;
+/* Texels of the box about a triangle that are each looked at, a square of so many a side; of more, one a block. */
+static const double MOST_SIDE = 256;
+
+/* A triangle so many times as wide and as tall as the picture, which repeats, has the mean of all. */
+static const double MANY_TIMES = 4;
 
 /* A triangle cut by up to four lines. */
 typedef struct polygon {
@@ -91,14 +95,16 @@ static void add_texel(const engine_texture *t, const engine_texture_use *use, do
 	s->area += area;
 }
 
-static void add_row(const engine_texture *t, const engine_texture_use *use, const polygon *p, double y, sums *s)
+/* step: texels of a block, each way. */
+static void add_row(const engine_texture *t, const engine_texture_use *use, const polygon *p, double y,
+		    const double step[2], sums *s)
 {
 	const polygon row = clip_band(p, 1, y);
 	double low, high;
 	range_of(&row, 0, &low, &high);
 	for (double x = floor(low); x < high; x++) {
 		const polygon cell = clip_band(&row, 0, x);
-		add_texel(t, use, x, y, area_of(&cell), s);
+		add_texel(t, use, floor((x + 0.5) * step[0]), floor((y + 0.5) * step[1]), area_of(&cell), s);
 	}
 }
 
@@ -115,11 +121,19 @@ void engine_texture_mean(const engine_texture *t, const engine_texture_use *use,
 	for (int i = 0; i < 2; i++)
 		range_of(&p, i, &low[i], &high[i]);
 	memcpy(mean, t->mean, 4 * sizeof *mean);
-	if (!((high[0] - low[0] + 1) * (high[1] - low[1] + 1) <= MOST_TEXELS) || !(fabs(low[0] + low[1]) < 1e9))
+	const bool repeats = use->wrap[0] != ENGINE_WRAP_CLAMP && use->wrap[1] != ENGINE_WRAP_CLAMP;
+	const double wide = high[0] - low[0], tall = high[1] - low[1];
+	if (!(fabs(low[0]) + fabs(low[1]) + wide + tall < 1e9) ||
+	    (repeats && wide > MANY_TIMES * t->pixels.width && tall > MANY_TIMES * t->pixels.height))
 		return;
+	const double most = MOST_SIDE * MOST_SIDE;
+	const double step[2] = {ceil((wide + 1) / fmax(MOST_SIDE, most / (tall + 1))),
+				ceil((tall + 1) / fmax(MOST_SIDE, most / (wide + 1)))};
+	for (int k = 0; k < 6; k++)
+		p.at[k / 2][k % 2] /= step[k % 2];
 	sums s = {0};
-	for (double y = floor(low[1]); y < high[1]; y++)
-		add_row(t, use, &p, y, &s);
+	for (double y = floor(low[1] / step[1]); y < high[1] / step[1]; y++)
+		add_row(t, use, &p, y, step, &s);
 	/* A line or a point: what its middle lies on. */
 	if (!(s.area > 1e-9)) {
 		s = (sums){0};

@@ -26,8 +26,8 @@ typedef struct engine_texture_use {
 engine_texture_use engine_texture_use_of(uint32_t number);
 
 /* Mean over a triangle of the surface, whose corners have these coordinates of the mesh: linear r g b, and alpha.
- * Texels are squares of one value, what the triangle covers of each counts. One that covers more than four million
- * texels has the mean of all. */
+ * Texels are squares of one value, what the triangle covers of each counts. Of very many one in so many is looked
+ * at; a triangle that covers a repeating picture several times has the mean of all. */
 void engine_texture_mean(const engine_texture *texture, const engine_texture_use *use, const float uvs[3][2],
 			 float mean[4]);
 
