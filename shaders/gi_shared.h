@@ -150,7 +150,8 @@ GI_STRUCT(gi_primitive) {
  *       0: none
  *   changed.x update that last moved it    changed.y update that last lit or put it out    changed.z update that last
  *       gave it another shape: that moved it, too
- *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node
+ *   ids.x added to the number of a leaf gives its id, ids.y likewise of a node; of a set of receivers, which has no
+ *       tree: ids.z where their light begins, ids.w vec4 of it each
  *
  * Numbers are dense and change from commit to commit, ids never do. Samples are drawn by them.
  *

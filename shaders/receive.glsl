@@ -142,11 +142,11 @@ void main()
 	uint t = thread_number();
 	if (t >= count)
 		return;
-	uvec4 mine = load_leaf(first + t), row = load_row(first + t), place = object_bvh(mine.y);
+	uvec4 mine = load_leaf(first + t), row = load_row(first + t), place = object_ids(mine.y);
 	uint number = first + t - object_nodes(mine.y).z;
 #ifdef HARMONICS
-	receive(row, world_sphere(mine.x).xyz, place.x + place.y * number, place.y, first + t);
+	receive(row, world_sphere(mine.x).xyz, place.z + place.w * number, place.w, first + t);
 #else
-	receive(row, place.x + number, first + t);
+	receive(row, place.z + number, first + t);
 #endif
 }

@@ -238,7 +238,7 @@ static bool add_caster(const object_record *o, uint32_t slot, bool fine, gi_cast
 	c->first_vertex = mesh->vertex_count;
 	c->range.first = mesh->index_count;
 	const uint32_t polygons = add_polygons(h, slot, mesh);
-	c->as_drawn = fine && (h->deforms || is_drawn_elsewhere(o));
+	c->as_drawn = fine && o->drawn.index_count && (h->deforms || is_drawn_elsewhere(o));
 	const bool many = c->as_drawn || polygons > WALL_POLYGONS;
 	if (c->as_drawn) {
 		mesh->vertex_count = c->first_vertex;

@@ -156,11 +156,13 @@ static gi_result find_changes(gi_context *gi, const gi_budget *budget, changes *
 	*c = changed_objects(gi);
 	c->light =
 	    c->light || gi->solve_changed || gi->light_changed || gi->light_list.changed || caustics_are_late(gi);
+	const bool waiting = gi->rows.current < gi->rows.update;
 	c->rows = c->rows || gi->rows.rebuild || gi->rows.kept || rows_are_due(gi, budget);
+	/* Among rows that are refreshed for receivers may be some of leaves then. */
+	c->rows = c->rows || (c->receivers && waiting);
 	if (!c->light || c->rows)
 		return GI_OK;
 	/* Bounds of rows that wait were made with the materials of before. */
-	const bool waiting = gi->rows.current < gi->rows.update;
 	/* Another emitter may change how fine others are cut. */
 	const gi_result result = emitters_weigh(gi);
 	c->rows = waiting || changed_objects(gi).rows;

@@ -159,9 +159,11 @@ static gi_punctual_light data_of(const light_record *light, uint32_t place)
 		return (gi_punctual_light){0};
 	const gi_light_def *d = &light->def;
 	const bool directional = d->type == GI_LIGHT_DIRECTIONAL;
+	static const float none[3] = {0}; /* a point's may be anything, infinite too */
+	const float *direction = d->type == GI_LIGHT_POINT ? none : d->direction;
 	gi_punctual_light p = {
 	    .place = {d->position[0], d->position[1], d->position[2], d->radius},
-	    .axis = unit(d->direction, d->range > 0 && !directional ? 1 / (d->range * d->range) : 0),
+	    .axis = unit(direction, d->range > 0 && !directional ? 1 / (d->range * d->range) : 0),
 	    .cone = cone_of(d),
 	    .color = {d->intensity[0], d->intensity[1], d->intensity[2], 0},
 	    .kind = {GI_PUNCTUAL_THERE, place, 0, 0},
@@ -252,7 +254,7 @@ static void light_leaves(gi_context *gi)
 
 gi_result punctual_update(gi_context *gi)
 {
-	if (!light_list_alive(&gi->light_list) || !gi->scene.leaf_count) {
+	if (!light_list_alive(&gi->light_list) || !scene_row_count(&gi->scene)) {
 		punctual_free(gi);
 		return GI_OK;
 	}

@@ -290,9 +290,9 @@ static void gather_set(const gi_context *gi, gi_scene *next, uint32_t number, co
 	}
 	gi_object_data *data = &next->object_data[slot];
 	data->nodes = (gi_uvec4){node, node + set->count, leaf, leaf + set->count};
-	data->bvh = (gi_uvec4){place->light, set->coefficients, 0, 0};
+	data->bvh = (gi_uvec4){0}; /* no tree: a set hides nothing */
 	data->extra = (gi_uvec4){0, vertex, vertex + CORNERS * set->count, 0};
-	data->ids = (gi_uvec4){set->id - leaf, 0, 0, 0};
+	data->ids = (gi_uvec4){set->id - leaf, 0, place->light, set->coefficients};
 	place_set(set, data);
 }
 

@@ -410,12 +410,12 @@ static void take_exitance(gi_context *gi, const gi_scene *before, const carried 
 	gi_scene *s = &gi->scene;
 	for (uint32_t k = 0; k < s->object_count; k++) {
 		object_record *o = &s->objects[k];
-		if (object_is_alive(o) && (!o->committed || o->material_changed))
+		if (object_is_alive(o) && (!o->committed || o->material_changed || o->reshaped))
 			scene_update_exitance(gi, o);
 	}
 	for (uint32_t k = 0; k < old_count; k++) {
 		const object_record *o = &s->objects[old[k].index];
-		if (o->material_changed)
+		if (o->material_changed || o->reshaped) /* means are by area */
 			continue;
 		memcpy(s->node_exitance + o->node_base, before->node_exitance + old[k].node_base,
 		       sizeof *s->node_exitance * o->hierarchy.node_count);

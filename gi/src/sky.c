@@ -149,6 +149,9 @@ void sky_relight(gi_context *gi)
 	if (!s->slot_count || s->sky_slot == GI_NONE)
 		return;
 	const uint32_t first = s->object_data[s->sky_slot].nodes.x, count = s->object_data[s->sky_slot].nodes.y - first;
+	/* gi_finish before the commit that takes other patches in. */
+	if (gi->sky.image && gi->sky.image->node_count != count)
+		return;
 	for (uint32_t k = 0; k < count; k++)
 		s->node_exitance[first + k] = sky_exitance(gi, k);
 	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * first, sizeof(gi_vec4) * count,
