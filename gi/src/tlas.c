@@ -119,10 +119,36 @@ static bool may_cover(const gi_scene *s, uint32_t flat, uint32_t slot, double sl
 	return !(o->hierarchy.closed && o->hierarchy.volume > 0) && has_face_in(&o->bvh, &p, slack);
 }
 
-/* Does the object lie in a plane with all others on one side of it and none in it, as a wall of a room does? Then it
- * hides only what is beyond all objects. */
-static bool encloses(const gi_scene *s, uint32_t slot)
+/* On which sides of a plane are receivers? Of their squares those that lie in it are on neither. */
+static void find_receivers(const gi_context *gi, gi_vec4 plane, bool *front, bool *behind)
 {
+	static const double ALONG = 1 - 1e-6;
+	const gi_scene *s = &gi->scene;
+	for (uint32_t k = 0; k < s->set_count; k++) {
+		const receiver_set *set = &gi->receivers.list[s->sets[k].set];
+		const rest_plane p = plane_at_rest(plane, &s->object_data[s->slot_count + k]);
+		for (uint32_t i = 0; i < set->count && !(*front && *behind); i++) {
+			const receiver_point *point = &set->points[i];
+			double off = -p.height, cosine = 0, far = fabs(p.height) + fabs((double)plane.w);
+			for (int c = 0; c < 3; c++) {
+				const double n = (double)point->normal[c], at = point->position[c] + n * set->offset;
+				off += p.normal[c] * at;
+				cosine += p.normal[c] * n;
+				far += fabs(at);
+			}
+			const double reach =
+			    fabs(cosine) < ALONG ? 0.5 * (double)set->size * sqrt(2 - 2 * cosine * cosine) : 0;
+			*front = *front || off + reach > HULL_SLACK * far;
+			*behind = *behind || off - reach < -HULL_SLACK * far;
+		}
+	}
+}
+
+/* Does the object lie in a plane with all others on one side of it and none in it, as a wall of a room does, and
+ * receivers too? Then it hides only what is beyond all of them. */
+static bool encloses(const gi_context *gi, uint32_t slot)
+{
+	const gi_scene *s = &gi->scene;
 	const gi_vec4 plane = s->object_data[slot].plane;
 	bool front = false, behind = false;
 	for (uint32_t k = 0; k < s->slot_count && !(front && behind); k++) {
@@ -140,6 +166,8 @@ static bool encloses(const gi_scene *s, uint32_t slot)
 		if (fabs(along - plane.w) - reach <= near && may_cover(s, slot, k, near))
 			return false;
 	}
+	if (!(front && behind))
+		find_receivers(gi, plane, &front, &behind);
 	return !(front && behind);
 }
 
@@ -208,8 +236,9 @@ static void build(gi_scene *s, const room *r, uint32_t count, uint32_t base, gi_
 	}
 }
 
-static void build_both(gi_scene *s, const room *r)
+static void build_both(gi_context *gi, const room *r)
 {
+	gi_scene *s = &gi->scene;
 	uint32_t count = 0, inner = 0;
 	for (uint32_t slot = 0; slot < s->slot_count; slot++)
 		if (scene_slot_is_seen(s, slot))
@@ -217,7 +246,7 @@ static void build_both(gi_scene *s, const room *r)
 	s->tlas_all = count ? 2 * count - 1 : 0;
 	build(s, r, count, 0, s->tlas);
 	for (uint32_t k = 0; k < count; k++)
-		if (!s->objects[s->slots[r->slots[k]]].plane || !encloses(s, r->slots[k]))
+		if (!s->objects[s->slots[r->slots[k]]].plane || !encloses(gi, r->slots[k]))
 			r->slots[inner++] = r->slots[k];
 	/* Mostly all of them: then one tree is both. */
 	s->tlas_inner = inner && inner < count ? 2 * inner - 1 : 0;
@@ -244,7 +273,7 @@ gi_result tlas_upload(gi_context *gi)
 	if (!gi_arena_reserve(&gi->tree_arena))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	const room r = take_room(s, &gi->tree_arena);
-	build_both(s, &r);
+	build_both(gi, &r);
 	gpu_buffer_upload(&gi->gpu, &s->tlas_gpu, 0, sizeof *s->tlas_packed * (s->tlas_count + s->tlas_inner),
 			  s->tlas_packed);
 	return GI_OK;
