@@ -79,8 +79,8 @@ uint object_of(uint source, uvec4 range)
 	return source != frame.swept.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
 }
 
-// The other side of a sheet of two sides: the leaf's own corners, the other way round. Where they are in no plane, be it
-// by their rounding, heights over it say nothing.
+// The other side of a sheet of two sides: the leaf's own corners, the other way round. Where they are in no plane, be
+// it by their rounding, heights over it say nothing.
 const float ONE_PLACE = 1e-5, OPPOSITE = 0.9;
 
 bool is_other_side(shape p, gi_node_geometry g)
