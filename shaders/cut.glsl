@@ -79,7 +79,18 @@ uint object_of(uint source, uvec4 range)
 	return source != frame.swept.w || (range.w & GI_NODE_TOP) != 0u ? source : load_leaf(range.y).y;
 }
 
-uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
+// The other side of a sheet of two sides: the leaf's own corners, the other way round. Where they are in no plane, be
+// it by their rounding, heights over it say nothing.
+const float ONE_PLACE = 1e-5, OPPOSITE = 0.9;
+
+bool is_other_side(shape p, gi_node_geometry g)
+{
+	float slack = ONE_PLACE * p.radius + POSITION_SLACK * length(p.centre);
+	return dot(p.axis, g.axis.xyz) < -OPPOSITE && distance(p.centre, g.sphere.xyz) <= slack &&
+	       abs(p.radius - g.sphere.w) <= slack;
+}
+
+uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
 {
 	uint flags = range.w;
 	if ((flags & GI_NODE_SKY) != 0u)
@@ -88,7 +99,7 @@ uint classify(shape p, gi_node_geometry g, uvec4 range, uint node, uint source, 
 	if (f.unseen)
 		return CUT_SKIP;
 	if ((flags & GI_NODE_LEAF) != 0u)
-		return CUT_TAKE;
+		return is_other_side(p, g) && load_leaf(range.y).y == load_leaf(leaf).y ? CUT_SKIP : CUT_TAKE;
 	float d = f.d;
 	// Nor anything where the two face each other, a hair apart.
 	float reach = g.sphere.w + (dot(p.axis, g.axis.xyz) < 0.0 ? p.radius : 0.0);
@@ -176,7 +187,7 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 			n = range.x;
 			continue;
 		}
-		uint verdict = classify(p, geometry_of(n, same), range, n, source, same);
+		uint verdict = classify(leaf, p, geometry_of(n, same), range, n, source, same);
 		if (verdict == CUT_TAKE) {
 			// The form factor and the visibility come from the passes that follow; one sample is what most
 			// take. It is no entry that a mover may have changed.

@@ -97,9 +97,10 @@ ivec2 gi_probe_wrapped(ivec2 t)
 	return clamp(t, ivec2(0), ivec2(last));
 }
 
-// Is what lies `from` the probe before the surfaces that it sees in the directions about it? 0: behind one of them. Each
-// direction knows the plane of what it met, so that a wall hides all that is behind it, however obliquely it is seen, and
-// in the corner of a room any of its walls does. What fades are directions that come into reach or leave it, and depth.
+// Is what lies `from` the probe before the surfaces that it sees in the directions about it? 0: behind one of them.
+// Each direction knows the plane of what it met, so that a wall hides all that is behind it, however obliquely it is
+// seen, and in the corner of a room any of its walls does. What fades are directions that come into reach or leave it,
+// and depth.
 float gi_probe_sees(uint first_plane, vec3 from, float bias)
 {
 	vec2 p = from.xy / max(abs(from.x) + abs(from.y) + abs(from.z), 1e-30);
@@ -108,7 +109,8 @@ float gi_probe_sees(uint first_plane, vec3 from, float bias)
 	vec2 at = (0.5 * p + 0.5) * float(GI_PROBE_SIDE) - 0.5, nearest = floor(at + 0.5);
 	float seen = 1.0;
 	for (int k = 0; k < 9; k++) {
-		vec2 texel = nearest + vec2(k % 3 - 1, k / 3 - 1), reach = clamp(15.0 - 10.0 * abs(texel - at), 0.0, 1.0);
+		vec2 texel = nearest + vec2(k % 3 - 1, k / 3 - 1);
+		vec2 reach = clamp(15.0 - 10.0 * abs(texel - at), 0.0, 1.0);
 		ivec2 t = gi_probe_wrapped(ivec2(texel));
 		vec4 plane = gi_probe_plane(first_plane + uint(t.y * GI_PROBE_SIDE + t.x));
 		float before = clamp(2.0 + (dot(plane.xyz, from) - plane.w) / bias, 0.0, 1.0);
@@ -121,7 +123,8 @@ float gi_probe_sees(uint first_plane, vec3 from, float bias)
 float gi_probe_weight(gi_probe_grid g, vec3 place, vec3 lifted, uint k, out uint probe)
 {
 	vec3 last = vec3(g.count.xyz - 1u);
-	vec3 cell = clamp((place - g.lower.xyz) / g.lower.w, vec3(0.0), last), base = min(floor(cell), max(last - 1.0, 0.0));
+	vec3 cell = clamp((place - g.lower.xyz) / g.lower.w, vec3(0.0), last);
+	vec3 base = min(floor(cell), max(last - 1.0, 0.0));
 	uvec3 step = uvec3(k & 1u, (k >> 1u) & 1u, k >> 2u), at = min(uvec3(base) + step, g.count.xyz - 1u);
 	probe = (at.z * g.count.y + at.y) * g.count.x + at.x;
 	vec3 w = mix(1.0 - (cell - base), cell - base, vec3(step));

@@ -1,7 +1,7 @@
 #version 450 core
-// What each probe sees near it, as planes of the surfaces that rays in directions over an octahedron meet (gi_probe.glsl
-// looks them up): a plane's unit normal, towards the probe, and its height along that over the probe, below 0; normal 0
-// and height -1: nothing is near. One thread a direction of a probe.
+// What each probe sees near it, as planes of the surfaces that rays in directions over an octahedron meet
+// (gi_probe.glsl looks them up): a plane's unit normal, towards the probe, and its height along that over the probe,
+// below 0; normal 0 and height -1: nothing is near. One thread a direction of a probe.
 //
 // What is farther than the diagonal of a cell hides nothing from the cell's places; so only probes are asked again that
 // something that moved is or was so near to.

@@ -244,11 +244,11 @@ class SceneFiles(unittest.TestCase):
 
     # What each file says, and how much of it there is: area of an object, m2, and B, W/m2, where the file is about it.
     CASES = {
-        "g_texture_white_factor.gltf": ("0.98", None), "g_scale_zero.gltf": ("scale is 0", 2),
+        "g_texture_white_factor.gltf": ("", None), "g_scale_zero.gltf": ("scale is 0", 2),
         "g_shear.gltf": ("", 3), "g_equal_times.gltf": ("equal times", 3), "g_instancing.gltf": ("", 5),
         "g_point_light_and_lamp.gltf": ("", 2), "g_alpha_zero.gltf": ("let light through", 2),
         "g_metal.gltf": ("metals are taken as diffuse", 2), "g_orthographic.gltf": ("orthographic", 2),
-        "g_no_mesh.gltf": ("holds no faces", 0), "g_emissive_texture_black.gltf": ("read as their mean", 2),
+        "g_no_mesh.gltf": ("holds no faces", 0), "g_emissive_texture_black.gltf": ("", 2),
         "g_skin_scale.gltf": ("skins are read as they are at rest", 3),
         "g_all_two_sides.gltf": ("where light falls", 2),
         "flipped.obj": ("turned round", 2), "white_kd.obj": ("0.98", 2), "unused_white.obj": ("", 2),
@@ -268,6 +268,17 @@ class SceneFiles(unittest.TestCase):
                 self.assertGreater(self.picture(), 5, name)
         self.play(os.path.join(CASES, "ushape.obj"), "--sky", "1")
         self.assertAlmostEqual(self.light()[0], 7, delta=1e-5)
+        # A texel of 128 20 20 of sRGB on white.
+        self.play(os.path.join(CASES, "g_texture_white_factor.gltf"))
+        walls = [face for face in fields.read_ply(self.path("f0.ply"))[1] if face["e_r"] == 0]
+        for face in walls:
+            for channel, rho in (("rho_r", 0.21586), ("rho_g", 0.00700), ("rho_b", 0.00700)):
+                self.assertAlmostEqual(face[channel], rho, delta=1e-4)
+        self.assertTrue(walls)
+        # A lamp whose texture is black.
+        self.play(os.path.join(CASES, "g_emissive_texture_black.gltf"))
+        shining = {face["object"] for face in fields.read_ply(self.path("f0.ply"))[1] if face["e_r"] > 0}
+        self.assertEqual(len(shining), 1, "the walls' texture is black")
         self.play(os.path.join(CASES, "g_skin_scale.gltf"))
         area = self.light(lambda face: face["object"] == 2)[0]
         print("skinned cube: %.5f of 0.96 m2" % area)

@@ -620,6 +620,116 @@ static void updated_rows_are_a_rebuilds(void **state)
 	gi_context_destroy(rebuilt.gi);
 }
 
+/* ---- sheets of two sides that are bent ---- */
+
+enum { SHADE_SIDES = 12 };
+
+/* A lampshade open above and below; `warp` takes its corners out of the planes of its faces, metres. */
+static gi_context *create_shade(double warp)
+{
+	float positions[2 * SHADE_SIDES][3];
+	uint32_t indices[4 * SHADE_SIDES];
+	for (uint32_t k = 0; k < SHADE_SIDES; k++) {
+		const double angle = 6.283185307 * k / SHADE_SIDES, next = warp * sin(5.0 * k);
+		for (uint32_t top = 0; top < 2; top++) {
+			const double radius = (top ? .12 : .25) + (top ? next : -next);
+			float *p = positions[2 * k + top];
+			p[0] = (float)(radius * cos(angle));
+			p[1] = (float)(.3 * top + warp * cos(3.0 * k));
+			p[2] = (float)(radius * sin(angle));
+		}
+		const uint32_t n = (k + 1) % SHADE_SIDES, face[4] = {2 * k, 2 * k + 1, 2 * n + 1, 2 * n};
+		memcpy(indices + 4 * k, face, sizeof face);
+	}
+	const gi_material cloth = {{.6f, .6f, .6f}, {0, 0, 0}};
+	gi_object_def def = gi_object_def_default();
+	def.name = "shade";
+	def.positions = positions[0];
+	def.vertex_count = 2 * SHADE_SIDES;
+	def.indices = indices;
+	def.index_count = 4 * SHADE_SIDES;
+	def.face_count = SHADE_SIDES;
+	def.levels = 2;
+	def.double_sided = true;
+	def.materials = &cloth;
+	def.material_count = 1;
+	gi_context_def context = harness_def();
+	gi_context *gi = harness_context(&context);
+	gi_object object;
+	assert_gi(gi_create_object(gi, &def, &object));
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	return gi;
+}
+
+static void middle_and_normal(const gi_leaf *l, double middle[3], double normal[3])
+{
+	double u[3], v[3];
+	for (int k = 0; k < 3; k++) {
+		middle[k] = ((double)l->corners[0][k] + l->corners[1][k] + l->corners[2][k] + l->corners[3][k]) / 4;
+		u[k] = (double)l->corners[2][k] - l->corners[0][k];
+		v[k] = (double)l->corners[3][k] - l->corners[1][k];
+	}
+	for (int k = 0; k < 3; k++)
+		normal[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+}
+
+static bool are_back_to_back(const gi_leaf *a, const gi_leaf *b)
+{
+	double p[2][3], n[2][3], apart = 0, facing = 0;
+	middle_and_normal(a, p[0], n[0]);
+	middle_and_normal(b, p[1], n[1]);
+	for (int k = 0; k < 3; k++) {
+		apart += (p[0][k] - p[1][k]) * (p[0][k] - p[1][k]);
+		facing += n[0][k] * n[1][k];
+	}
+	return facing < 0 && apart < 1e-10;
+}
+
+/* Largest sum of weights of a leaf on the outside, which sees nothing of the shade where that is not warped. */
+static double most_seen_from_outside(const snapshot *s)
+{
+	double sum = 0, most = 0;
+	for (uint64_t k = 0; k < s->link_count; k++) {
+		double p[3], n[3];
+		middle_and_normal(&s->leaves[s->links[k].leaf], p, n);
+		if (k && s->links[k].leaf != s->links[k - 1].leaf)
+			sum = 0;
+		if (p[0] * n[0] + p[2] * n[2] > 0 && s->links[k].leaf_count)
+			most = fmax(most, sum += (double)s->links[k].weight);
+	}
+	return most;
+}
+
+/* No leaf sees the one on its own back, however its faces are warped: what is in no plane has no height over it. */
+static void bent_sheets_do_not_see_their_backs(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const double WARPS[4] = {0, 1e-6, 1e-3, 1e-2}, LIMITS[4] = {1e-3, 1e-3, .02, .2};
+	for (int k = 0; k < 4; k++) {
+		gi_context *gi = create_shade(WARPS[k]);
+		snapshot s = snapshot_take(gi);
+		uint32_t pairs = 0;
+		double most = 0;
+		for (uint32_t a = 0; a < s.leaf_count; a++)
+			for (uint32_t b = 0; b < s.leaf_count; b++)
+				pairs += are_back_to_back(&s.leaves[a], &s.leaves[b]);
+		assert_int_equal(pairs, s.leaf_count);
+		for (uint64_t l = 0; l < s.link_count; l++)
+			if (s.links[l].leaf_count == 1 &&
+			    are_back_to_back(&s.leaves[s.links[l].leaf], &s.leaves[s.links[l].first_leaf]))
+				most = fmax(most, (double)s.links[l].weight);
+		const double outside = most_seen_from_outside(&s);
+		printf("warp %d: the back of a leaf has a weight of %.3f at most, all of the shade from outside %.3f\n",
+		       k, most, outside);
+		assert_true(most < 1e-3);
+		assert_true(outside < LIMITS[k]);
+		snapshot_free(&s);
+		gi_context_destroy(gi);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -633,6 +743,7 @@ int main(void)
 	    cmocka_unit_test(the_first_of_two_faces_stays),
 	    cmocka_unit_test(sizes_and_cuts_stay_with_their_faces),
 	    cmocka_unit_test(updated_rows_are_a_rebuilds),
+	    cmocka_unit_test(bent_sheets_do_not_see_their_backs),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }

@@ -186,7 +186,8 @@ static void plain_files_are_right(void **state)
 	assert_non_null(mkdtemp(folder));
 	uint32_t wrong = 0;
 	for (uint32_t k = 0; k < PLAIN_FILE_COUNT; k++) {
-		if (only && strcmp(only, plain_files[k].name) != 0)
+		const bool wanted = only ? strcmp(only, plain_files[k].name) == 0 : harness_is_long() || k % 3 < 2;
+		if (!wanted)
 			continue;
 		assert_true(plain_file_write(&plain_files[k], folder, path, sizeof path));
 		wrong += !measure(&plain_files[k], path);

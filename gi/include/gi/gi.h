@@ -991,7 +991,8 @@ typedef struct gi_receivers {
 typedef struct gi_receivers_def {
 	/* 3 * count, metres, each within 1e9 of 0. With an object: in its space, times its scale; else of `pose` */
 	const float *positions;
-	/* 3 * count, of any length but 0, which light falls on the side of; NULL: none, and then harmonics are needed */
+	/* 3 * count, of any length but 0, which light falls on the side of; NULL: none, and then harmonics are
+	 * needed */
 	const float *normals;
 	uint32_t count; /* from 1 */
 	/* 0, the default: irradiance along the normal. 1 or 2: spherical harmonics of the irradiance along all normals,
@@ -1013,8 +1014,9 @@ typedef struct gi_receivers_def {
 
 GI_API gi_receivers_def gi_receivers_def_default(void);
 
-/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too; under
- * a budget those that came are dark until their rows were refreshed. On failure *out is zero. GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
+/* Copies all arrays. They take part after the next gi_commit, which keeps the rows of what stays, of receivers too;
+ * under a budget those that came are dark until their rows were refreshed. On failure *out is zero.
+ * GI_ERROR_INVALID_ARGUMENT: no point, a position or a normal out of its range. */
 GI_API gi_result gi_create_receivers(gi_context *gi, const gi_receivers_def *def, gi_receivers *out);
 
 /* The next gi_commit gives their place away; until then the buffer is as it is. */
@@ -1033,14 +1035,14 @@ GI_API gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const 
  *
  *   stride 1: irradiance rgb, W/m2; w the share of what the point sees that light can come from: 0 within a solid
  *   stride 4, 9: c_lm rgb in the order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2); w of the first as
- *       above. E(n) = sum of c_lm Y_lm(n), W/m2, Y_lm real and normalised: 0.282095, 0.488603 (y z x), 1.092548 (xy yz),
- *       0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and Hanrahan (An Efficient
- *       Representation for Irradiance Environment Maps, 2001). World axes.
+ *       above. E(n) = sum of c_lm Y_lm(n), W/m2, Y_lm real and normalised: 0.282095, 0.488603 (y z x),
+ *       1.092548 (xy yz), 0.315392 (3zz - 1), 1.092548 xz, 0.546274 (xx - yy): c_lm = A_l L_lm of Ramamoorthi and
+ *       Hanrahan (An Efficient Representation for Irradiance Environment Maps, 2001). World axes.
  *
  * All light counts, emitters' and that of lights without a surface too, whatever gi_draw lights per pixel; but for
- * lights that the host draws itself (GI_LIGHT_BY_HOST). The library writes the buffer by a compute shader
- * in gi_update; a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it
- * otherwise glMemoryBarrier with the bit for that. It must not write it. */
+ * lights that the host draws itself (GI_LIGHT_BY_HOST). The library writes the buffer by a compute shader in gi_update;
+ * a host that reads it as a storage block or texture buffer needs no barrier of its own, one that reads it otherwise
+ * glMemoryBarrier with the bit for that. It must not write it. */
 typedef struct gi_receiver_buffer {
 	uint32_t buffer;
 	uint32_t first, count, stride;
@@ -1048,17 +1050,17 @@ typedef struct gi_receiver_buffer {
 
 GI_API gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, gi_receiver_buffer *out);
 
-/* Copies up to `capacity` vec4 of it: for tests; waits for the GPU. *count: how many there are, 0 on error. light may be
- * NULL to ask for the count. */
+/* Copies up to `capacity` vec4 of it: for tests; waits for the GPU. *count: how many there are, 0 on error. light may
+ * be NULL to ask for the count. */
 GI_API gi_result gi_read_receivers(gi_context *gi, gi_receivers receivers, float *light, uint32_t capacity,
 				   uint32_t *count);
 
 /* ---- probes ------------------------------------------------------------------------------------------------------ */
 
 /* A grid of receivers that see all round, for characters, particles and fog, and a look-up between them for the host's
- * shaders (gi_glsl("gi_probe.glsl")) that asks only those that see the place: each knows in 256 directions the planes of
- * the surfaces within the diagonal of a cell, so that a wall of any thickness above spacing / 20 hides what is behind
- * it. They are traced again where something moved near a probe. */
+ * shaders (gi_glsl("gi_probe.glsl")) that asks only those that see the place: each knows in 256 directions the planes
+ * of the surfaces within the diagonal of a cell, so that a wall of any thickness above spacing / 20 hides what is
+ * behind it. They are traced again where something moved near a probe. */
 typedef struct gi_probes_def {
 	float lower[3];     /* the first probe, metres, each within 1e9 of 0; world */
 	float spacing;      /* > 0: between neighbours along each axis, metres */
