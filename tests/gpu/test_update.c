@@ -174,8 +174,7 @@ static void open_front(void **state)
 	const gi_context_def def = coarse_def();
 	const char *frames = getenv("RELUME_FRAMES");
 	const char *every = getenv("RELUME_COMPARE_EVERY");
-	run("open box", open_box, &def, frames ? (uint32_t)atoi(frames) : 50, every ? (uint32_t)atoi(every) : 1,
-	    false);
+	run("open box", open_box, &def, frames ? (uint32_t)atoi(frames) : 50, every ? (uint32_t)atoi(every) : 1, false);
 }
 
 static void bright_sky(void **state)
