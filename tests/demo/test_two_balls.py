@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 from window_events import ESCAPE, TAB, drag, find_window, open_display, press, wait_for
 
@@ -28,6 +29,13 @@ def at_rest(folder, since):
         return None
     seen = [open(name, "rb").read() for name in found]
     return seen[0] if seen[0] == seen[1] == seen[2] else None
+
+
+def type_slowly(display, window, text):
+    """A key again within 20 ms is no new press to GLFW, but one that repeats."""
+    for letter in text:
+        press(display, window, ord(letter))
+        time.sleep(0.1)
 
 
 def main():
@@ -60,9 +68,9 @@ def main():
                               ("what lights the leaf under the cursor", lambda: press(display, window, ord("l"))),
                               ("what it sees", lambda: press(display, window, ord("v"))),
                               ("the hierarchy", lambda: press(display, window, ord("t"))),
-                              ("finer nodes of it", lambda: [press(display, window, ord("]")) for _ in range(4)]),
+                              ("finer nodes of it", lambda: type_slowly(display, window, "]]]]")),
                               ("no overlay", lambda: press(display, window, ord("o"))),
-                              ("brighter lamps", lambda: [press(display, window, ord(k)) for k in "nnn."])):
+                              ("brighter lamps", lambda: type_slowly(display, window, "nnn."))):
                 act()
                 now = rest()
                 assert now != seen, what
