@@ -1,5 +1,6 @@
 /* Receivers in the light of lights without a surface: closed forms with and without something in the way, who draws a
  * light, and what moves against a context that was made at once. */
+#include "harmonics.h"
 #include "pieces.h"
 
 #include "scenes/shapes.h"
@@ -73,25 +74,6 @@ static void read(const subject *s, float facing[4 * POINTS], float round[36 * PO
 	assert_int_equal(count, 9 * POINTS);
 }
 
-/* E along a normal by nine coefficients (gi.h), red. */
-static double along(const float *c, const float n[3])
-{
-	const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
-	const double basis[9] = {.282095,
-				 .488603 * y,
-				 .488603 * z,
-				 .488603 * x,
-				 1.092548 * x * y,
-				 1.092548 * y * z,
-				 .315392 * (3 * z * z - 1),
-				 1.092548 * x * z,
-				 .546274 * (x * x - y * y)};
-	double sum = 0;
-	for (int k = 0; k < 9; k++)
-		sum += basis[k] * (double)c[4 * k];
-	return sum;
-}
-
 /* What a light from one direction leaves of a cosine lobe after the second band: 1/4 + cos/2 + 5/32 (3 cos^2 - 1). */
 static double second_band(double cosine)
 {
@@ -122,9 +104,9 @@ static void expect_closed_form(const subject *s, gi_light_type type)
 		const bool hidden = p == POINTS - 1;
 		const double wanted = hidden ? 0 : e * fmax(cosine, 0), bands = hidden ? 0 : e * second_band(cosine);
 		printf("point %d: %.5f W/m2 (%.5f), by harmonics %.5f (%.5f)\n", p, (double)facing[4 * p], wanted,
-		       along(round + 36 * p, NORMALS[p]), bands);
+		       harmonics_along(round + 36 * p, 9, NORMALS[p], 0), bands);
 		assert_float_equal(facing[4 * p], wanted, 1e-4 * e);
-		assert_float_equal(along(round + 36 * p, NORMALS[p]), bands, 1e-4 * e);
+		assert_float_equal(harmonics_along(round + 36 * p, 9, NORMALS[p], 0), bands, 1e-4 * e);
 		assert_float_equal(facing[4 * p + 1], wanted / 2, 1e-4 * e);
 	}
 }

@@ -3,6 +3,7 @@
  * Closed forms under a bright sky; leaves that have the same bits with them and without; rows of updates and of commits
  * that are those of a rebuild; how far off they are from path tracing stands in test_receivers_truth.c.
  */
+#include "harmonics.h"
 #include "moving_scene.h"
 #include "pieces.h"
 
@@ -39,25 +40,6 @@ static float *read_light(gi_context *gi, gi_receivers receivers, uint32_t *count
 	return light;
 }
 
-/* E along a normal by 4 or 9 coefficients, as gi.h has it. */
-static double along(const float *c, uint32_t stride, const float n[3], int channel)
-{
-	const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
-	const double basis[9] = {.282095,
-				 .488603 * y,
-				 .488603 * z,
-				 .488603 * x,
-				 1.092548 * x * y,
-				 1.092548 * y * z,
-				 .315392 * (3 * z * z - 1),
-				 1.092548 * x * z,
-				 .546274 * (x * x - y * y)};
-	double sum = 0;
-	for (uint32_t k = 0; k < stride; k++)
-		sum += basis[k] * (double)c[4 * k + (uint32_t)channel];
-	return sum;
-}
-
 /* ---- closed forms ---- */
 
 static const float POINTS[4][3] = {{0, 0, 0}, {1, 2, 3}, {-40, 1, 7}, {.01f, 0, 0}};
@@ -91,7 +73,8 @@ static void open_sky(void **state)
 			assert_float_equal(c[3], 1, 1e-4);
 			for (int channel = 0; channel < 3; channel++) {
 				const double e = (double)def.sky_exitance[channel];
-				const double h = k ? along(c, stride, NORMALS[0], channel) : (double)c[channel];
+				const double h =
+				    k ? harmonics_along(c, stride, NORMALS[0], channel) : (double)c[channel];
 				assert_float_equal(h / e, 1, k ? 2e-3 : 1e-4);
 			}
 		}

@@ -4,6 +4,7 @@
  * The reference is Embree's, of the scene's leaves and of a small square at each receiver, in two independent halves,
  * so that its noise drops out. Figures are RMS over a set's points, relative to that of the reference.
  */
+#include "harmonics.h"
 #include "harness.h"
 
 #include "tests/reference/leaves.h"
@@ -188,22 +189,6 @@ static void expect_texels(world *w, const world *scene, const points *p, gi_rece
 	reference_result_free(&truth);
 	free(h);
 	free(light);
-}
-
-/* Y_lm, in the order of gi.h. */
-static void harmonics_of(const float n[3], double out[9])
-{
-	const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
-	const double basis[9] = {.282095,
-				 .488603 * y,
-				 .488603 * z,
-				 .488603 * x,
-				 1.092548 * x * y,
-				 1.092548 * y * z,
-				 .315392 * (3 * z * z - 1),
-				 1.092548 * x * z,
-				 .546274 * (x * x - y * y)};
-	memcpy(out, basis, sizeof basis);
 }
 
 /* E along a normal by coefficients. */
