@@ -9,17 +9,22 @@
 static void upload_material(gi_context *gi, object_record *o)
 {
 	gi_scene *s = &gi->scene;
-	for (uint32_t m = 0; m < object_material_slots(o); m++) {
-		const gi_material_data data = object_material_data(o, m);
-		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof data * (o->material_base + m), sizeof data,
-				  &data);
+	enum { AT_ONCE = 128 }; /* an object may have one a leaf */
+	gi_material_data data[AT_ONCE];
+	const uint32_t slots = object_material_slots(o);
+	for (uint32_t first = 0, count; first < slots; first += count) {
+		count = slots - first < AT_ONCE ? slots - first : AT_ONCE;
+		for (uint32_t m = 0; m < count; m++)
+			data[m] = object_material_data(o, first + m);
+		gpu_buffer_upload(&gi->gpu, &s->materials_gpu, sizeof *data * (o->material_base + first),
+				  sizeof *data * count, data);
 	}
 	scene_update_exitance(gi, o);
-	const uint64_t count = o->hierarchy.node_count;
-	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * o->node_base, sizeof(gi_vec4) * count,
+	const uint64_t nodes = o->hierarchy.node_count;
+	gpu_buffer_upload(&gi->gpu, &s->node_exitance_gpu, sizeof(gi_vec4) * o->node_base, sizeof(gi_vec4) * nodes,
 			  s->node_exitance + o->node_base);
 	gpu_buffer_upload(&gi->gpu, &s->topology_gpu, sizeof(gi_node_topology) * o->node_base,
-			  sizeof(gi_node_topology) * count, s->topology + o->node_base);
+			  sizeof(gi_node_topology) * nodes, s->topology + o->node_base);
 }
 
 static void upload_top(gi_context *gi, const scene_top *top)
