@@ -161,6 +161,18 @@ static void add_receivers(scene *s, gi_receivers sets[SETS])
 	sets[2] = create(s->gi, &r);
 }
 
+/* Committed, with the first light. */
+static scene open_box_with_receivers(gi_receivers sets[SETS])
+{
+	const gi_context_def def = harness_def();
+	scene s;
+	open_box(&s, &def);
+	add_receivers(&s, sets);
+	assert_gi(gi_commit(s.gi));
+	harness_update(s.gi);
+	return s;
+}
+
 typedef struct light {
 	float *values[SETS];
 	uint32_t counts[SETS];
@@ -242,13 +254,8 @@ static uint32_t frame_count(void)
 static void updates_are_rebuilds(void **state)
 {
 	(void)state;
-	const gi_context_def def = harness_def();
-	scene s;
-	open_box(&s, &def);
 	gi_receivers sets[SETS];
-	add_receivers(&s, sets);
-	assert_gi(gi_commit(s.gi));
-	harness_update(s.gi);
+	scene s = open_box_with_receivers(sets);
 	seed_motion(31);
 	motion m = start_motion(false);
 	for (uint32_t frame = 0; frame < frame_count(); frame++) {
@@ -267,13 +274,8 @@ static void updates_are_rebuilds(void **state)
 static void budgets_end_in_rebuilds(void **state)
 {
 	(void)state;
-	const gi_context_def def = harness_def();
-	scene s;
-	open_box(&s, &def);
 	gi_receivers sets[SETS];
-	add_receivers(&s, sets);
-	assert_gi(gi_commit(s.gi));
-	harness_update(s.gi);
+	scene s = open_box_with_receivers(sets);
 	seed_motion(5);
 	motion m = start_motion(false);
 	for (uint32_t frame = 0; frame < 4; frame++) {
@@ -290,13 +292,8 @@ static void budgets_end_in_rebuilds(void **state)
 static void commits_keep_rows(void **state)
 {
 	(void)state;
-	const gi_context_def def = harness_def();
-	scene s;
-	open_box(&s, &def);
 	gi_receivers sets[SETS];
-	add_receivers(&s, sets);
-	assert_gi(gi_commit(s.gi));
-	harness_update(s.gi);
+	scene s = open_box_with_receivers(sets);
 	engine_mesh mesh;
 	assert_true(shape_sphere(.4f, 2, &mesh));
 	const gi_object ball =
