@@ -105,9 +105,9 @@ static gi_pose place_of(uint32_t k)
 /* ---- measures ---- */
 
 typedef struct cost {
-	double bytes, ms;         /* of an object but the first; processor time */
+	double bytes, ms; /* of an object but the first; processor time */
 	double first_bytes, first_ms;
-	double gpu, drawn;        /* of all: committed, and what drawing adds */
+	double gpu, drawn; /* of all: committed, and what drawing adds */
 	uint32_t leaves;
 } cost;
 

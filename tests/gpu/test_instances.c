@@ -169,8 +169,7 @@ static void compare(gi_context *a, gi_context *b, const char *what)
 		if (memcmp(left.pixels, right.pixels, sizeof(float) * 4 * SIZE * SIZE) != 0)
 			fail_msg("%s: the picture is another", what);
 	}
-	printf("  %s: %u leaves, %llu entries, the same bits\n", what, x.leaf_count,
-	       (unsigned long long)x.entry_count);
+	printf("  %s: %u leaves, %llu entries, the same bits\n", what, x.leaf_count, (unsigned long long)x.entry_count);
 	target_free(&left);
 	target_free(&right);
 	snapshot_free(&x);
@@ -197,8 +196,8 @@ static void create_pair(pair *p, const gi_context_def *def)
 		if (k < KINDS)
 			assert_gi(gi_create_object(p->gi[1], &t.def, &p->objects[1][k]));
 		else
-			assert_gi(gi_create_instance(p->gi[1], p->objects[1][k - KINDS], t.def.pose,
-						     &p->objects[1][k]));
+			assert_gi(
+			    gi_create_instance(p->gi[1], p->objects[1][k - KINDS], t.def.pose, &p->objects[1][k]));
 		free_thing(&t);
 	}
 }
@@ -255,7 +254,7 @@ static void as_created(void **state)
 	settle(&p, false, "one of each has other values");
 	gi_invalidate(p.gi[0]);
 	gi_invalidate(p.gi[1]);
-	settle(&p, false, "built anew");
+	settle(&p, true, "taken in and built anew");
 	free_pair(&p);
 }
 
@@ -438,12 +437,8 @@ static void memory_is_shared(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(as_created),
-	    cmocka_unit_test(go_in_any_order),
-	    cmocka_unit_test(present_values),
-	    cmocka_unit_test(same_answers),
-	    cmocka_unit_test(misuse),
-	    cmocka_unit_test(memory_is_shared),
+	    cmocka_unit_test(as_created),   cmocka_unit_test(go_in_any_order), cmocka_unit_test(present_values),
+	    cmocka_unit_test(same_answers), cmocka_unit_test(misuse),          cmocka_unit_test(memory_is_shared),
 	};
 	return cmocka_run_group_tests_name("instances", tests, harness_open, harness_close);
 }

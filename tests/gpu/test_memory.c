@@ -455,8 +455,8 @@ static void objects(void **state)
 	in_every_way(&(trial){"gi_create_object that deforms", .try = try_create_skin});
 	in_every_way(&(trial){"gi_create_object that deforms, by a leaf size", .try = try_create_skin_by_size});
 	in_every_way(&(trial){"gi_create_instance", .try = try_instance});
-	in_every_way(&(trial){"gi_create_instance of one that deforms", .try = try_instance_of_skin,
-			      .prepare = put_up_a_skin});
+	in_every_way(
+	    &(trial){"gi_create_instance of one that deforms", .try = try_instance_of_skin, .prepare = put_up_a_skin});
 	in_every_way(&(trial){"gi_prepare_object", .try = try_prepare});
 	in_every_way(&(trial){"gi_choose_leaves", .try = try_choose});
 }
