@@ -72,6 +72,16 @@ static void create_prepared(input *in)
 	take(in, result, object, in->prepared_materials, 2);
 }
 
+static void create_instance(input *in)
+{
+	gi_object object = {1, 1, 1};
+	const gi_object of = next_object(in);
+	const bool valid = gi_object_is_valid(gi, of);
+	const gi_result result = gi_create_instance(gi, of, next_pose(in), &object);
+	require(valid || result == GI_ERROR_INVALID_HANDLE, "only what is there has instances");
+	take(in, result, object, NULL, 0); /* its materials were remembered */
+}
+
 /* Both in one call, or with others in between. */
 static void prepare_and_create(input *in)
 {
@@ -301,6 +311,8 @@ static void (*const calls[])(input *) = {create,
 					 destroy_and_update,
 					 set_mobility,
 					 set_mobility,
+					 create_instance,
+					 create_instance,
 					 prepare_and_create,
 					 create_prepared,
 					 call_more,
