@@ -50,8 +50,8 @@ typedef struct object_record {
 	gi_drawn_surface drawn;
 	gi_drawn_chart chart;  /* of one with texture coordinates; its materials are those of the definition */
 	gi_textures *textures; /* of each of these; NULL: none has any */
-	uint32_t *by_size; /* numbers of its primitives (rank.h) */
-	gi_deform *deform; /* NULL: its shape does not change */
+	uint32_t *by_size;     /* numbers of its primitives (rank.h) */
+	gi_deform *deform;     /* NULL: its shape does not change */
 
 	/* Place in the uploaded scene. */
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */

@@ -184,8 +184,8 @@ gi_result surfaces_build(gi_context *gi, gi_surfaces *s)
 	const bool enough = b.order && allocate(s, &b);
 	if (enough)
 		fill(s, &b);
-	const gi_result result = enough ? upload(gi, s, &b)
-					: gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
+	const gi_result result =
+	    enough ? upload(gi, s, &b) : gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_free(b.order);
 	gi_free(b.vertices);
 	gi_free(b.uvs);

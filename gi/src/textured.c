@@ -15,8 +15,8 @@ static const gi_textures *textures_of(const gi_context *gi, const surfaces_part 
 
 static bool is_there(const gi_context *gi, uint32_t texture, uint32_t sampler)
 {
-	return !texture || (gpu_is_host_texture(&gi->gpu, texture) &&
-			    (!sampler || gpu_is_host_sampler(&gi->gpu, sampler)));
+	return !texture ||
+	       (gpu_is_host_texture(&gi->gpu, texture) && (!sampler || gpu_is_host_sampler(&gi->gpu, sampler)));
 }
 
 gi_result textured_check(const gi_context *gi, const gi_surfaces *s)

@@ -64,8 +64,8 @@ static gi_result check_object(const gi_context *gi, const object_record *o, uint
 			       "draw mesh draw_uvs",
 			       o->name);
 	if (material >= o->chart.material_count)
-		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials; there is no material %u", o->name,
-			       o->chart.material_count, material);
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials; there is no material %u",
+			       o->name, o->chart.material_count, material);
 	return GI_OK;
 }
 
@@ -99,6 +99,8 @@ gi_result gi_set_textures(gi_context *gi, gi_object object, uint32_t material, c
 {
 	if (!gi)
 		return gi_fail_null(gi, "gi_set_textures: gi");
+	if (gpu_check_current(&gi->gpu, "gi_set_textures"))
+		return GI_ERROR_WRONG_CONTEXT;
 	object_record *o = handles_find(gi, object);
 	gi_result result = check_object(gi, o, material, "gi_set_textures");
 	if (result)
@@ -106,9 +108,6 @@ gi_result gi_set_textures(gi_context *gi, gi_object object, uint32_t material, c
 	if (textures && textures->internal != BY_DEFAULT)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF,
 			       "start from gi_textures_default() or gi_get_textures()");
-	result = gpu_check_current(&gi->gpu, "gi_set_textures");
-	if (result)
-		return result;
 	const char *fault = textures ? fault_of(gi, textures) : NULL;
 	if (fault)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_set_textures: object '%s', material %u: %s",

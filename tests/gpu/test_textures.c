@@ -166,8 +166,7 @@ static float *place_uvs(const engine_mesh *mesh)
 
 static void make_plate(uint32_t n, engine_mesh *out)
 {
-	assert_true(
-	    shape_quad((float[]){-1, 0, -1}, (float[]){0, 0, 2}, (float[]){2, 0, 0}, n, n, out));
+	assert_true(shape_quad((float[]){-1, 0, -1}, (float[]){0, 0, 2}, (float[]){2, 0, 0}, n, n, out));
 }
 
 typedef struct plate_kind {
@@ -317,7 +316,8 @@ static void texels_are_lit_as_they_are(void **state)
 					place_of(i, 16, p);
 					for (int c = 0; c < 3; c++)
 						wanted[c] = (GREY.exitance[c] +
-							     texel_at(plain_u(p))[c] * irradiance(by, p, c)) / PI;
+							     texel_at(plain_u(p))[c] * irradiance(by, p, c)) /
+							    PI;
 					expect_pixel("Loop", i, 16, wanted, tolerance_of(by));
 				}
 			gi_context_destroy(gi);
@@ -345,8 +345,7 @@ static void filters_are_the_textures_own(void **state)
 			place_of(i, j, p);
 			const float share = fminf(fmaxf(2 * plain_u(p) - .5f, 0), 1);
 			for (int c = 0; c < 3; c++)
-				wanted[c] = (GREY.exitance[c] +
-					     (c ? 1 : .5f) * share * ends[1][c] * SKY[c]) / PI;
+				wanted[c] = (GREY.exitance[c] + (c ? 1 : .5f) * share * ends[1][c] * SKY[c]) / PI;
 			expect_pixel("ramp", i, j, wanted, 1e-3f);
 		}
 	gi_context_destroy(gi);
@@ -500,8 +499,7 @@ static void textures_move_and_deform(void **state)
 	harness_require_context();
 	const GLuint texture = two_texels();
 	gi_context *gi = open_scene(BY_SKY);
-	const gi_object plate =
-	    add_plate(gi, &(plate_kind){.name = "cloth", .faces = 2, .levels = 1, .deforms = true});
+	const gi_object plate = add_plate(gi, &(plate_kind){.name = "cloth", .faces = 2, .levels = 1, .deforms = true});
 	const gi_textures t = base_color(texture);
 	light(gi);
 	assert_gi(gi_set_textures(gi, plate, 0, &t));
