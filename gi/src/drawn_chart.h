@@ -1,7 +1,7 @@
 /* Where in a texture what is drawn lies: of objects with texture coordinates.
  *
- * Coordinates belong to corners of triangles, so that a texture may have seams where the surface has none. Where corners
- * of one drawn vertex differ in them the vertex is drawn again, with the same place, normal and light.
+ * Coordinates belong to corners of triangles, so that a texture may have seams where the surface has none. Where
+ * corners of one drawn vertex differ in them the vertex is drawn again, with the same place, normal and light.
  */
 #ifndef GI_DRAWN_CHART_H
 #define GI_DRAWN_CHART_H

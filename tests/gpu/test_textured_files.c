@@ -1,5 +1,5 @@
-/* Textures of glTF files in the picture, by what gi_play does: a square of two colours as a cage, and as the fine mesh that
- * stands before a simplified one; faces without coordinates beside them.
+/* Textures of glTF files in the picture, by what gi_play does: a square of two colours as a cage, and as the fine mesh
+ * that stands before a simplified one; faces without coordinates beside them.
  */
 #include "scene_files.h"
 

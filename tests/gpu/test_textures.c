@@ -247,7 +247,7 @@ static void expect_pixel(const char *name, int i, int j, const float wanted[3], 
 				 (double)wanted[c]);
 }
 
-/* Float error, of H too: that of the sky is 1 of a sum of form factors. A light's is also that of normals of 16 bits. */
+/* Float error, of H too: that of the sky is a sum of form factors. A light's is also that of normals of 16 bits. */
 static float tolerance_of(lit by)
 {
 	return by == BY_LIGHT ? 2e-4f : 2e-5f;
@@ -782,19 +782,13 @@ static void definitions_are_checked(void **state)
 
 /* ---- beside other things ---- */
 
-/* A textured floor beside a mirror, a glass ball, something translucent, a lamp: pixels of the floor have its texels, so
- * far apart from the others that a second, untextured picture says what light there is. */
-static void textures_go_with_all_else(void **state)
+/* A mirror, glass and something translucent in a row at z = 0.6, and a lamp that shines down. */
+static void add_others(gi_context *gi)
 {
-	static float plain[SIZE * SIZE][4];
 	static const gi_specular mirror = {.reflectance = {.5f, .5f, .5f}},
 				 glass = {.transmittance = {.9f, .9f, .9f}, .index = 1.5f};
 	static const gi_subsurface marble = {{2000, 2000, 2000}, {2, 2, 2}, 1.5f};
-	(void)state;
-	harness_require_context();
-	const GLuint texture = two_texels();
-	gi_context *gi = open_scene(BY_LIGHT);
-	const gi_object plate = add_plate(gi, &PLAIN);
+	static const gi_material lamp = {.exitance = {5, 5, 5}}, dark = {.rho = {.1f, .1f, .1f}};
 	for (int k = 0; k < 4; k++) {
 		engine_mesh mesh;
 		gi_object object;
@@ -804,8 +798,7 @@ static void textures_go_with_all_else(void **state)
 			assert_true(shape_quad((float[]){-.2f, 1, -.2f}, (float[]){.4f, 0, 0}, (float[]){0, 0, .4f}, 1,
 					       1, &mesh));
 		gi_object_def def = scene_mesh_def(&mesh);
-		const gi_material lamp = {.exitance = {5, 5, 5}}, half = {.rho = {.1f, .1f, .1f}};
-		def.materials = k == 3 ? &lamp : &half;
+		def.materials = k == 3 ? &lamp : &dark;
 		def.material_count = 1;
 		def.specular = k == 0 ? &mirror : k == 1 ? &glass : NULL;
 		def.subsurface = k == 2 ? &marble : NULL;
@@ -815,6 +808,18 @@ static void textures_go_with_all_else(void **state)
 		assert_gi(gi_create_object(gi, &def, &object));
 		engine_mesh_free(&mesh);
 	}
+}
+
+/* A textured floor beside all that pictures have passes for: one without the texture says what light each pixel has. */
+static void textures_go_with_all_else(void **state)
+{
+	static float plain[SIZE * SIZE][4];
+	(void)state;
+	harness_require_context();
+	const GLuint texture = two_texels();
+	gi_context *gi = open_scene(BY_LIGHT);
+	const gi_object plate = add_plate(gi, &PLAIN);
+	add_others(gi);
 	light(gi);
 	draw(gi);
 	memcpy(plain, picture.pixels, sizeof plain);

@@ -935,8 +935,9 @@ GI_API gi_view gi_view_default(void);
  *
  * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it);
  * objects beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are
- * drawn again only after something moved. Surfaces go through textures of the viewport's size before they reach the
- * framebuffer: one that is multisampled gets the same value in all samples of a pixel. */
+ * drawn again only after something moved. Reflectance and exitance are those of the leaves, or of textures
+ * (gi_set_textures). Surfaces go through pictures of the viewport's size before they reach the framebuffer: one that is
+ * multisampled gets the same value in all samples of a pixel. */
 GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* No leaf. */
