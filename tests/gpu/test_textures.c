@@ -174,7 +174,7 @@ typedef struct plate_kind {
 	gi_scheme scheme;
 	uint32_t faces, levels;
 	float leaf_size;
-	bool triangles, leaf_materials, double_sided, deforms;
+	bool triangles, polygon, leaf_materials, double_sided, deforms;
 } plate_kind;
 
 static const gi_material GREY = {.rho = {.5f, .5f, .5f}, .exitance = {.1f, .2f, .3f}};
@@ -197,6 +197,16 @@ static void to_triangles(engine_mesh *mesh)
 	mesh->face_count *= 2;
 }
 
+/* One face of eight corners: those of a square and the middles of its edges. */
+static void to_polygon(engine_mesh *mesh)
+{
+	static const uint32_t round[8] = {0, 1, 2, 5, 8, 7, 6, 3}; /* of 3 x 3 vertices */
+	assert_true(mesh->vertex_count == 9 && mesh->index_count == 16);
+	memcpy(mesh->indices, round, sizeof round);
+	mesh->face_counts[0] = mesh->index_count = 8;
+	mesh->face_count = 1;
+}
+
 static gi_object add_plate(gi_context *gi, const plate_kind *kind)
 {
 	engine_mesh mesh;
@@ -204,6 +214,8 @@ static gi_object add_plate(gi_context *gi, const plate_kind *kind)
 	make_plate(kind->faces, &mesh);
 	if (kind->triangles)
 		to_triangles(&mesh);
+	if (kind->polygon)
+		to_polygon(&mesh);
 	float *uvs = place_uvs(&mesh);
 	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = kind->name;
@@ -290,6 +302,8 @@ static void texels_are_lit_as_they_are(void **state)
 	    {.name = "quads, levels", .faces = 2, .levels = 2},
 	    {.name = "leaf sizes", .faces = 1, .leaf_size = .3f},
 	    {.name = "triangles", .faces = 2, .leaf_size = .4f, .triangles = true},
+	    {.name = "polygon", .faces = 2, .polygon = true},
+	    {.name = "polygon, leaf sizes", .faces = 2, .polygon = true, .leaf_size = .3f},
 	    {.name = "materials of leaves", .faces = 2, .levels = 1, .leaf_materials = true},
 	    {.name = "two sides", .faces = 2, .levels = 1, .double_sided = true},
 	    {.name = "Catmull-Clark", .scheme = GI_SCHEME_CATMULL_CLARK, .faces = 2, .levels = 1},
@@ -575,7 +589,7 @@ static void expect_halves(const char *name, lit by, const float *right)
 }
 
 /* The halves as a cage, or as a mesh that is drawn instead of one quad. */
-static gi_object add_halves(gi_context *gi, bool drawn, bool leaf_materials)
+static gi_object add_halves(gi_context *gi, bool drawn, bool leaf_materials, bool deforms)
 {
 	engine_mesh mesh, cage;
 	float *uvs;
@@ -598,6 +612,7 @@ static gi_object add_halves(gi_context *gi, bool drawn, bool leaf_materials)
 	def.materials = both;
 	def.material_count = 2;
 	def.leaf_materials = leaf_materials;
+	def.deforms = deforms;
 	if (drawn) {
 		def.draw_positions = mesh.positions;
 		def.draw_vertex_count = mesh.vertex_count;
@@ -626,7 +641,7 @@ static void materials_have_textures_of_their_own(void **state)
 		const lit by = k / 4;
 		const bool drawn = k & 1, leaf_materials = k & 2;
 		gi_context *gi = open_scene(by);
-		const gi_object plate = add_halves(gi, drawn, leaf_materials);
+		const gi_object plate = add_halves(gi, drawn, leaf_materials, false);
 		const gi_textures t = base_color(texture);
 		assert_gi(gi_set_textures(gi, plate, 0, &t)); /* before the commit */
 		light(gi);
@@ -639,6 +654,45 @@ static void materials_have_textures_of_their_own(void **state)
 		draw(gi);
 		expect_halves("one half again", by, GREY.rho);
 		assert_int_equal(gi_set_textures(gi, plate, 2, &t), GI_ERROR_INVALID_ARGUMENT);
+		gi_context_destroy(gi);
+	}
+	glDeleteTextures(1, &texture);
+}
+
+static float squeezed_u(const float p[3])
+{
+	return halves_u((float[]){2 * p[0], 0, p[2]});
+}
+
+/* Vertices with two coordinates go together. */
+static void seams_deform(void **state)
+{
+	(void)state;
+	harness_require_context();
+	const GLuint texture = two_texels();
+	for (int drawn = 0; drawn < 2; drawn++) {
+		gi_context *gi = open_scene(BY_SKY);
+		const gi_object plate = add_halves(gi, drawn, false, true);
+		const gi_textures t = base_color(texture);
+		light(gi);
+		for (uint32_t k = 0; k < 2; k++)
+			assert_gi(gi_set_textures(gi, plate, k, &t));
+		draw(gi);
+		expect_halves("before", BY_SKY, NULL);
+		assert_gi(gi_set_scale(gi, plate, (float[]){.5f, 1, 1}));
+		harness_update(gi);
+		draw(gi);
+		for (int i = 0; i < SIZE; i++) {
+			float p[3], wanted[3];
+			place_of(i, 9, p);
+			const float *found = picture.pixels[9 * SIZE + i];
+			for (int c = 0; c < 3; c++)
+				wanted[c] = (GREY.exitance[c] + texel_at(squeezed_u(p))[c] * SKY[c]) / PI;
+			if (fabsf(p[0]) < .5f)
+				expect_pixel("squeezed", i, 9, wanted, 2e-5f);
+			else
+				assert_true(found[3] == 0);
+		}
 		gi_context_destroy(gi);
 	}
 	glDeleteTextures(1, &texture);
@@ -949,7 +1003,7 @@ static void memory_runs_out(void **state)
 		memcpy(sun.position, LIGHT_AT, sizeof LIGHT_AT);
 		sun.intensity[0] = sun.intensity[1] = sun.intensity[2] = INTENSITY;
 		assert_gi(gi_create_light(gi, &sun, &handle));
-		const gi_object plate = add_halves(gi, false, false);
+		const gi_object plate = add_halves(gi, false, false, false);
 		const gi_textures t = base_color(texture);
 		const gi_view view = look_down();
 		light(gi);
@@ -1032,6 +1086,7 @@ int main(void)
 	    cmocka_unit_test(what_is_cut_out_is_not_drawn),
 	    cmocka_unit_test(textures_move_and_deform),
 	    cmocka_unit_test(materials_have_textures_of_their_own),
+	    cmocka_unit_test(seams_deform),
 	    cmocka_unit_test(textures_are_taken_back),
 	    cmocka_unit_test(wrong_values_are_refused),
 	    cmocka_unit_test(definitions_are_checked),
