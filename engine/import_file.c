@@ -109,7 +109,6 @@ bool engine_scene_load(const char *path, engine_scene *scene, char *message, siz
 	scene->graph = calloc(1, sizeof *scene->graph);
 	bool loaded = scene->graph ? read_scene(&loader) : import_fail(&loader, "out of memory");
 	free(loader.names.slots);
-	free(loader.tints.slots);
 	free(loader.kinds);
 	if (!loaded)
 		engine_scene_free(scene);
