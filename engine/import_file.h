@@ -4,15 +4,15 @@
  *        EXT_mesh_gpu_instancing one of its own; all primitives of a mesh become one. baseColorFactor times
  *        baseColorTexture times COLOR_0 is rho (linear), emissiveFactor times emissiveTexture times
  *        KHR_materials_emissive_strength the radiance L; materials have the means of textures, and what it takes to
- *        have them at a place. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets through is
- *        glass of KHR_materials_ior. Nodes with a light of KHR_lights_punctual are lights, whose candela and lux are
- *        taken as the nits of emissive materials are (ENGINE_WATTS_PER_LUMEN). Skins and morph targets move meshes
- *        (import_shape.h). The node's extras.gi =
+ *        have them at a place. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets
+ *        through is glass of KHR_materials_ior. Nodes with a light of KHR_lights_punctual are lights, whose candela and
+ *        lux are taken as the nits of emissive materials are (ENGINE_WATTS_PER_LUMEN); the scene's
+ *        EXT_lights_image_based is its sky, by the first mip of its cube map, else by its coefficients. Skins and morph
+ *        targets move meshes (import_shape.h). The node's extras.gi =
  *        {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses the refinement.
- *        glTF has triangles only: where extras.gi.scheme says
- *        catmull-clark or bilinear, pairs of triangles that were a quad are put together again (see
- *        engine_mesh_pair_triangles); without it triangles stay. All animations of a file play together from 0 s; of
- *        two for one property of a node the first counts.
+ *        glTF has triangles only: where extras.gi.scheme says catmull-clark or bilinear, pairs of triangles that were a
+ *        quad are put together again (see engine_mesh_pair_triangles); without it triangles stay. All animations of a
+ *        file play together from 0 s; of two for one property of a node the first counts.
  * OBJ    Every o or g with faces is an object; polygons stay. Kd times map_Kd is rho (0.6 where the .mtl gives
  *        neither), Ke times map_Ke the radiance; map_d covers faces as alpha of glTF does.
  * PLY    One object; triangle strips too.

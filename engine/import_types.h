@@ -26,8 +26,8 @@ typedef struct engine_scene_material {
 	engine_texture_use rho_texture, radiance_texture;
 	float rho_factor[3], radiance_factor[3];
 	uint32_t uv_set; /* of a file with several sets of texture coordinates: the one of the textures */
-	/* Alpha as coverage: alpha_factor times the texture's alpha times that of the mesh's colours. Faces of less than
-	 * the cutoff in the mean are left out; cutoff 0: none are. */
+	/* Alpha as coverage: alpha_factor times the texture's alpha times that of the mesh's colours. Faces of less
+	 * than the cutoff in the mean are left out; cutoff 0: none are. */
 	engine_texture_use alpha_texture;
 	float alpha_factor, cutoff;
 	bool double_sided; /* two back-to-back sides */
