@@ -267,6 +267,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 {
 	if (!engine_scene_load(path, &f->scene, message, message_size))
 		return false;
+	f->lit = f->lit || (f->scene.sky.radiance && !f->sky_given);
 	const size_t count = f->scene.object_count + 1; /* an empty scene is a scene */
 	f->handles = calloc(count, sizeof *f->handles);
 	f->shapes = calloc(count, sizeof *f->shapes);

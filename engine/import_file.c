@@ -42,6 +42,7 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		free(scene->textures[i].pixels.rgba);
 	free(scene->textures);
+	free(scene->sky.radiance);
 	free(scene->objects);
 	free(scene->lights);
 	free_graph(scene->graph);

@@ -77,6 +77,12 @@ typedef struct engine_scene_light {
 	uint32_t node;                  /* private */
 } engine_scene_light;
 
+/* A picture of the sky, equirectangular as gi_set_sky_image takes it. */
+typedef struct engine_sky {
+	uint32_t width, height;
+	float *radiance; /* 3 * width * height, linear, W/(m2 sr), top row first; NULL: no picture */
+} engine_sky;
+
 typedef struct engine_scene_camera {
 	float eye[3], target[3], up[3]; /* world; target is 1 m ahead, up a unit vector across the view */
 	float vertical_fov;             /* radians, (0, pi) */
@@ -91,6 +97,7 @@ typedef struct engine_scene {
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
 	engine_scene_light *lights;
 	uint32_t light_count;
+	engine_sky sky;
 	double duration_s;    /* last key of the animations, 0 without */
 	bool has_camera;      /* the first perspective camera of the scene */
 	double origin[3];     /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */
