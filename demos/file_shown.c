@@ -24,6 +24,17 @@ static bool has_place(const engine_mesh *mesh, size_t first, uint32_t count)
 	return known;
 }
 
+/* Colours of corners that a texture is times: leaves alone know them, and show such a face in their means. */
+static bool is_tinted(const engine_mesh *mesh, size_t first, uint32_t count)
+{
+	bool tinted = false;
+	for (size_t k = first; mesh->colors && k < first + count; k++) {
+		const float *c = mesh->colors + 4 * k;
+		tinted = tinted || (c[0] != ENGINE_NO_COLOR && (c[0] != 1 || c[1] != 1 || c[2] != 1));
+	}
+	return tinted;
+}
+
 /* The number of a textured material in the definition; `numbers`: of the scene's, from 1, those that have one. */
 static uint32_t number_of(file_shown *out, uint32_t *numbers, uint32_t material)
 {
@@ -50,7 +61,8 @@ static void fill(const engine_scene *scene, const engine_mesh *mesh, const uint3
 	uint32_t triangle = 0;
 	for (uint32_t f = 0; f < mesh->face_count; first += mesh->face_counts[f++]) {
 		const uint32_t material = face_materials[f], count = mesh->face_counts[f];
-		const bool shown = is_textured(&scene->materials[material]) && has_place(mesh, first, count);
+		const bool shown = is_textured(&scene->materials[material]) && has_place(mesh, first, count) &&
+				   !is_tinted(mesh, first, count);
 		const uint32_t number = shown ? number_of(out, numbers, material) : plain ? plain[f] : 0;
 		if (plain)
 			out->numbers[f] = number;

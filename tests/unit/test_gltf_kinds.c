@@ -795,7 +795,7 @@ static void white_is_told_once(void **state)
 	engine_scene_free(&scene);
 }
 
-/* Red at three corners, green at the fourth: the triangle of red ones is red. */
+/* Red at three corners, green at the fourth: the triangle of red ones is red. A primitive without colours has none. */
 static void colours_of_vertices_are_read(void **state)
 {
 	(void)state;
@@ -804,16 +804,42 @@ static void colours_of_vertices_are_read(void **state)
 	add(colors, sizeof colors, UNSIGNED_BYTE, 4, "VEC4", ",\"normalized\":true");
 	engine_scene scene = load_kind("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
 				       "\"POSITION\":0,\"COLOR_0\":4},\"indices\":1,"
-				       "\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{"
+				       "\"material\":0},{\"attributes\":{\"POSITION\":2},\"material\":0}]}],"
+				       "\"materials\":[{\"pbrMetallicRoughness\":{"
 				       "\"metallicFactor\":0,\"baseColorFactor\":[0.8,0.8,0.8,1]}}]");
 	const engine_mesh *mesh = &scene.objects[0].mesh;
-	CHECK3(scene.materials[mesh->face_materials[0]].rho, 0.8f, 0, 0);
-	const float *mixed = scene.materials[mesh->face_materials[1]].rho;
-	printf("two corners of red, one of green: rho %g %g %g\n", (double)mixed[0], (double)mixed[1],
-	       (double)mixed[2]);
-	check_floats(mixed, (const float[3]){0.5333f, 0.2667f, 0}, 3, 0.02f); /* steps of 1/31 of the root */
+	CHECK_FACE(&scene, 0, 0.8f, 0, 0);
+	CHECK_FACE(&scene, 1, 0.8f * 2 / 3, 0.8f / 3, 0);
 	check_tells(&scene, "");
+	assert_true(mesh->face_count == 4 && mesh->colors[4 * 6] < 0);
 	engine_scene_free(&scene);
+}
+
+/* Where the file gives no factor, colours are times 1; alpha of vertices counts as that of pictures does. */
+static void colours_of_vertices_without_a_factor(void **state)
+{
+	(void)state;
+	static const float colors[4][4] = {{.5f, .25f, 0, .4f}, {.5f, .25f, 0, .4f}, {.5f, .25f, 0, .6f}, {1, 1, 1, 1}};
+	static const char *const modes[] = {"", ",\"alphaMode\":\"MASK\"",
+					    ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.45"};
+	static const uint32_t faces[] = {2, 1, 2};
+	for (int k = 0; k < 3; k++) {
+		char text[512];
+		begin();
+		ADD_FLOATS(colors, 4, "VEC4");
+		snprintf(text, sizeof text,
+			 "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+			 "\"COLOR_0\":4},\"indices\":1,\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{"
+			 "\"metallicFactor\":0}%s}]",
+			 modes[k]);
+		engine_scene scene = load_kind(text);
+		assert_int_equal(scene.objects[0].mesh.face_count, faces[k]);
+		if (faces[k] == 2)
+			CHECK_FACE(&scene, 0, .5f, .25f, 0);
+		else
+			CHECK_FACE(&scene, 0, 2.0f / 3, .5f, 1.0f / 3);
+		engine_scene_free(&scene);
+	}
 }
 
 /* ---- files that mean harm ---------------------------------------------------------------------------------------- */
@@ -992,6 +1018,7 @@ int main(void)
 	    cmocka_unit_test(what_is_not_read_is_told),
 	    cmocka_unit_test(white_is_told_once),
 	    cmocka_unit_test(colours_of_vertices_are_read),
+	    cmocka_unit_test(colours_of_vertices_without_a_factor),
 	    cmocka_unit_test(long_chains),
 	    cmocka_unit_test(copies_without_end_are_refused),
 	    cmocka_unit_test(buffers_stay_in_the_folder),
