@@ -2,8 +2,12 @@
 // where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
 // source object, w first leaf), or under a budget of the chosen leaves times all objects.
 //
-// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries; else of all
-// others. Apart, for software renderers run both sides of a branch.
+// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries. OWN: of
+// objects whose shape may change for their own leaves, and without what could give no light anyway: half of it, and made
+// anew with every shape. Else of all others. Apart, for software renderers run both sides of a branch.
+#ifndef OWN
+#define OWN 0
+#endif
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_SPREAD
@@ -15,6 +19,9 @@
 #define READ_RUNS
 #define READ_ROWS
 #define READ_CHOICES
+#if OWN
+#define READ_LEAF_QUADS
+#endif
 #define WRITE_SEGMENTS
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
@@ -32,6 +39,11 @@
 #include "pool.glsl"
 #include "touched.glsl"
 #include "numbers.glsl"
+#if OWN
+#include "sampling.glsl"
+#include "leaf_quad.glsl"
+#include "horizon.glsl"
+#endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -128,6 +140,25 @@ uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, ui
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
+#if OWN
+// The receiver as form factors see it.
+struct own_receiver {
+	quad corners;
+	horizon before;
+};
+
+// Would the form factor of a node that is taken be zero? What is taken as a disc has its middle for all of it.
+bool gives_nothing(own_receiver r, gi_node_geometry g, uvec4 range)
+{
+	if ((range.w & GI_NODE_LEAF) != 0u) {
+		quad q = load_leaf_quad(range.y);
+		return is_below(r.before, q) || ((range.w & GI_NODE_BACK) == 0u && looks_away(q, r.corners));
+	}
+	bool contour = (range.w & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE;
+	return !contour && height_above(r.before, g.sphere.xyz) <= 0.0;
+}
+#endif
+
 // What closing wants to know of a node, kept with the entry.
 uint kind_of(uint flags)
 {
@@ -168,6 +199,10 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 {
 	uvec4 nodes = object_nodes(source);
 	cut_size size = cut_size(0u, 0u);
+#if OWN
+	quad corners = load_leaf_quad(leaf);
+	own_receiver r = own_receiver(corners, horizon_of(corners, load_rest(load_leaf(leaf).x).axis));
+#endif
 	bool keeps = KEEPS == 1 && old.end > old.next;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = topology_range(n);
@@ -187,7 +222,12 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 			n = range.x;
 			continue;
 		}
-		uint verdict = classify(leaf, p, geometry_of(n, same), range, n, source, same);
+		gi_node_geometry g = geometry_of(n, same);
+		uint verdict = classify(leaf, p, g, range, n, source, same);
+#if OWN
+		if (verdict == CUT_TAKE && gives_nothing(r, g, range))
+			verdict = CUT_SKIP;
+#endif
 		if (verdict == CUT_TAKE) {
 			// The form factor and the visibility come from the passes that follow; one sample is what most
 			// take. It is no entry that a mover may have changed.
@@ -220,6 +260,15 @@ void shift(inout old_part old, uint count)
 // Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
 uvec2 pair_of(uint t)
 {
+#if OWN
+	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
+		uint leaf = chosen_row();
+		return leaf == GI_NONE ? uvec2(GI_NONE) : uvec2(leaf, load_leaf(leaf).y);
+	}
+	if (t >= frame.statics.w)
+		return uvec2(GI_NONE);
+	t += frame.work.w;
+#else
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state.refresh.chosen_rows;
 		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count)
@@ -227,6 +276,7 @@ uvec2 pair_of(uint t)
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);
+#endif
 	uvec4 run = find_run(frame.work.x, frame.work.z, t);
 	return uvec2(run.w + (t - run.x), run.z);
 }
@@ -234,6 +284,9 @@ uvec2 pair_of(uint t)
 // Does the pair's cut have to be made anew, and by this shader?
 bool is_wanted(uint mine, uint source, uint since)
 {
+	bool own = mine == source && (object_bvh(source).z & GI_OBJECT_DEFORMS) != 0u;
+	if (own != (OWN == 1))
+		return false;
 	if ((frame.update.w & GI_UPDATE_REBUILD) != 0u)
 		return KEEPS == 0;
 	return pair_is_dirty(mine, source, since) && pair_keeps_nodes(mine, source, since) == (KEEPS == 1);
