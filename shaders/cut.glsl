@@ -19,9 +19,6 @@
 #define READ_RUNS
 #define READ_ROWS
 #define READ_CHOICES
-#if OWN
-#define READ_LEAF_QUADS
-#endif
 #define WRITE_SEGMENTS
 #define WRITE_ENTRIES
 #define WRITE_TARGETS
@@ -39,11 +36,6 @@
 #include "pool.glsl"
 #include "touched.glsl"
 #include "numbers.glsl"
-#if OWN
-#include "sampling.glsl"
-#include "leaf_quad.glsl"
-#include "horizon.glsl"
-#endif
 
 layout(local_size_x = GI_GROUP_SIZE) in;
 
@@ -102,9 +94,17 @@ bool is_other_side(shape p, gi_node_geometry g)
 	       abs(p.radius - g.sphere.w) <= slack;
 }
 
-uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
+float tolerance_of(uint flags)
+{
+	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
+	return max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
+}
+
+// shown: the area that is seen of a node that is taken.
+uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same, out float shown)
 {
 	uint flags = range.w;
+	shown = g.moment.w;
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags);
 	facing f = facing_of(p, g, flags);
@@ -118,7 +118,7 @@ uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, ui
 	if (d < max(g.sphere.w, reach))
 		return CUT_REFINE;
 	bool near = f.faced < ALONG * d && d < NEAR * g.sphere.w;
-	float shown = g.moment.w * min(1.0, f.faced / d);
+	shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
 		vec2 sides = shown_area(load_spread(node), g.moment, view,
@@ -132,30 +132,43 @@ uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, ui
 	bool walls = ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
 	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
-	if (near)
-		shown = max(shown, ALONG * g.moment.w);
-	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
-	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
-	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
-	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
+	float most = near ? max(shown, ALONG * g.moment.w) : shown;
+	float estimate = most * min(1.0, f.height / d) / (PI * d * d + most);
+	return estimate > tolerance_of(flags) ? CUT_REFINE : CUT_TAKE;
 }
 
 #if OWN
-// The receiver as form factors see it.
-struct own_receiver {
-	quad corners;
-	horizon before;
-};
+// A form factor of less than this share of the tolerance is left out. All of them are a thousandth of a row.
+const float NEGLIGIBLE = 0.01;
 
-// Would the form factor of a node that is taken be zero? What is taken as a disc has its middle for all of it.
-bool gives_nothing(own_receiver r, gi_node_geometry g, uvec4 range)
+// Of squares side by side the middles are farther apart than this share of both radii.
+const float OVERLAP = 0.65;
+
+// Mean height above a plane of what reaches `reach` to both sides of its middle, at a height.
+float mean_above(float height, float reach)
 {
-	if ((range.w & GI_NODE_LEAF) != 0u) {
-		quad q = load_leaf_quad(range.y);
-		return is_below(r.before, q) || ((range.w & GI_NODE_BACK) == 0u && looks_away(q, r.corners));
-	}
-	bool contour = (range.w & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE;
-	return !contour && height_above(r.before, g.sphere.xyz) <= 0.0;
+	float above = clamp(height + reach, 0.0, 2.0 * reach);
+	return max(height, above * above / max(4.0 * reach, 1e-30));
+}
+
+// Does a node that would be taken bring next to nothing? Of a curved surface most of what balls and cones let through
+// (facing.glsl) lies below the horizon, or so close above it that rays to it are wasted. What is no polygon is taken as
+// a disc, its middle for all of it (factor.glsl). Where the two face each other a hair apart, or pass through each
+// other, heights say nothing.
+bool is_negligible(shape p, gi_node_geometry g, uint flags, float shown)
+{
+	bool polygon = (flags & GI_NODE_LEAF) != 0u || ((flags & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE);
+	vec3 to = g.sphere.xyz - p.centre;
+	float d = max(length(to), p.radius), apart = length(cross(p.axis, g.axis.xyz));
+	float height = dot(p.axis, to), faced = -dot(g.axis.xyz, to);
+	bool across = dot(p.axis, g.axis.xyz) < 0.0, before = height > 0.0 && faced > 0.0;
+	if (across && d < (before ? 1.0 : OVERLAP) * (p.radius + g.sphere.w))
+		return false;
+	float fold = p.cone < FOLDED ? d * sine_of(p.cone) : 0.0;
+	height = mean_above(height, fold + (polygon ? g.sphere.w * apart : 0.0));
+	faced = mean_above(faced, d * sine_of(g.axis.w) + p.radius * apart);
+	shown *= polygon && (flags & GI_NODE_BACK) == 0u ? min(faced / d, 1.0) : 1.0;
+	return shown * min(height / d, 1.0) <= NEGLIGIBLE * tolerance_of(flags) * (PI * d * d + shown);
 }
 #endif
 
@@ -199,10 +212,6 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 {
 	uvec4 nodes = object_nodes(source);
 	cut_size size = cut_size(0u, 0u);
-#if OWN
-	quad corners = load_leaf_quad(leaf);
-	own_receiver r = own_receiver(corners, horizon_of(corners, load_rest(load_leaf(leaf).x).axis));
-#endif
 	bool keeps = KEEPS == 1 && old.end > old.next;
 	for (uint n = nodes.x; n < nodes.y;) {
 		uvec4 range = topology_range(n);
@@ -223,9 +232,10 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 			continue;
 		}
 		gi_node_geometry g = geometry_of(n, same);
-		uint verdict = classify(leaf, p, g, range, n, source, same);
+		float shown;
+		uint verdict = classify(leaf, p, g, range, n, source, same, shown);
 #if OWN
-		if (verdict == CUT_TAKE && gives_nothing(r, g, range))
+		if (verdict == CUT_TAKE && is_negligible(p, g, range.w, shown))
 			verdict = CUT_SKIP;
 #endif
 		if (verdict == CUT_TAKE) {

@@ -48,6 +48,7 @@ static gi_context *open_gi(engine_context *context)
 	def.get_proc_user = context;
 	def.row_tolerance = .05f;
 	def.profile = true;
+	def.shader_directory = getenv("RELUME_SHADERS");
 	need(gi_context_create(&def, &gi) == GI_OK, "no context");
 	return gi;
 }
