@@ -151,8 +151,7 @@ static void load_made(stage *s, uint32_t leaves)
 	need(s->positions != NULL, "memory");
 	gi_object_def def = scene_mesh_def(&s->mesh);
 	def.name = s->figure;
-	def.deforms = !s->rigid;
-	def.mobility = GI_MOBILITY_MOVABLE;
+	def.deforms = true;
 	def.materials = &material;
 	def.material_count = 1;
 	def.double_sided = cloth;
@@ -160,6 +159,9 @@ static void load_made(stage *s, uint32_t leaves)
 		def.levels++;
 	need(gi_create_object(s->gi, &def, &s->object) == GI_OK, "figure");
 }
+
+/* The rigid one is bent, too: what rays meet of a straight one is less. */
+static const double BENT_S = .3;
 
 /* Waves run through the cloth; the tentacle's rings turn and swing, the further up the more. */
 static void bend(stage *s, double time_s)
@@ -224,6 +226,10 @@ static void open_stage(stage *s, engine_context *context, uint32_t leaves)
 		load_walker(s, leaves);
 	else
 		load_made(s, leaves);
+	if (s->positions) {
+		bend(s, BENT_S);
+		need(gi_set_positions(s->gi, s->object, s->positions) == GI_OK, "bend");
+	}
 	need(!gi_commit(s->gi) && !gi_update(s->gi, NULL) && !gi_finish(s->gi), "commit");
 }
 
