@@ -3,8 +3,8 @@
 // source object, w first leaf), or under a budget of the chosen leaves times all objects.
 //
 // KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries. OWN: of
-// objects whose shape may change for their own leaves, and without what could give no light anyway: half of it, and made
-// anew with every shape. Else of all others. Apart, for software renderers run both sides of a branch.
+// objects whose shape may change, for their own leaves: every shape makes all of these anew, so what brings next to
+// nothing, two of three, is left out. Else of all others. Apart, for software renderers run both sides of a branch.
 #ifndef OWN
 #define OWN 0
 #endif

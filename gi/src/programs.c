@@ -71,12 +71,9 @@ gi_result programs_for_commit(gi_context *gi)
 	}
 	const bool keeps = s->ever_committed && gi->rows.fitted && !gi->rows.rebuild;
 	const bool moves = moving || keeps, statics = ever_still > 1 || still >= GI_AUTOMATIC_OBJECTS;
-	const bool wanted[ROWS_SETS] = {[ROWS_ALWAYS] = true,
-					[ROWS_MOTION] = moves,
-					[ROWS_STATICS] = statics,
-					[ROWS_STATICS_MOTION] = moves && statics,
-					[ROWS_KEPT] = keeps,
-					[ROWS_DEFORMING] = deforming};
+	const bool wanted[ROWS_SETS] = {[ROWS_ALWAYS] = true,     [ROWS_MOTION] = moves,
+					[ROWS_STATICS] = statics, [ROWS_STATICS_MOTION] = moves && statics,
+					[ROWS_KEPT] = keeps,      [ROWS_DEFORMING] = deforming};
 	return wait_for(gi, wanted);
 }
 

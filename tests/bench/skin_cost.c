@@ -24,7 +24,7 @@ typedef struct stage {
 	const char *figure;
 	bool rigid;
 	gi_context *gi;
-	file_scene file; /* of the walker */
+	file_scene file;  /* of the walker */
 	engine_mesh mesh; /* of the others */
 	float *positions;
 	gi_object object;
@@ -59,7 +59,8 @@ static void load_walker(stage *s, uint32_t leaves)
 {
 	char message[512] = "";
 	s->file = (file_scene){.program = "skin_cost", .leaves = leaves ? leaves : 1000};
-	need(file_scene_load(&s->file, RELUME_SOURCE_DIR "/demos/scenes/walker.gltf", message, sizeof message), message);
+	need(file_scene_load(&s->file, RELUME_SOURCE_DIR "/demos/scenes/walker.gltf", message, sizeof message),
+	     message);
 	uint32_t figure = 0;
 	for (uint32_t k = 0; k < s->file.scene.object_count; k++)
 		figure = strcmp(s->file.scene.objects[k].name, "figure") == 0 ? k : figure;
@@ -125,7 +126,8 @@ static bool make_tentacle(engine_mesh *m)
 			m->face_counts[m->face_count++] = 4;
 		}
 	for (uint32_t k = 0; k < 2 * ROUND; k++) {
-		const uint32_t first = k < ROUND ? 0 : ROUND * (RINGS - 1), middle = m->vertex_count - (k < ROUND ? 2 : 1);
+		const uint32_t first = k < ROUND ? 0 : ROUND * (RINGS - 1),
+			       middle = m->vertex_count - (k < ROUND ? 2 : 1);
 		const uint32_t a = first + k % ROUND, b = first + (k + 1) % ROUND;
 		const uint32_t three[3] = {k < ROUND ? b : a, k < ROUND ? a : b, middle};
 		memcpy(at, three, sizeof three);
@@ -293,7 +295,8 @@ static void tell(const stage *walks, const stage *rigid)
 			printf("  %-10s %9.2f %9.2f\n", gi_pass_name((gi_pass)k), a, b);
 	}
 	printf("  %-10s %9.2f %9.2f\n", "others", w - sum[0], r - sum[1]);
-	printf("  %-10s %9.0f %9.0f\n", "new entries", samples_median(&walks->entries), samples_median(&rigid->entries));
+	printf("  %-10s %9.0f %9.0f\n", "new entries", samples_median(&walks->entries),
+	       samples_median(&rigid->entries));
 	printf("  %-10s %9.0f %9.0f\n", "rays", samples_median(&walks->rays), samples_median(&rigid->rays));
 	printf("  %-10s %9.0f %9.0f\n", "uploaded", (double)walks->last.uploaded_bytes,
 	       (double)rigid->last.uploaded_bytes);
@@ -310,7 +313,8 @@ int main(int argc, char **argv)
 	def.hidden = true;
 	char message[256];
 	engine_context *context = engine_context_create(&def, message, sizeof message);
-	need(context && frames > 0, context ? "usage: skin_cost [walker | cloth | tentacle] [FRAMES [LEAVES]]" : message);
+	need(context && frames > 0,
+	     context ? "usage: skin_cost [walker | cloth | tentacle] [FRAMES [LEAVES]]" : message);
 	open_stage(&walks, context, leaves);
 	open_stage(&rigid, context, leaves);
 	for (int frame = -WARM_UP; frame < frames; frame++) {

@@ -13,7 +13,8 @@
 
 static const char FILE_NAME[] = RELUME_SOURCE_DIR "/demos/scenes/walker.gltf";
 
-static gi_context *open_scene(file_scene *f, bool rigid)
+/* Not animated it stands as the file binds it. */
+static gi_context *open_scene(file_scene *f, bool rigid, bool animated)
 {
 	char message[512] = "";
 	gi_context_def def = harness_def();
@@ -26,7 +27,8 @@ static gi_context *open_scene(file_scene *f, bool rigid)
 	gi_context *gi = harness_context(&def);
 	if (!file_scene_create(f, gi, message, sizeof message))
 		fail_msg("%s", message);
-	assert_gi(file_scene_animate(f, gi, 0));
+	if (animated)
+		assert_gi(file_scene_animate(f, gi, 0));
 	assert_gi(gi_commit(gi));
 	harness_update(gi);
 	return gi;
@@ -45,7 +47,7 @@ static void every_step_is_a_rebuilds(void **state)
 {
 	(void)state;
 	file_scene f;
-	gi_context *gi = open_scene(&f, false);
+	gi_context *gi = open_scene(&f, false, true);
 	const int frames = harness_is_long() ? 144 : 4;
 	assert_true(f.scene.objects[object_named(&f, "figure")].deforms);
 	assert_true(f.scene.objects[object_named(&f, "curtain")].deforms);
@@ -61,6 +63,48 @@ static void every_step_is_a_rebuilds(void **state)
 	}
 	gi_context_destroy(gi);
 	file_scene_free(&f);
+}
+
+/* ---- what is left out ---- */
+
+/* RMS of H over the figure's leaves, and of what it differs by between two snapshots. */
+static double light_apart(const snapshot *a, const snapshot *b, gi_object figure)
+{
+	double sum = 0, apart = 0;
+	assert_int_equal(a->leaf_count, b->leaf_count);
+	for (uint32_t l = 0; l < a->leaf_count; l++)
+		for (int k = 0; k < 3 && a->leaves[l].object.index1 == figure.index1; k++) {
+			const double h = (double)a->leaves[l].irradiance[k], d = (double)b->leaves[l].irradiance[k] - h;
+			sum += (double)a->leaves[l].area * h * h;
+			apart += (double)a->leaves[l].area * d * d;
+		}
+	assert_true(sum > 0);
+	return sqrt(apart / sum);
+}
+
+/* Of pairs of its own leaves a figure that deforms leaves out those that bring next to nothing; a rigid one has them
+ * all. Beside that the two differ by the rounding of their vertices, and what that does to single rays, 1.04 %; what is
+ * ten times as much left out makes it 5.3 %. */
+static void what_is_left_out_brings_nothing(void **state)
+{
+	(void)state;
+	file_scene f[2];
+	snapshot s[2];
+	gi_object figure = {0};
+	for (int rigid = 0; rigid < 2; rigid++) {
+		gi_context *gi = open_scene(&f[rigid], rigid, false);
+		figure = f[rigid].handles[object_named(&f[rigid], "figure")];
+		s[rigid] = snapshot_take(gi);
+		gi_context_destroy(gi);
+		file_scene_free(&f[rigid]);
+	}
+	const double apart = light_apart(&s[1], &s[0], figure);
+	printf("  of %u entries %u are left out, which changes the light of the figure by %.3f %%\n",
+	       (unsigned)s[1].entry_count, (unsigned)(s[1].entry_count - s[0].entry_count), 100 * apart);
+	assert_true(s[0].entry_count < s[1].entry_count);
+	assert_true(apart < .015);
+	snapshot_free(&s[0]);
+	snapshot_free(&s[1]);
 }
 
 /* ---- where it is ---- */
@@ -88,7 +132,7 @@ static void it_walks(void **state)
 {
 	(void)state;
 	file_scene f;
-	gi_context *gi = open_scene(&f, false);
+	gi_context *gi = open_scene(&f, false, true);
 	const uint32_t figure = object_named(&f, "figure"), curtain = object_named(&f, "curtain");
 	double before = INFINITY;
 	for (int k = 0; k < 5; k++) {
@@ -124,7 +168,7 @@ static double processor_ms(void)
 static double ms_a_step(bool rigid, int frames, gi_report *last)
 {
 	file_scene f;
-	gi_context *gi = open_scene(&f, rigid);
+	gi_context *gi = open_scene(&f, rigid, true);
 	const uint32_t figure = object_named(&f, "figure");
 	f.scene.objects[object_named(&f, "curtain")].deforms = false;
 	double sum = 0;
@@ -164,6 +208,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(every_step_is_a_rebuilds),
+	    cmocka_unit_test(what_is_left_out_brings_nothing),
 	    cmocka_unit_test(it_walks),
 	    cmocka_unit_test(what_a_step_costs),
 	};
