@@ -170,6 +170,7 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 	d->cage = allocate(d->vertex_count, sizeof *d->cage, &enough);
 	d->draw = allocate(d->draw_count, sizeof *d->draw, &enough);
 	d->normals = allocate(d->draw_count, sizeof *d->normals, &enough);
+	d->sums = allocate(h->node_count, sizeof *d->sums, &enough);
 	d->scratch = allocate(largest_upload(h), 1, &enough);
 	if (enough)
 		return d;
@@ -219,6 +220,7 @@ void gi_deform_free(gi_deform *d)
 	gi_free(d->cage);
 	gi_free(d->draw);
 	gi_free(d->normals);
+	gi_free(d->sums);
 	gi_free(d->scratch);
 	gi_free(d);
 }

@@ -42,6 +42,7 @@ typedef struct gi_deform {
 	double (*cage)[3];                /* the cage that was evaluated last */
 	double (*draw)[3], (*normals)[3]; /* likewise of a mesh that is drawn, and sums of its normals */
 	bool drawn_is_late;               /* what is drawn is not by `now` */
+	gi_node_sums *sums;               /* of the nodes, by `now` */
 	void *scratch;                    /* as large as any array that is uploaded (reshape.c) */
 } gi_deform;
 
