@@ -5,6 +5,7 @@
 #include "file_rays.h"
 #include "file_sides.h"
 #include "file_textures.h"
+#include "file_twins.h"
 #include "fineness.h"
 #include "options.h"
 #include "progress.h"
@@ -495,9 +496,44 @@ static void name_options(char *message, size_t message_size)
 		snprintf(message + length, message_size - length, " (--leaf-size, --leaves)");
 }
 
+/* What the first of its shape was defined with, where it is. */
+static void define_twin(const engine_scene_object *object, const gi_object_def *first, gi_object_def *def)
+{
+	*def = *first;
+	def->name = object->name;
+	def->pose = to_pose(&object->rest);
+}
+
+/* An object before it that is of its shape and was cut alike; its own number where there is none. */
+static uint32_t find_created(const gi_object_def *defs, const uint32_t *first, uint32_t number)
+{
+	uint32_t k = first[number];
+	while (k < number && !(first[k] == first[number] && file_twins_have_same_leaves(&defs[k], &defs[number])))
+		k++;
+	return k;
+}
+
+static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objects, const gi_object_def *defs,
+			    const uint32_t *first, uint32_t number)
+{
+	const uint32_t *face_materials = objects[first[number]].face_materials,
+		       like = find_created(defs, first, number);
+	gi_result result;
+	if (like < number) {
+		result = gi_create_instance(gi, f->handles[like], defs[number].pose, &f->handles[number]);
+		return result ? result : gi_set_mobility(gi, f->handles[number], defs[number].mobility);
+	}
+	result = gi_create_object(gi, &defs[number], &f->handles[number]);
+	if (!result && face_materials)
+		result = file_textures_set(&f->scene, face_materials, gi, f->handles[number]);
+	if (!result)
+		result = file_shown_set(&f->scene, &objects[first[number]].shown, &f->uploads, gi, f->handles[number]);
+	return result;
+}
+
 /* Chooses sizes for what has none and creates all. */
 static gi_result create_all(file_scene *f, gi_context *gi, const prepared *objects, gi_object_def *defs,
-			    const bool *moves, char *message, size_t message_size)
+			    const bool *moves, const uint32_t *first, char *message, size_t message_size)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
@@ -509,13 +545,8 @@ static gi_result create_all(file_scene *f, gi_context *gi, const prepared *objec
 		name_options(message, message_size);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
-	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
-		result = gi_create_object(gi, &defs[k], &f->handles[k]);
-		if (!result && objects[k].face_materials)
-			result = file_textures_set(&f->scene, objects[k].face_materials, gi, f->handles[k]);
-		if (!result)
-			result = file_shown_set(&f->scene, &objects[k].shown, &f->uploads, gi, f->handles[k]);
-	}
+	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
+		result = create_one(f, gi, objects, defs, first, k);
 	gi_free_leaf_choice(&choice);
 	return result;
 }
@@ -526,13 +557,17 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	prepared *objects = calloc((size_t)count + 1, sizeof *objects);
 	gi_object_def *defs = calloc((size_t)count + 1, sizeof *defs);
 	bool *moves = calloc((size_t)count + 1, sizeof *moves);
+	uint32_t *first = calloc((size_t)count + 1, sizeof *first);
 	const fineness fine = fineness_of(&f->scene, f->leaves);
-	bool created = objects && defs && moves;
+	bool created = objects && defs && moves && first && file_twins_find(&f->scene, first);
 	if (!created)
 		snprintf(message, message_size, "out of memory");
 	for (uint32_t k = 0; created && k < count; k++) {
 		moves[k] = f->scene.objects[k].animated || f->scene.objects[k].deforms;
-		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+		if (first[k] < k)
+			define_twin(&f->scene.objects[k], &defs[first[k]], &defs[k]);
+		else
+			created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
 		if (created && !file_shape_make(&f->scene, k, &objects[k].cage, &objects[k].drawn, &f->shapes[k])) {
 			snprintf(message, message_size, "out of memory");
 			created = false;
@@ -541,7 +576,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		defs[k].deforms = f->shapes[k].bends || f->shapes[k].scales;
 	}
 	if (created) {
-		gi_result result = create_all(f, gi, objects, defs, moves, message, message_size);
+		gi_result result = create_all(f, gi, objects, defs, moves, first, message, message_size);
 		if (!result)
 			result = file_lights_create(&f->lights, &f->scene, gi, f->program);
 		if (result && !message[0])
@@ -559,6 +594,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	free(objects);
 	free(defs);
 	free(moves);
+	free(first);
 	return created;
 }
 

@@ -24,45 +24,16 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 
 /* ---- building ---- */
 
-void object_free(object_record *o)
-{
-	gi_free(o->name);
-	gi_free(o->materials);
-	gi_free(o->specular);
-	gi_free(o->emission);
-	gi_free(o->leaf_uvs);
-	gi_free(o->textures);
-	gi_hierarchy_free(&o->hierarchy);
-	gi_subsurface_free(&o->subsurface);
-	gi_bvh_free(&o->bvh);
-	gi_free(o->by_size);
-	gi_drawn_free(&o->drawn);
-	gi_drawn_chart_free(&o->chart);
-	gi_deform_free(o->deform);
-	*o = (object_record){.generation = o->generation,
-			     .leaf_id = o->leaf_id,
-			     .node_id = o->node_id,
-			     .leaf_ids = o->leaf_ids,
-			     .node_ids = o->node_ids};
-}
-
-static char *duplicate_text(const char *text)
-{
-	const size_t size = strlen(text) + 1;
-	char *copy = gi_malloc(size);
-	if (copy)
-		memcpy(copy, text, size);
-	return copy;
-}
-
 static bool copy_values(object_record *o, const gi_object_def *def, const char *name)
 {
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
-	o->name = duplicate_text(name);
+	o->name = object_copy_name(name);
 	o->specular = def->specular ? gi_malloc(sizeof(gi_specular) * o->material_count) : NULL;
-	if (!o->materials || !o->name || (def->specular && !o->specular))
+	o->sharers = gi_malloc(sizeof *o->sharers);
+	if (!o->materials || !o->name || (def->specular && !o->specular) || !o->sharers)
 		return false;
+	*o->sharers = 1;
 	if (def->specular)
 		memcpy(o->specular, def->specular, sizeof(gi_specular) * o->material_count);
 	if (def->material_count)

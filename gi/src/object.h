@@ -35,6 +35,8 @@ typedef struct object_record {
 	bool was_grouped; /* before the last commit */
 	/* Numbers of the row updates that last saw it so (gi_rows). */
 	uint32_t moved_update, relit_update, reshaped_update;
+	/* How many objects have its arrays, but for those that are each one's own (object_share.c). */
+	uint32_t *sharers;
 	char *name;
 	gi_pose pose;
 	float scale[3]; /* of the definition: the hierarchy has it applied */
@@ -78,6 +80,9 @@ typedef struct object_builder {
 } object_builder;
 
 gi_result object_build(const object_builder *builder, const gi_object_def *def, object_record *out);
+/* Another one of the same shape, scale and materials, in no place: what does not change of the two is there once, until
+ * both are freed. False: out of memory; *out is as object_free leaves it. */
+bool object_share(const object_record *object, object_record *out);
 void object_free(object_record *object);
 /* Lengths and places of objects, metres, are at most this: area times B, and the products of three lengths that rays
  * take, stay in the range of floats. */
