@@ -698,6 +698,36 @@ static void seams_deform(void **state)
 	glDeleteTextures(1, &texture);
 }
 
+/* Two plates in turn: an instance has the textures that the other has, until it is given others. */
+static void instances_have_textures(void **state)
+{
+	(void)state;
+	harness_require_context();
+	const GLuint texture = two_texels();
+	gi_context *gi = open_scene(BY_LIGHT);
+	const gi_object first = add_halves(gi, false, false, false);
+	const gi_textures t = base_color(texture);
+	gi_object second;
+	for (uint32_t k = 0; k < 2; k++)
+		assert_gi(gi_set_textures(gi, first, k, &t));
+	assert_gi(gi_create_instance(gi, first, (gi_pose){{0, .01f, 0}, {0, 0, 0, 1}}, &second));
+	light(gi);
+	assert_gi(gi_set_textures(gi, first, 0, NULL));
+	assert_gi(gi_set_textures(gi, second, 1, NULL));
+	assert_gi(gi_set_pose(gi, first, (gi_pose){{-2, 0, 0}, {0, 0, 0, 1}}));
+	assert_gi(gi_set_pose(gi, second, gi_pose_identity()));
+	harness_update(gi);
+	draw(gi);
+	expect_halves("the second", BY_LIGHT, GREY.rho);
+	assert_gi(gi_destroy_object(gi, first));
+	light(gi);
+	assert_gi(gi_set_textures(gi, second, 1, &t));
+	draw(gi);
+	expect_halves("the second alone", BY_LIGHT, NULL);
+	gi_context_destroy(gi);
+	glDeleteTextures(1, &texture);
+}
+
 /* Light and picture of a scene are what they were once its textures are taken back, to the bit. */
 static void textures_are_taken_back(void **state)
 {
@@ -751,7 +781,8 @@ static void wrong_values_are_refused(void **state)
 {
 	(void)state;
 	harness_require_context();
-	GLuint texture = two_texels(), cube, named;
+	const GLuint texture = two_texels();
+	GLuint cube, named;
 	glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &cube);
 	glGenTextures(1, &named);
 	gi_context *gi = open_scene(BY_SKY);
@@ -787,10 +818,23 @@ static void wrong_values_are_refused(void **state)
 	assert_int_equal(gi_get_textures(gi, plate, 0, NULL), argument);
 	assert_int_equal(gi_get_textures(gi, plate, 1, &t), argument);
 	assert_int_equal(glGetError(), GL_NO_ERROR);
+	gi_context_destroy(gi);
+	glDeleteTextures(1, &texture);
+	glDeleteTextures(1, &cube);
+	glDeleteTextures(1, &named);
+}
 
-	/* One that is deleted is missed by name, and nothing is drawn. */
+/* A texture that is deleted is missed by name, and nothing is drawn. */
+static void deleted_textures_are_missed(void **state)
+{
+	(void)state;
+	harness_require_context();
+	GLuint texture = two_texels();
+	gi_context *gi = open_scene(BY_SKY);
+	const gi_object plate = add_plate(gi, &PLAIN);
+	gi_textures t = base_color(texture);
 	light(gi);
-	assert_gi(gi_set_textures(gi, plate, 0, &good));
+	assert_gi(gi_set_textures(gi, plate, 0, &t));
 	draw(gi);
 	glDeleteTextures(1, &texture);
 	gi_view view = look_down();
@@ -799,11 +843,21 @@ static void wrong_values_are_refused(void **state)
 	assert_true(picture.pixels[0][3] == 0);
 	assert_gi(gi_set_textures(gi, plate, 0, NULL));
 	draw(gi);
+
+	/* What was destroyed needs none: neither before the update that takes it away nor after that. */
+	texture = two_texels();
+	t = base_color(texture);
+	assert_gi(gi_set_textures(gi, plate, 0, &t));
+	draw(gi);
 	assert_gi(gi_destroy_object(gi, plate));
 	assert_int_equal(gi_set_textures(gi, plate, 0, NULL), GI_ERROR_INVALID_HANDLE);
+	glDeleteTextures(1, &texture);
+	draw(gi);
+	harness_update(gi);
+	draw(gi);
+	light(gi);
+	draw(gi);
 	gi_context_destroy(gi);
-	glDeleteTextures(1, &cube);
-	glDeleteTextures(1, &named);
 }
 
 static void definitions_are_checked(void **state)
@@ -1087,8 +1141,10 @@ int main(void)
 	    cmocka_unit_test(textures_move_and_deform),
 	    cmocka_unit_test(materials_have_textures_of_their_own),
 	    cmocka_unit_test(seams_deform),
+	    cmocka_unit_test(instances_have_textures),
 	    cmocka_unit_test(textures_are_taken_back),
 	    cmocka_unit_test(wrong_values_are_refused),
+	    cmocka_unit_test(deleted_textures_are_missed),
 	    cmocka_unit_test(definitions_are_checked),
 	    cmocka_unit_test(textures_go_with_all_else),
 	    cmocka_unit_test(multisampled_targets),
