@@ -632,17 +632,21 @@ static void meshes_far_from_their_own_zero(void **state)
 #define GREY_ALPHA_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mPYkwIAAd8BISgeu2EAAAAASUVORK5CYII="
 #define RGB_16_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAIAAADA54+dAAAAC0lEQVR42mPYAwYAD3MEaWmKYZsAAAAASUVORK5CYII="
 #define RGBA_16_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAYAAABPhRjKAAAADUlEQVR42mPYAwacnAAYYAR7UpQlyAAAAABJRU5ErkJggg=="
-#define LINEAR_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAABGdBTUEAAYagMeiWXwAAAAxJREFUeNpj2LNnDwAEbAI1XRHvIAAAAABJRU5ErkJggg=="
-#define PALETTE_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAMAAAAoyzS7AAAABlBMVEUAAAC8vLzjhKCoAAAAAnRSTlMAKEMmZcIAAAAKSURBVHjaY2AEAAADAALmfadnAAAAAElFTkSuQmCC"
-#define PROGRESSIVE_JPEG  \
-	"/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAMCAgICAgMCAgIDAwMDBAYEBAQEBAgGBgUGCQgKCgkICQkKDA8MCgsOCwkJDRENDg8Q" \
-	"EBEQCgwSExIQEw8QEBD/wgALCAAIAAgBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAB//aAAgBAQAAAAFQ/8QAFBABAAAAAAAAAAAA" \
-	"AAAAAAAAAP/aAAgBAQABBQJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/aAAgBAQAGPwJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/a" \
+#define LINEAR_PNG                                                                                                     \
+	"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAABGdBTUEAAYagMeiWXwAAAAxJREFUeNpj2LNnDwAEbAI1XRHvIAAAAABJRU5E" \
+	"rkJggg=="
+#define PALETTE_PNG                                                                                                    \
+	"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAMAAAAoyzS7AAAABlBMVEUAAAC8vLzjhKCoAAAAAnRSTlMAKEMmZcIAAAAKSURBVHjaY2AEAAAD" \
+	"AALmfadnAAAAAElFTkSuQmCC"
+#define PROGRESSIVE_JPEG                                                                                               \
+	"/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAMCAgICAgMCAgIDAwMDBAYEBAQEBAgGBgUGCQgKCgkICQkKDA8MCgsOCwkJDRENDg8Q"         \
+	"EBEQCgwSExIQEw8QEBD/wgALCAAIAAgBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAB//aAAgBAQAAAAFQ/8QAFBABAAAAAAAAAAAA"         \
+	"AAAAAAAAAP/aAAgBAQABBQJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/aAAgBAQAGPwJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/a"         \
 	"AAgBAQABPyF//9oACAEBAAAAEH//xAAUEAEAAAAAAAAAAAAAAAAAAAAA/9oACAEBAAE/EH//2Q=="
-#define CMYK_JPEG  \
-	"/9j/7gAOQWRvYmUAZAAAAAAC/9sAQwACAQEBAQECAQEBAgICAgIEAwICAgIFBAQDBAYFBgYGBQYGBgcJCAYHCQcGBggLCAkKCgoK" \
-	"CgYICwwLCgwJCgoK/9sAQwECAgICAgIFAwMFCgcGBwoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoK" \
-	"CgoKCgoK/8AAFAgACAAIBAERAAIRAQMRAQQRAP/EABUAAQEAAAAAAAAAAAAAAAAAAAgK/8QAFBABAAAAAAAAAAAAAAAAAAAAAP/E" \
+#define CMYK_JPEG                                                                                                      \
+	"/9j/7gAOQWRvYmUAZAAAAAAC/9sAQwACAQEBAQECAQEBAgICAgIEAwICAgIFBAQDBAYFBgYGBQYGBgcJCAYHCQcGBggLCAkKCgoK"         \
+	"CgYICwwLCgwJCgoK/9sAQwECAgICAgIFAwMFCgcGBwoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoK"         \
+	"CgoKCgoK/8AAFAgACAAIBAERAAIRAQMRAQQRAP/EABUAAQEAAAAAAAAAAAAAAAAAAAgK/8QAFBABAAAAAAAAAAAAAAAAAAAAAP/E"         \
 	"ABQBAQAAAAAAAAAAAAAAAAAAAAD/xAAUEQEAAAAAAAAAAAAAAAAAAAAA/9oADgQBAAIRAxEEAAA/AJ/wPB//2Q=="
 
 static void check_emits(const char *image, float expected, const char *words)
@@ -790,8 +794,9 @@ static void what_is_not_read_is_told(void **state)
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.1,0.2,0.3,1]"
 			   "}}"),
 		   2, "");
-	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"specularFactor\":[0.9,0.5,0.5]}}"),
-		   2, "specular colours of the specular-glossiness model are not read");
+	check_kind(
+	    PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"specularFactor\":[0.9,0.5,0.5]}}"), 2,
+	    "specular colours of the specular-glossiness model are not read");
 	check_kind(PAINTED(",\"normalTexture\":{\"index\":0}"), 2, "textures of roughness, metal and normals");
 	check_kind(
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"
