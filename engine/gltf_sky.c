@@ -50,8 +50,8 @@ static const char *find_faces(gltf_document *document, const cJSON *light, envir
 	return NULL;
 }
 
-/* Of the irradiance, pi, 2 pi / 3 and pi / 4 times that of the radiance by band (Ramamoorthi and Hanrahan, "An efficient
- * representation for irradiance environment maps", 2001). */
+/* Of the irradiance, pi, 2 pi / 3 and pi / 4 times that of the radiance by band (Ramamoorthi and Hanrahan, "An
+ * efficient representation for irradiance environment maps", 2001). */
 static bool read_harmonics(const cJSON *light, environment *e)
 {
 	static const double bands[9] = {1, 2. / 3, 2. / 3, 2. / 3, .25, .25, .25, .25, .25};

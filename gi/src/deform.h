@@ -63,6 +63,11 @@ void gi_deform_settle(gi_deform *deform, gi_hierarchy *hierarchy);
 /* Positions and normals of what is drawn, by the shape of now. */
 void gi_deform_draw(gi_deform *deform, const gi_hierarchy *hierarchy, gi_drawn_surface *drawn);
 
-void gi_deform_free(gi_deform *deform);
+/* Another one of the same shapes. What does not change, stencils and skins, it has in common with the first. NULL: out
+ * of memory. */
+gi_deform *gi_deform_copy(const gi_deform *deform, uint32_t leaf_vertices);
+
+/* `last`: no other has what is common. NULL is fine. */
+void gi_deform_free(gi_deform *deform, bool last);
 
 #endif
