@@ -355,7 +355,7 @@ typedef struct prepared {
 	/* Of one whose leaves have materials of their own, textured or coloured: the scene's numbers; else NULL */
 	uint32_t *face_materials;
 	const engine_mesh *full; /* what the leaves of a simplified cage take them from; NULL: the cage is whole */
-	file_shown shown;         /* which of them are drawn */
+	file_shown shown;        /* which of them are drawn */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
