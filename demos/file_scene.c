@@ -355,7 +355,7 @@ typedef struct prepared {
 	/* Of one whose leaves have materials of their own, textured or coloured: the scene's numbers; else NULL */
 	uint32_t *face_materials;
 	const engine_mesh *full; /* what the leaves of a simplified cage take them from; NULL: the cage is whole */
-	file_shown shown;        /* which textures are drawn */
+	file_shown shown;        /* which of them are drawn */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -399,7 +399,7 @@ static bool add_shown(const file_scene *f, const engine_scene_object *object, pr
 {
 	const bool whole = !p->drawn.index_count;
 	bool enough = true;
-	if (!file_textures_are_used(&f->scene, &object->mesh))
+	if (!file_shown_is_used(&f->scene, &object->mesh))
 		return true;
 	if (!file_shown_make(&f->scene, whole ? &p->cage : &object->mesh,
 			     whole ? p->face_materials : object->mesh.face_materials,
@@ -532,7 +532,7 @@ static uint32_t find_created(const gi_object_def *defs, const uint32_t *first, u
 static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objects, const gi_object_def *defs,
 			    const uint32_t *first, uint32_t number)
 {
-	const prepared *p = &objects[first[number]];
+	const prepared *from = &objects[first[number]];
 	const uint32_t like = find_created(defs, first, number);
 	gi_result result;
 	if (like < number) {
@@ -541,9 +541,9 @@ static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objec
 	}
 	result = gi_create_object(gi, &defs[number], &f->handles[number]);
 	if (!result)
-		result = set_leaf_materials(f, p, defs[number].double_sided, gi, f->handles[number]);
+		result = set_leaf_materials(f, from, defs[number].double_sided, gi, f->handles[number]);
 	if (!result)
-		result = file_shown_set(&f->scene, &p->shown, &f->uploads, gi, f->handles[number]);
+		result = file_shown_set(&f->scene, &from->shown, &f->uploads, gi, f->handles[number]);
 	return result;
 }
 
