@@ -352,6 +352,23 @@ static bool find_texture(obj_reader *r, const mtl_material *from, mtl_texture_ki
 	return true;
 }
 
+/* The mask as alpha of the diffuse texture, or of a white one, as glTF's are: so it cuts what is drawn. Where the two
+ * lie differently on the surface it leaves out faces alone. */
+static void join_mask(obj_reader *r, engine_scene_material *material)
+{
+	const engine_texture_use *mask = &material->alpha_texture, *rho = &material->rho_texture;
+	if (rho->number &&
+	    (memcmp(rho->transform, mask->transform, sizeof rho->transform) != 0 || rho->wrap[0] != mask->wrap[0]))
+		return;
+	const uint32_t number = import_combine_pictures(r->loader, &r->pictures, rho->number, mask->number);
+	if (number == 0)
+		return;
+	if (!rho->number)
+		memcpy(material->rho_factor, material->rho, sizeof material->rho_factor);
+	material->alpha_texture.number = number;
+	material->rho_texture = material->alpha_texture;
+}
+
 /* A texture is times Kd or Ke, 1 without, as colours of vertices are. Without the picture no one knows how much a
  * lamp's leaves: Ke stays as stated.
  */
@@ -368,8 +385,10 @@ static void read_textures(obj_reader *r, const mtl_material *from, engine_scene_
 	if (find_texture(r, from, MTL_EMISSION, &material->radiance_texture, mean))
 		for (int c = 0; c < 3; c++)
 			material->radiance[c] = material->radiance_factor[c] * mean[c];
-	if (find_texture(r, from, MTL_OPACITY, &material->alpha_texture, mean))
+	if (find_texture(r, from, MTL_OPACITY, &material->alpha_texture, mean)) {
 		material->cutoff = 0.5f;
+		join_mask(r, material);
+	}
 }
 
 /* ---- from names to numbers --------------------------------------------------------------------------------------- */

@@ -70,6 +70,45 @@ uint32_t import_find_picture(import_loader *loader, import_pictures *pictures, c
 	return found->texture;
 }
 
+static uint32_t larger(uint32_t a, uint32_t b)
+{
+	return a > b ? a : b;
+}
+
+/* The texel of a picture that lies where one of another size does. */
+static const uint8_t *texel_at(const engine_image_pixels *p, const engine_image_pixels *of, uint32_t x, uint32_t y)
+{
+	const size_t column = (size_t)x * p->width / of->width, row = (size_t)y * p->height / of->height;
+	return p->rgba + 4 * (row * p->width + column);
+}
+
+uint32_t import_combine_pictures(import_loader *loader, import_pictures *pictures, uint32_t color, uint32_t alpha)
+{
+	static const uint8_t white[3] = {255, 255, 255};
+	const engine_texture *mask = &loader->scene->textures[alpha - 1];
+	const engine_texture *from = color ? &loader->scene->textures[color - 1] : NULL;
+	engine_texture out = {.mean = {1, 1, 1, mask->mean[3]}};
+	engine_image_pixels *p = &out.pixels;
+	uint32_t number = 0;
+	p->width = larger(mask->pixels.width, from ? from->pixels.width : 0);
+	p->height = larger(mask->pixels.height, from ? from->pixels.height : 0);
+	pictures->pixels += (uint64_t)p->width * p->height;
+	if (pictures->pixels > MOST_PIXELS)
+		return 0;
+	p->rgba = malloc(4 * (size_t)p->width * p->height);
+	if (!p->rgba)
+		return 0;
+	for (uint32_t y = 0; y < p->height; y++)
+		for (uint32_t x = 0; x < p->width; x++) {
+			uint8_t *to = p->rgba + 4 * ((size_t)y * p->width + x);
+			memcpy(to, from ? texel_at(&from->pixels, p, x, y) : white, 3);
+			to[3] = texel_at(&mask->pixels, p, x, y)[3];
+		}
+	if (from)
+		memcpy(out.mean, from->mean, 3 * sizeof *out.mean);
+	return import_add_texture(loader, &out, &number) ? number : 0;
+}
+
 void import_pictures_free(import_pictures *pictures)
 {
 	free(pictures->read.items);

@@ -17,6 +17,10 @@ typedef struct import_pictures {
 uint32_t import_find_picture(import_loader *loader, import_pictures *pictures, const char *name, engine_alpha alpha,
 			     char *why, size_t why_size);
 
+/* A texture with the colours of one (0: white) and the alpha of another, as large as the larger of both, so that a
+ * picture can be cut out by it: its number and one; 0: too large, or out of memory. */
+uint32_t import_combine_pictures(import_loader *loader, import_pictures *pictures, uint32_t color, uint32_t alpha);
+
 void import_pictures_free(import_pictures *pictures);
 
 #endif

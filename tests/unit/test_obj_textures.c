@@ -190,6 +190,41 @@ static void alpha_is_coverage(void **state)
 	}
 }
 
+/* A mask is the alpha of the picture, or of a white one, where both lie alike: so it cuts what is drawn. */
+static void masks_cut_pictures(void **state)
+{
+	(void)state;
+	static const uint8_t holes[4 * 3] = {0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255};
+	static const struct {
+		const char *lines;
+		bool joined;
+		uint32_t textures;
+		const float *first;
+	} kinds[] = {{"map_d holes.png\n", true, 2, WHITE},
+		     {"map_Kd four.png\nmap_d holes.png\n", true, 3, RED},
+		     {"map_d -s 2 2 holes.png\nmap_Kd -s 2 2 1 four.png\n", true, 3, RED},
+		     {"map_Kd four.png\nmap_d -s 2 2 holes.png\n", false, 2, RED},
+		     {"map_Kd -clamp on four.png\nmap_d holes.png\n", false, 2, RED}};
+	write_picture("holes.png", 4, 1, holes);
+	for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+		char library[128];
+		snprintf(library, sizeof library, "newmtl m\nKd .3 .4 .5\n%s", kinds[k].lines);
+		engine_scene scene = load_square(library, MAPPED);
+		const engine_scene_material *m = &scene.materials[0];
+		const engine_texture *t = &scene.textures[m->rho_texture.number - 1];
+		assert_string_equal(scene.warning, "");
+		assert_int_equal(scene.texture_count, kinds[k].textures);
+		assert_int_equal(m->rho_texture.number == m->alpha_texture.number, kinds[k].joined);
+		CHECK3(m->rho_factor, .3f, .4f, .5f);
+		check_floats(&(float){t->mean[3]}, &(float){kinds[k].joined ? .75f : 1}, 1, 1e-6f);
+		for (int c = 0; c < 3; c++)
+			assert_int_equal(t->pixels.rgba[c], (int)(255 * kinds[k].first[c]));
+		assert_int_equal(t->pixels.rgba[3], kinds[k].joined ? 0 : 255);
+		assert_int_equal(t->pixels.width, kinds[k].joined ? 4 : 2);
+		engine_scene_free(&scene);
+	}
+}
+
 /* The factor holds then, and a line says why. */
 static void pictures_that_cannot_be_read(void **state)
 {
@@ -233,6 +268,7 @@ int main(void)
 	    cmocka_unit_test(faces_without_vt_have_the_mean),
 	    cmocka_unit_test(emission_is_read),
 	    cmocka_unit_test(alpha_is_coverage),
+	    cmocka_unit_test(masks_cut_pictures),
 	    cmocka_unit_test(pictures_that_cannot_be_read),
 	};
 	return cmocka_run_group_tests_name("obj textures", tests, make_folder, remove_folder);
