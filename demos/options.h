@@ -77,6 +77,9 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void options_say(const char *program, const char *format, ...);
 
+/* A number above 0 and up to high, or the end of the program with a line that names the option. */
+float options_positive(const options *o, const char *option, const char *text, double high);
+
 /* A whole number of low..high, or the end of the program with a line that names the option. */
 uint32_t options_count(const char *program, const char *option, const char *text, uint32_t low, uint32_t high);
 

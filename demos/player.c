@@ -203,6 +203,7 @@ static void show(player *p, const gi_report *report)
 			       .rebuild = p->rebuild,
 			       .help = p->help,
 			       .can_move = p->scene->move != NULL,
+			       .has_receivers = p->scene->receiver_radius > 0,
 			       .keys = p->scene->keys,
 			       .key_count = p->scene->key_count};
 	figures_text(p->hud, &shown, engine_target_height(p->target));
@@ -343,6 +344,9 @@ static void warn_of_error(const player *p)
 
 int player_run(const options *o, const player_scene *scene)
 {
+	if (o->overlay == GI_OVERLAY_RECEIVERS && !(scene->receiver_radius > 0))
+		options_fail(o->program,
+			     "--overlay receivers: there are none; gi_play SCENE --probes SPACING has some");
 	player *p = calloc(1, sizeof *p);
 	if (!p) {
 		options_say(o->program, "out of memory");
