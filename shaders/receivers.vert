@@ -31,7 +31,9 @@ void main()
 	light = uvec2(ids.z + ids.w * uint(gl_InstanceID), ids.w);
 	bool ball = ids.w > 1u;
 	front = ball ? to_eye : world_axis(leaf.x).xyz;
-	vec3 a = abs(front), least = a.x <= a.y && a.x <= a.z ? vec3(1, 0, 0) : a.y <= a.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
+	vec3 a = abs(front);
+	bool x_least = a.x <= a.y && a.x <= a.z;
+	vec3 least = x_least ? vec3(1, 0, 0) : a.y <= a.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
 	right = normalize(cross(least, front));
 	up = cross(front, right);
 	vec4 middle = clip_from_world * vec4(p, 1.0);
