@@ -44,6 +44,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		return 0;
 	case KEY_PROBES:
 		play->probes = options_positive(&play->options, "--probes", text, 1e6);
+		play->options.receivers = true;
 		return 0;
 	case ARGP_KEY_END:
 		if (!play->path)

@@ -348,6 +348,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
+	case ARGP_KEY_END:
+		if (o->overlay == GI_OVERLAY_RECEIVERS && !o->receivers)
+			options_fail(o->program, "--overlay receivers: there are none (gi_play --probes SPACING)");
+		return 0;
 	case ARGP_KEY_INIT:
 		state->err_stream = NULL; /* no second line "Try ..." under what getopt says */
 		return 0;

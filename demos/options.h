@@ -28,6 +28,7 @@ typedef struct options {
 	gi_mode mode;
 	gi_overlay overlay;
 	uint32_t overlay_number; /* of the overlay: a leaf, or a depth */
+	bool receivers;          /* there are some to be shown, as the program's own parser found */
 	engine_context_kind context;
 	bool rebuild;        /* every frame from scratch */
 	float row_tolerance; /* 0: the library's default, as the next two */

@@ -344,9 +344,6 @@ static void warn_of_error(const player *p)
 
 int player_run(const options *o, const player_scene *scene)
 {
-	if (o->overlay == GI_OVERLAY_RECEIVERS && !(scene->receiver_radius > 0))
-		options_fail(o->program,
-			     "--overlay receivers: there are none; gi_play SCENE --probes SPACING has some");
 	player *p = calloc(1, sizeof *p);
 	if (!p) {
 		options_say(o->program, "out of memory");
