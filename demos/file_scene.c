@@ -298,6 +298,7 @@ void file_scene_free(file_scene *f)
 	f->shapes = NULL;
 	engine_scene_free(&f->scene);
 	file_lights_free(&f->lights);
+	file_uploads_free(&f->uploads);
 	free(f->handles);
 	free(f->names);
 	f->handles = NULL;
@@ -305,6 +306,16 @@ void file_scene_free(file_scene *f)
 }
 
 /* ---- objects ---- */
+
+static void to_material(const engine_scene_material *from, gi_material *to, gi_specular *specular)
+{
+	memcpy(to->rho, from->rho, sizeof to->rho);
+	for (int c = 0; c < 3; c++)
+		to->exitance[c] = PI * from->radiance[c]; /* a lambertian side: E = pi L */
+	memcpy(specular->reflectance, from->mirror, sizeof specular->reflectance);
+	memcpy(specular->transmittance, from->glass, sizeof specular->transmittance);
+	specular->index = from->index;
+}
 
 /* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
 static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to, gi_specular *specular)
@@ -317,13 +328,7 @@ static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_
 	for (uint32_t k = 0; k < mesh->face_count; k++) {
 		uint32_t *material = mesh->face_materials + k;
 		if (number[*material] == UINT32_MAX) {
-			const engine_scene_material *m = scene->materials + *material;
-			memcpy(to[count].rho, m->rho, sizeof m->rho);
-			for (int c = 0; c < 3; c++)
-				to[count].exitance[c] = PI * m->radiance[c]; /* a lambertian side: E = pi L */
-			memcpy(specular[count].reflectance, m->mirror, sizeof m->mirror);
-			memcpy(specular[count].transmittance, m->glass, sizeof m->glass);
-			specular[count].index = m->index;
+			to_material(scene->materials + *material, &to[count], &specular[count]);
 			number[*material] = count++;
 		}
 		*material = number[*material];
@@ -346,6 +351,7 @@ typedef struct prepared {
 	gi_material *materials;
 	gi_specular *specular;
 	uint32_t *face_materials; /* of textured ones: the scene's numbers; NULL: no face has a texture */
+	file_shown shown;         /* which of them are drawn */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -374,6 +380,46 @@ static void define(const file_scene *f, const engine_scene_object *object, const
 	def->leaf_materials = p->face_materials;
 	memcpy(def->scale, object->rest.scale, sizeof def->scale);
 	def->pose = to_pose(&object->rest);
+}
+
+static void *grow(void *memory, size_t count, size_t size, bool *enough)
+{
+	void *grown = realloc(memory, count * size);
+	*enough = *enough && grown;
+	return grown ? grown : memory;
+}
+
+/* Materials more, for faces whose textures are drawn: those of a cage are what they were, those of a mesh in front of
+ * a cage light nothing. */
+static bool add_shown(const file_scene *f, const engine_scene_object *object, prepared *p, gi_object_def *def)
+{
+	const bool whole = !p->drawn.index_count;
+	bool enough = true;
+	if (!file_textures_are_used(&f->scene, &object->mesh))
+		return true;
+	if (!file_shown_make(&f->scene, whole ? &p->cage : &object->mesh,
+			     whole ? p->face_materials : object->mesh.face_materials,
+			     whole ? p->cage.face_materials : NULL, def->material_count, &p->shown))
+		return false;
+	const uint32_t first = def->material_count, count = first + p->shown.count;
+	p->materials = grow(p->materials, count, sizeof *p->materials, &enough);
+	p->specular = grow(p->specular, count, sizeof *p->specular, &enough);
+	def->materials = p->materials;
+	def->specular = p->specular;
+	for (uint32_t k = first; enough && k < count; k++) {
+		p->materials[k] = (gi_material){.rho = {0}};
+		p->specular[k] = (gi_specular){.index = 1};
+		if (whole)
+			to_material(&f->scene.materials[p->shown.sources[k - first]], &p->materials[k],
+				    &p->specular[k]);
+	}
+	def->material_count = count;
+	def->draw_uvs = p->shown.uvs;
+	if (whole)
+		def->face_materials = p->shown.numbers;
+	else
+		def->draw_face_materials = p->shown.numbers;
+	return enough;
 }
 
 /* How many faces a mesh may have before it is simplified, UINT32_MAX: it is a cage. */
@@ -422,6 +468,10 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 		return false;
 	}
 	define(f, object, out, def);
+	if (!add_shown(f, object, out, def)) {
+		snprintf(message, message_size, "out of memory");
+		return false;
+	}
 	/* A cage that was made as fine as it should be has a leaf a face. */
 	if (simplified && !(f->leaf_size > 0))
 		def->leaf_size = WHOLE_FACES;
@@ -476,6 +526,8 @@ static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objec
 	result = gi_create_object(gi, &defs[number], &f->handles[number]);
 	if (!result && face_materials)
 		result = file_textures_set(&f->scene, face_materials, gi, f->handles[number]);
+	if (!result)
+		result = file_shown_set(&f->scene, &objects[first[number]].shown, &f->uploads, gi, f->handles[number]);
 	return result;
 }
 
@@ -537,6 +589,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		free(objects[k].materials);
 		free(objects[k].specular);
 		free(objects[k].face_materials);
+		file_shown_free(&objects[k].shown);
 	}
 	free(objects);
 	free(defs);

@@ -5,6 +5,7 @@
 #include "camera.h"
 #include "file_lights.h"
 #include "file_shape.h"
+#include "file_shown.h"
 #include "gi/gi.h"
 #include "options.h"
 #include "import_file.h"
@@ -25,6 +26,7 @@ typedef struct file_scene {
 	file_shape *shapes;  /* likewise */
 	const char **names;
 	file_lights lights;
+	file_uploads uploads;     /* textures that are drawn */
 	float lower[3], upper[3]; /* of everything at rest, world */
 	camera framing;           /* where the file has no camera */
 } file_scene;

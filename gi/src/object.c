@@ -74,7 +74,8 @@ static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *ca
 	char message[256];
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, &fine, def->uvs ? o->leaf_uvs : NULL,
+						  least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
@@ -101,7 +102,8 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
 		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, coarse, def->uvs ? o->leaf_uvs : NULL,
+						  least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, coarse, false);
 	return ok;
@@ -277,7 +279,7 @@ static gi_result build_on_hierarchy(const gi_log *log, const gi_unique_faces *un
 	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 	if (!o->by_size || !copy_values(o, def, name) ||
 	    (mapped && !object_map_leaves(def, cage, unique->origin, refined, o)) ||
-	    !build_drawn(def, cage, refined, refined->level_count - 1, o))
+	    !build_drawn(def, cage, refined, refined->level_count - 1, o) || !object_chart_drawn(def, refined, o))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	if (o->deform)
 		object_note_sizes(o);

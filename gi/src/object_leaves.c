@@ -1,4 +1,5 @@
-/* Leaves by themselves: materials of their own, and where in a texture each lies. Of objects that ask for either. */
+/* Leaves by themselves: materials of their own, and where in a texture each lies, and what is drawn of it. Of objects
+ * that ask for either. */
 #include "object_build.h"
 
 #include "faces.h"
@@ -171,4 +172,33 @@ bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, con
 	gi_refined_free(&chart);
 	gi_free(m.first);
 	return ready;
+}
+
+/* Of each triangle of a cage's surface: the material of the face that it lies on. */
+static uint32_t *triangle_materials(const gi_refined *refined, const object_record *o)
+{
+	const gi_drawn_surface *drawn = &o->drawn;
+	const uint32_t *of_face = refined->levels[refined->level_count - 1].material;
+	uint32_t *materials = gi_malloc(sizeof *materials * (drawn->index_count / 3 + 1));
+	for (uint32_t t = 0; materials && t < drawn->index_count / 3; t++)
+		materials[t] = of_face[o->hierarchy.leaf_face[drawn->vertices[drawn->indices[3 * t]].leaf]];
+	return materials;
+}
+
+bool object_chart_drawn(const gi_object_def *def, const gi_refined *refined, object_record *o)
+{
+	const uint32_t count = def->material_count ? def->material_count : 1;
+	const bool mesh = def->draw_index_count > 0;
+	const void *mesh_uvs = def->draw_uvs;
+	if (def->undrawn || !(mesh ? mesh_uvs : def->uvs))
+		return true;
+	if (mesh)
+		return gi_drawn_chart_build(&o->drawn, mesh_uvs, def->draw_face_materials, count, &o->chart);
+	uint32_t *materials = triangle_materials(refined, o);
+	const bool made =
+	    materials && gi_drawn_chart_build(&o->drawn, (const float(*)[2])o->drawn.uvs, materials, count, &o->chart);
+	gi_free(materials);
+	gi_free(o->drawn.uvs);
+	o->drawn.uvs = NULL;
+	return made;
 }

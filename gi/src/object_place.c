@@ -162,6 +162,11 @@ bool object_is_smooth(const object_record *o)
 	return smooth;
 }
 
+bool object_is_textured(const object_record *o, uint32_t material)
+{
+	return o->textures && (o->textures[material].base_color || o->textures[material].emissive);
+}
+
 bool object_has_glass(const object_record *o)
 {
 	bool glass = false;

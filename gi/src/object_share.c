@@ -1,8 +1,8 @@
 /* The life of an object's arrays, which several objects of one shape may have in common.
  *
  * What a build makes is not written to again, so that all of the shape have it: the last one frees it. Each one's own
- * are its name, its materials, and of one that deforms what follows from its shape of now. All objects that share are
- * one context's, and so of one thread: the count needs no lock.
+ * are its name, its materials and textures, and of one that deforms what follows from its shape of now. All objects
+ * that share are one context's, and so of one thread: the count needs no lock.
  */
 #include "object_build.h"
 
@@ -73,6 +73,7 @@ static void copy_values(object_record *o, bool *enough)
 	o->emission = copy(o->emission, count, sizeof *o->emission, enough);
 	for (uint32_t m = 0; o->emission && m < count; m++)
 		o->emission[m] = (object_emission){.area = o->emission[m].area};
+	o->textures = copy(o->textures, o->chart.material_count, sizeof *o->textures, enough);
 	o->name = o->name ? object_copy_name(o->name) : NULL;
 	*enough = *enough && o->name;
 }
@@ -96,6 +97,8 @@ bool object_share(const object_record *from, object_record *out)
 			       .hierarchy = from->hierarchy,
 			       .bvh = from->bvh,
 			       .drawn = from->drawn,
+			       .chart = from->chart,
+			       .textures = from->textures,
 			       .by_size = from->by_size,
 			       .deform = from->deform,
 			       .plane = from->plane,
@@ -117,6 +120,7 @@ void object_free(object_record *o)
 	gi_free(o->materials);
 	gi_free(o->specular);
 	gi_free(o->emission);
+	gi_free(o->textures);
 	if (last || o->hierarchy.deforms)
 		free_shape(o);
 	gi_deform_free(o->deform, last);
@@ -126,6 +130,7 @@ void object_free(object_record *o)
 		gi_hierarchy_free(&o->hierarchy);
 		gi_subsurface_free(&o->subsurface);
 		gi_drawn_free(&o->drawn);
+		gi_drawn_chart_free(&o->chart);
 	}
 	*o = (object_record){.generation = o->generation,
 			     .leaf_id = o->leaf_id,
