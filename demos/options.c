@@ -98,7 +98,8 @@ static const struct argp_option table[] = {
      "photons that each lamp sends through each mirror and glass, 0..1048576 (16384); 0: no caustics", 1},
     {"rebuild", KEY_REBUILD, 0, 0, "build every frame from scratch", 1},
     {0, 0, 0, 0, "What to write:", 2},
-    {"images", KEY_IMAGES, "PATTERN", 0, "a PNG each frame, e.g. frame_%04d.png", 2},
+    {"images", KEY_IMAGES, "PATTERN", 0,
+     "a PNG each frame, e.g. frame_%04d.png; with --frames 1 a number is not needed", 2},
     {"linear", KEY_LINEAR, "PATTERN", 0,
      "a PFM each frame: radiance before exposure and tone mapping, W/(m2 sr), e.g. frame_%04d.pfm", 2},
     {"video", KEY_VIDEO, "FILE", 0, "a film of the pictures, e.g. film.mp4, where the program ffmpeg is installed", 2},
@@ -235,12 +236,22 @@ static void parse_two_sided(options *o, const char *text)
 	options_fail(o->program, "--two-sided=%s: must be on, off or auto", text);
 }
 
-static const char *checked_pattern(const options *o, const char *option, const char *text)
+static void check_pattern(const options *o, const char *option, const char *text)
 {
 	char message[256];
-	if (!engine_frame_pattern_check(text, message, sizeof message))
-		options_fail(o->program, "%s: %s", option, message);
-	return text;
+	if (text && !engine_frame_pattern_check(text, o->frames == 1, message, sizeof message))
+		options_fail(o->program, "%s: %s%s", option, message,
+			     strchr(text, '%') ? "" : " (or ask for --frames 1)");
+}
+
+/* What only all options together say. */
+static void check_all(const options *o)
+{
+	if (o->overlay == GI_OVERLAY_RECEIVERS && !o->receivers)
+		options_fail(o->program, "--overlay receivers: there are none (gi_play --probes SPACING)");
+	check_pattern(o, "--images", o->images);
+	check_pattern(o, "--linear", o->linear);
+	check_pattern(o, "--field", o->field);
 }
 
 static const char *checked_name(const options *o, const char *option, const char *text)
@@ -323,16 +334,16 @@ static void parse_output(options *o, int key, const char *text)
 {
 	switch (key) {
 	case KEY_IMAGES:
-		o->images = checked_pattern(o, "--images", text);
+		o->images = text;
 		break;
 	case KEY_LINEAR:
-		o->linear = checked_pattern(o, "--linear", text);
+		o->linear = text;
 		break;
 	case KEY_REPORT:
 		o->report = checked_name(o, "--report", text);
 		break;
 	case KEY_FIELD:
-		o->field = checked_pattern(o, "--field", text);
+		o->field = text;
 		break;
 	case KEY_FORM_FACTORS:
 		o->form_factors = checked_name(o, "--form-factors", text);
@@ -351,8 +362,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 	options *o = state->input;
 	switch (key) {
 	case ARGP_KEY_END:
-		if (o->overlay == GI_OVERLAY_RECEIVERS && !o->receivers)
-			options_fail(o->program, "--overlay receivers: there are none (gi_play --probes SPACING)");
+		check_all(o);
 		return 0;
 	case ARGP_KEY_INIT:
 		state->err_stream = NULL; /* no second line "Try ..." under what getopt says */

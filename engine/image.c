@@ -73,10 +73,10 @@ static bool find_conversion(const char *pattern, conversion *found)
 	return *c == 'd';
 }
 
-bool engine_frame_pattern_check(const char *pattern, char *message, size_t message_size)
+bool engine_frame_pattern_check(const char *pattern, bool single, char *message, size_t message_size)
 {
 	conversion ignored;
-	if (find_conversion(pattern, &ignored))
+	if ((single && *pattern && !strchr(pattern, '%')) || find_conversion(pattern, &ignored))
 		return true;
 	snprintf(message, message_size, "\"%s\" does not number frames; write one %%04d and no other %% into it",
 		 pattern);
@@ -85,11 +85,12 @@ bool engine_frame_pattern_check(const char *pattern, char *message, size_t messa
 
 bool engine_frame_pattern_name(const char *pattern, int frame, char *name, size_t name_size)
 {
-	conversion at;
+	conversion at = {.begin = strlen(pattern), .end = strlen(pattern)};
+	const bool numbered = strchr(pattern, '%');
 	name[0] = '\0';
-	if (!find_conversion(pattern, &at))
+	if (numbered ? !find_conversion(pattern, &at) : !*pattern)
 		return false;
-	const char *format = at.zeros ? "%.*s%0*d%s" : "%.*s%*d%s";
+	const char *format = !numbered ? "%.*s" : at.zeros ? "%.*s%0*d%s" : "%.*s%*d%s";
 	int length = snprintf(name, name_size, format, (int)at.begin, pattern, at.width, frame, pattern + at.end);
 	if (length >= 0 && (size_t)length < name_size)
 		return true;

@@ -117,7 +117,7 @@ static void linear_pixels_come_back(void **state)
 static void check_name(const char *pattern, int frame, const char *expected)
 {
 	char name[64], message[256];
-	assert_true(engine_frame_pattern_check(pattern, message, sizeof message));
+	assert_true(engine_frame_pattern_check(pattern, strchr(pattern, '%') == NULL, message, sizeof message));
 	assert_true(engine_frame_pattern_name(pattern, frame, name, sizeof name));
 	assert_string_equal(name, expected);
 }
@@ -130,21 +130,23 @@ static void frames_are_numbered(void **state)
 	check_name("%d", 0, "0");
 	check_name("a%3d.ply", 5, "a  5.ply");
 	check_name("a%0d.ply", 5, "a5.ply");
+	check_name("alone.png", 0, "alone.png");
 }
 
 static void other_patterns_are_refused(void **state)
 {
 	(void)state;
-	static const char *const bad[] = {"frame.png", "%s.png",  "%n",       "%d%d.png", "%04d%%.png", "%",
-					  "%0",        "%*d.png", "%-4d.png", "%04x.png", "%ld.png",    "%123d.png"};
+	static const char *const bad[] = {"%s.png",  "%n",       "%d%d.png", "%04d%%.png", "%",         "%0",
+					  "%*d.png", "%-4d.png", "%04x.png", "%ld.png",    "%123d.png", ""};
 	char name[64], message[256];
 	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
 		message[0] = '\0';
-		assert_false(engine_frame_pattern_check(bad[i], message, sizeof message));
+		assert_false(engine_frame_pattern_check(bad[i], i % 2, message, sizeof message));
 		assert_non_null(strstr(message, "%04d"));
 		assert_false(engine_frame_pattern_name(bad[i], 1, name, sizeof name));
 		assert_string_equal(name, "");
 	}
+	assert_false(engine_frame_pattern_check("frame.png", false, message, sizeof message));
 	assert_false(engine_frame_pattern_name("frame_%04d.png", 1, name, 8));
 	assert_string_equal(name, "");
 }
