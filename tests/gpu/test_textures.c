@@ -174,7 +174,7 @@ typedef struct plate_kind {
 	gi_scheme scheme;
 	uint32_t faces, levels;
 	float leaf_size;
-	bool triangles, polygon, leaf_materials, double_sided, deforms;
+	bool triangles, polygon, skewed, leaf_materials, double_sided, deforms;
 } plate_kind;
 
 static const gi_material GREY = {.rho = {.5f, .5f, .5f}, .exitance = {.1f, .2f, .3f}};
@@ -216,6 +216,8 @@ static gi_object add_plate(gi_context *gi, const plate_kind *kind)
 		to_triangles(&mesh);
 	if (kind->polygon)
 		to_polygon(&mesh);
+	if (kind->skewed) /* faces that are no parallelograms */
+		memcpy(mesh.positions + 3 * 4, (float[]){.4f, 0, -.3f}, 3 * sizeof *mesh.positions);
 	float *uvs = place_uvs(&mesh);
 	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = kind->name;
@@ -304,6 +306,9 @@ static void texels_are_lit_as_they_are(void **state)
 	    {.name = "triangles", .faces = 2, .leaf_size = .4f, .triangles = true},
 	    {.name = "polygon", .faces = 2, .polygon = true},
 	    {.name = "polygon, leaf sizes", .faces = 2, .polygon = true, .leaf_size = .3f},
+	    {.name = "skewed", .faces = 2, .skewed = true},
+	    {.name = "skewed, levels", .faces = 2, .levels = 1, .skewed = true},
+	    {.name = "skewed, leaf sizes", .faces = 2, .leaf_size = .4f, .skewed = true},
 	    {.name = "materials of leaves", .faces = 2, .levels = 1, .leaf_materials = true},
 	    {.name = "two sides", .faces = 2, .levels = 1, .double_sided = true},
 	    {.name = "Catmull-Clark", .scheme = GI_SCHEME_CATMULL_CLARK, .faces = 2, .levels = 1},
