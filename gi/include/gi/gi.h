@@ -612,10 +612,11 @@ GI_API gi_textures gi_textures_default(void);
  * or not. NULL, or names of 0: none again. The next gi_draw shows it, no gi_commit and no gi_update are needed; other
  * values are free to come every frame, first textures and none again cost that gi_draw the upload of what is drawn.
  *
- * The textures stay the host's: what it writes into them is seen. One that it deletes is taken back first: gi_draw says
- * GI_ERROR_INVALID_ARGUMENT and draws nothing while one is missing. GI_ERROR_INVALID_ARGUMENT: a value is out of its
- * range, a name is none of this OpenGL context, the object has no coordinates (gi_object_def.uvs, draw_uvs) or
- * gi_subsurface, or fewer materials. */
+ * The textures stay the host's: what it writes into them is seen. One that it deletes is taken back first, unless the
+ * object was destroyed: gi_draw says GI_ERROR_INVALID_ARGUMENT and draws nothing while one is missing. To set them needs
+ * the OpenGL context current, for names are looked up. GI_ERROR_INVALID_ARGUMENT: a value is out of its range, a name is
+ * none of this OpenGL context, the object has no coordinates (gi_object_def.uvs, draw_uvs) or gi_subsurface, or fewer
+ * materials. */
 GI_API gi_result gi_set_textures(gi_context *gi, gi_object object, uint32_t material, const gi_textures *textures);
 /* What is set; the defaults where there are none. */
 GI_API gi_result gi_get_textures(const gi_context *gi, gi_object object, uint32_t material, gi_textures *out);
