@@ -121,9 +121,9 @@ static uint32_t upload(const engine_scene *scene, file_uploads *u, uint32_t numb
 
 static uint32_t sampler_of(file_uploads *u, const engine_texture_use *use)
 {
-	uint32_t *name = &u->samplers[use->wrap[0]][use->wrap[1]];
+	uint32_t *name = &u->samplers[use->squares][use->wrap[0]][use->wrap[1]];
 	if (!*name)
-		*name = engine_texture_sampler(use->wrap);
+		*name = engine_texture_sampler(use);
 	return *name;
 }
 

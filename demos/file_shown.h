@@ -30,8 +30,8 @@ void file_shown_free(file_shown *shown);
 
 /* All textures of the scene in OpenGL, once they are wanted. */
 typedef struct file_uploads {
-	uint32_t *textures; /* scene.texture_count; 0: not yet, or it could not be */
-	uint32_t samplers[3][3];
+	uint32_t *textures;         /* scene.texture_count; 0: not yet, or it could not be */
+	uint32_t samplers[2][3][3]; /* by squares, wrapping of u and of v */
 } file_uploads;
 
 /* Hands over the textures of an object that was made with these. */

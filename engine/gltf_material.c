@@ -19,6 +19,12 @@ static engine_wrap wrap_of(const cJSON *sampler, const char *key)
 	return mode == 33071 ? ENGINE_WRAP_CLAMP : mode == 33648 ? ENGINE_WRAP_MIRROR : ENGINE_WRAP_REPEAT;
 }
 
+static bool is_nearest(const cJSON *sampler)
+{
+	double filter = 9729;
+	return gltf_number(sampler, "magFilter", &filter) && filter == 9728;
+}
+
 /* KHR_texture_transform: scale, then rotation by an angle, then offset. */
 static void read_transform(const cJSON *from, engine_texture_use *use)
 {
@@ -65,6 +71,7 @@ static engine_texture_use find_texture(gltf_document *document, const cJSON *ref
 	const cJSON *from = sampler >= 0 ? document->tables[GLTF_SAMPLERS].items[sampler] : NULL;
 	use.wrap[0] = wrap_of(from, "wrapS");
 	use.wrap[1] = wrap_of(from, "wrapT");
+	use.squares = is_nearest(from);
 	if (transform)
 		read_transform(transform, &use);
 	*uv_set = uv_set_of(reference, transform);

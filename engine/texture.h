@@ -20,6 +20,7 @@ typedef struct engine_texture {
 typedef struct engine_texture_use {
 	uint32_t number;       /* of the scene's textures, and one; 0: none */
 	engine_wrap wrap[2];   /* of u and of v */
+	bool squares;          /* texels seen from near are squares, not blended */
 	float transform[2][3]; /* u and v of the texture = rows times (u, v, 1) of the mesh */
 } engine_texture_use;
 

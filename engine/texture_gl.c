@@ -40,7 +40,7 @@ uint32_t engine_texture_upload(const engine_texture *t)
 	return texture;
 }
 
-uint32_t engine_texture_sampler(const engine_wrap wrap[2])
+uint32_t engine_texture_sampler(const engine_texture_use *use)
 {
 	static const GLint modes[] = {[ENGINE_WRAP_REPEAT] = GL_REPEAT,
 				      [ENGINE_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
@@ -48,8 +48,8 @@ uint32_t engine_texture_sampler(const engine_wrap wrap[2])
 	GLuint sampler = 0;
 	glCreateSamplers(1, &sampler);
 	glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-	glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-	glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, modes[wrap[0]]);
-	glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, modes[wrap[1]]);
+	glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, use->squares ? GL_NEAREST : GL_LINEAR);
+	glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, modes[use->wrap[0]]);
+	glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, modes[use->wrap[1]]);
 	return sampler;
 }

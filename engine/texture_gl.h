@@ -12,8 +12,8 @@ extern "C" {
  * bound for unpacking and the alignment of rows. */
 uint32_t engine_texture_upload(const engine_texture *texture);
 
-/* A sampler that filters between texels and mipmaps. */
-uint32_t engine_texture_sampler(const engine_wrap wrap[2]);
+/* A sampler for such uses: from afar it filters between texels and mipmaps. */
+uint32_t engine_texture_sampler(const engine_texture_use *use);
 
 #ifdef __cplusplus
 }

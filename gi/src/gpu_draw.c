@@ -267,11 +267,14 @@ void gpu_bind_host_texture(const gpu *g, uint32_t unit, uint32_t texture, uint32
 
 bool gpu_is_host_texture(const gpu *g, uint32_t name)
 {
-	GLint target = 0;
+	GLint target = 0, type = GL_NONE;
 	if (!g->gl->IsTexture(name))
 		return false;
 	g->gl->GetTextureParameteriv(name, GL_TEXTURE_TARGET, &target);
-	return target == GL_TEXTURE_2D;
+	if (target != GL_TEXTURE_2D)
+		return false;
+	g->gl->GetTextureLevelParameteriv(name, 0, GL_TEXTURE_RED_TYPE, &type);
+	return type != GL_INT && type != GL_UNSIGNED_INT;
 }
 
 bool gpu_is_host_sampler(const gpu *g, uint32_t name)

@@ -74,7 +74,7 @@ void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);
 
 /* A texture of the host's, by one of its samplers; 0: as the texture itself says. */
 void gpu_bind_host_texture(const gpu *g, uint32_t unit, uint32_t texture, uint32_t sampler);
-/* Is there such an object? Of two dimensions, of one layer and one sample. */
+/* Is there such an object? Of two dimensions, of one layer and one sample, and not of integers. */
 bool gpu_is_host_texture(const gpu *g, uint32_t name);
 bool gpu_is_host_sampler(const gpu *g, uint32_t name);
 

@@ -42,7 +42,8 @@ static const char *fault_of(const gi_context *gi, const gi_textures *t)
 		return "alpha_cutoff is negative or no number";
 	if ((t->base_color && !gpu_is_host_texture(g, t->base_color)) ||
 	    (t->emissive && !gpu_is_host_texture(g, t->emissive)))
-		return "base_color or emissive is no texture of the target GL_TEXTURE_2D in this OpenGL context";
+		return "base_color or emissive is no texture in this OpenGL context, or none with the target "
+		       "GL_TEXTURE_2D, or of integers";
 	if ((t->base_color_sampler && !gpu_is_host_sampler(g, t->base_color_sampler)) ||
 	    (t->emissive_sampler && !gpu_is_host_sampler(g, t->emissive_sampler)))
 		return "base_color_sampler or emissive_sampler is no sampler in this OpenGL context";

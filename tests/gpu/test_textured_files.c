@@ -47,8 +47,9 @@ static const char *write_scene(uint32_t n, bool mapped, const char *material)
 	    text, sizeof text,
 	    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
 	    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0%s},\"indices\":2,\"material\":0}]}],"
-	    "\"materials\":[{%s}],\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":33071,"
-	    "\"wrapT\":33071}],\"images\":[{\"uri\":\"data:image/png;base64," HALF_WHITE "\"}],"
+	    "\"materials\":[{%s}],\"textures\":[{\"source\":0,\"sampler\":0},{\"source\":0,"
+	    "\"sampler\":1}],\"samplers\":[{\"wrapS\":33071,\"wrapT\":33071},{\"wrapS\":33071,\"magFilter\":9728}],"
+	    "\"images\":[{\"uri\":\"data:image/png;base64," HALF_WHITE "\"}],"
 	    "\"buffers\":[{\"uri\":\"scene.bin\",\"byteLength\":%zu}],\"bufferViews\":["
 	    "{\"buffer\":0,\"byteOffset\":0,\"byteLength\":%u},{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%u},"
 	    "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%u}],\"accessors\":["
@@ -117,19 +118,50 @@ static void draw_file(const char *path, uint32_t cage_faces, float pixels[SIZE *
 	"\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0,0,0,1]},\"emissiveFactor\":[1,0.5,1],"  \
 	"\"emissiveTexture\":{\"index\":0}"
 
+/* Seen from near, texels are squares. */
+#define SQUARES "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":1}}"
+
 static const float PI = 3.14159265f;
 
-/* Of pixels away from the middle, where the texture is a ramp. */
+/* Where the texture is a ramp, left of the middle and right of it. */
+enum { NO_RAMP = 0, RAMP = SIZE / 4 };
+
+/* Of pixels beside a ramp. */
 static void expect_halves(const char *name, const float pixels[SIZE * SIZE][4], const float left[3],
-			  const float right[3])
+			  const float right[3], int ramp)
 {
 	for (int k = 0; k < SIZE * SIZE; k++) {
 		const int column = k % SIZE;
-		const float *wanted = column < SIZE / 4 ? left : right;
-		for (int c = 0; c < 3 && (column < SIZE / 4 - 1 || column > 3 * SIZE / 4); c++)
+		const float *wanted = column < SIZE / 2 ? left : right;
+		for (int c = 0; c < 3 && (column < SIZE / 2 - ramp || column >= SIZE / 2 + ramp); c++)
 			if (fabsf(pixels[k][c] - wanted[c]) > 1e-3f)
 				fail_msg("%s: pixel %d %d, channel %d: %g is not %g", name, column, k / SIZE, c,
 					 (double)pixels[k][c], (double)wanted[c]);
+	}
+}
+
+/* A picture of two rows, white above black. */
+static const uint8_t upright[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x01, 0x00, 0x00, 0x00, 0x02, 0x08, 0x02, 0x00, 0x00, 0x00, 0x16, 0xe3, 0x21, 0x70, 0x00, 0x00, 0x00,
+    0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8, 0xff, 0xff, 0x3f, 0x03, 0x10, 0x00, 0x00, 0x11, 0xf6,
+    0x02, 0xfe, 0xa2, 0xb6, 0xa1, 0x8c, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+/* Of OBJ v goes up: the upper row lies where v is above a half. */
+static void obj_pictures_stand_upright(void **state)
+{
+	static float pixels[SIZE * SIZE][4];
+	(void)state;
+	harness_require_context();
+	write_file("upright.png", upright, sizeof upright);
+	write_text("square.mtl", "newmtl painted\nmap_Kd -clamp on upright.png\n");
+	draw_file(write_text("square.obj", "mtllib square.mtl\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\n"
+					   "vt 1 1\nvt 0 1\nusemtl painted\nf 1/1 2/2 3/3 4/4\n"),
+		  0, pixels);
+	for (int i = 0; i < SIZE; i++) {
+		const float lower = pixels[(SIZE / 4 - 2) * SIZE + i][1],
+			    upper = pixels[(3 * SIZE / 4 + 2) * SIZE + i][1];
+		assert_true(lower < 1e-3f && fabsf(upper - 2 / PI) < .03f);
 	}
 }
 
@@ -141,24 +173,27 @@ static void squares_are_drawn_with_their_textures(void **state)
 	(void)state;
 	harness_require_context();
 	draw_file(write_scene(2, true, PAINTED), 0, pixels);
-	expect_halves("a cage", pixels, lit, black);
+	expect_halves("a cage", pixels, lit, black, RAMP);
+	draw_file(write_scene(2, true, SQUARES), 0, pixels);
+	expect_halves("squares", pixels, white, black, NO_RAMP);
 	draw_file(write_scene(CELLS, true, PAINTED), 40, pixels);
-	expect_halves("a fine mesh", pixels, lit, black);
+	expect_halves("a fine mesh", pixels, lit, black, RAMP);
 	draw_file(write_scene(2, true, TURNED), 0, pixels);
-	expect_halves("turned", pixels, black, white);
+	expect_halves("turned", pixels, black, white, RAMP);
 	draw_file(write_scene(2, true, SHINING), 0, pixels);
-	expect_halves("shining", pixels, shines, black);
+	expect_halves("shining", pixels, shines, black, RAMP);
 	draw_file(write_scene(CELLS, true, SHINING), 40, pixels);
-	expect_halves("a fine mesh that shines", pixels, shines, black);
+	expect_halves("a fine mesh that shines", pixels, shines, black, RAMP);
 	/* Without coordinates all of it has the mean. */
 	draw_file(write_scene(2, false, PAINTED), 0, pixels);
 	const float mean[3] = {.5f / PI, 1 / PI, 1 / PI};
-	expect_halves("no coordinates", pixels, mean, mean);
+	expect_halves("no coordinates", pixels, mean, mean, NO_RAMP);
 }
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(squares_are_drawn_with_their_textures)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(squares_are_drawn_with_their_textures),
+					   cmocka_unit_test(obj_pictures_stand_upright)};
 	if (make_folder(NULL))
 		return 1;
 	const int failed = cmocka_run_group_tests_name("textured files", tests, harness_open, harness_close);

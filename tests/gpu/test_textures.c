@@ -787,9 +787,11 @@ static void wrong_values_are_refused(void **state)
 	(void)state;
 	harness_require_context();
 	const GLuint texture = two_texels();
-	GLuint cube, named;
+	GLuint cube, named, integers;
 	glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &cube);
 	glGenTextures(1, &named);
+	glCreateTextures(GL_TEXTURE_2D, 1, &integers);
+	glTextureStorage2D(integers, 1, GL_RGBA8UI, 2, 2);
 	gi_context *gi = open_scene(BY_SKY);
 	const gi_object plate = add_plate(gi, &PLAIN);
 	engine_mesh mesh;
@@ -807,6 +809,8 @@ static void wrong_values_are_refused(void **state)
 	expect_refused(gi, plate, &t, argument, "'plate', material 0: base_color or emissive is no texture");
 	t.base_color = named;
 	expect_refused(gi, plate, &t, argument, "no texture");
+	t.base_color = integers;
+	expect_refused(gi, plate, &t, argument, "integers");
 	t = good, t.emissive = texture + 1000;
 	expect_refused(gi, plate, &t, argument, "no texture");
 	t = good, t.base_color_sampler = 1000;
@@ -827,6 +831,7 @@ static void wrong_values_are_refused(void **state)
 	glDeleteTextures(1, &texture);
 	glDeleteTextures(1, &cube);
 	glDeleteTextures(1, &named);
+	glDeleteTextures(1, &integers);
 }
 
 /* A texture that is deleted is missed by name, and nothing is drawn. */

@@ -699,7 +699,7 @@ static void textures_come_with_their_coordinates(void **state)
 	    "\"indices\":1,\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,"
 	    "\"baseColorFactor\":[0.5,1,1,1],\"baseColorTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{"
 	    "\"KHR_texture_transform\":{\"offset\":[0.25,0],\"scale\":[2,1]}}}}}],\"textures\":[{\"source\":0,"
-	    "\"sampler\":0}],\"samplers\":[{\"wrapS\":33071}],"
+	    "\"sampler\":0}],\"samplers\":[{\"wrapS\":33071,\"magFilter\":9728}],"
 	    "\"images\":[{\"uri\":\"data:image/png;base64," HALF_WHITE "\"}]");
 	const engine_mesh *mesh = &scene.objects[0].mesh;
 	const engine_scene_material *m = &scene.materials[0];
@@ -709,6 +709,7 @@ static void textures_come_with_their_coordinates(void **state)
 	check_floats(m->rho_factor, (const float[3]){.5f, 1, 1}, 3, 1e-5f);
 	check_floats(m->rho_texture.transform[0], (const float[6]){2, 0, .25f, 0, 1, 0}, 6, 1e-6f);
 	assert_true(m->rho_texture.wrap[0] == ENGINE_WRAP_CLAMP && m->rho_texture.wrap[1] == ENGINE_WRAP_REPEAT);
+	assert_true(m->rho_texture.squares);
 	assert_true(mesh->face_count == 2 && mesh->uvs);
 	for (uint32_t k = 0; k < mesh->index_count; k++) {
 		const float *p = mesh->positions + 3 * mesh->indices[k];

@@ -585,9 +585,9 @@ GI_API gi_result gi_set_leaf_materials(gi_context *gi, gi_object object, uint32_
  *     L = (E + rho H) / pi,    rho = factor * base colour,    E = factor * emissive
  *
  * H that of the leaves and of what lights per pixel. The light does not change by it, and a scene without textures pays
- * nothing. One with some draws a part for each material that has some, and keeps 16 bytes more a pixel. What lies
- * behind: what is seen in mirrors and through glass, shadows, and the light of a surface that shines are those of the
- * leaves, in their means; heat maps (gi_overlay) show leaves whole. */
+ * nothing. One with some draws a part for each material that has some, and keeps 16 bytes more a pixel. Not by texels:
+ * what is seen in mirrors and through glass has the means of leaves, so has what a shining surface gives to others, and
+ * what alpha cuts out is whole in shadows and heat maps (gi_overlay). */
 typedef struct gi_textures {
 	/* OpenGL names of textures with the target GL_TEXTURE_2D, complete, with floats or normalised integers: sRGB
 	 * where they hold sRGB, for shaders see what is sampled. 0: none, that is the material's. */
@@ -612,9 +612,10 @@ GI_API gi_textures gi_textures_default(void);
  * or not. NULL, or names of 0: none again. The next gi_draw shows it, no gi_commit and no gi_update are needed; other
  * values are free to come every frame, first textures and none again cost that gi_draw the upload of what is drawn.
  *
- * The textures stay the host's: what it writes into them is seen. One that it deletes is taken back first: gi_draw says
- * GI_ERROR_INVALID_ARGUMENT and draws nothing while one is missing. GI_ERROR_INVALID_ARGUMENT: a value is out of its
- * range, a name is none of this OpenGL context, the object has no coordinates (gi_object_def.uvs, draw_uvs) or
+ * The textures stay the host's: what it writes into them is seen. One that it deletes is taken back first, unless the
+ * object was destroyed: gi_draw says GI_ERROR_INVALID_ARGUMENT and draws nothing while one is missing. Setting them
+ * needs the OpenGL context current, for names are looked up. GI_ERROR_INVALID_ARGUMENT: a value is out of its range, a
+ * name is none of this OpenGL context or of integers, the object has no coordinates (gi_object_def.uvs, draw_uvs) or
  * gi_subsurface, or fewer materials. */
 GI_API gi_result gi_set_textures(gi_context *gi, gi_object object, uint32_t material, const gi_textures *textures);
 /* What is set; the defaults where there are none. */
