@@ -22,7 +22,7 @@ static float random_float(void)
 	return (float)(seed >> 8) / 16777216;
 }
 
-/* Squared distance to the nearest of many points of a triangle, refined about the best: never less than the true one. */
+/* Squared distance to the nearest of many points of a triangle, refined about the best: never less than it is. */
 static double search_distance(const float p[3], const engine_triangle *t)
 {
 	double best = HUGE_VAL, u = .5, v = .5, width = .5;
