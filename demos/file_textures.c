@@ -172,7 +172,7 @@ static void add_half(const surface *s, uint32_t face, const float uvs[3][2], dou
 		file_surface_piece(side, piece, weights);
 		for (int k = 0; k < 3; k++)
 			file_surface_blend(weights[k], uvs[0], uvs[1], uvs[2], 2, part[k]);
-		add_part(s, face, side > 1 ? part : uvs, area / (side * side), sum);
+		add_part(s, face, part, area / (side * side), sum);
 	}
 }
 

@@ -114,11 +114,17 @@ static void choose_rgba(const png_state *s)
 	png_read_update_info(s->reader, s->info);
 }
 
+/* Deflate makes at most 1032 bytes of one: a header that promises more than that takes no memory. */
+static bool may_hold(const png_state *s, size_t height)
+{
+	return png_get_rowbytes(s->reader, s->info) <= 1032 * (s->left + 64) / height;
+}
+
 static void read_png_rows(png_state *s, uint64_t *pixels, const char **fault)
 {
 	png_read_info(s->reader, s->info);
 	const size_t width = png_get_image_width(s->reader, s->info), height = png_get_image_height(s->reader, s->info);
-	if (too_large(width, height, pixels, fault))
+	if (too_large(width, height, pixels, fault) || !may_hold(s, height))
 		return;
 	choose_rgba(s);
 	if (png_get_rowbytes(s->reader, s->info) != 4 * width)

@@ -68,10 +68,28 @@ static bool read_vertex(obj_reader *r, char *rest)
 	    import_add_vertex(r->loader, &r->polygons, count < 3 ? NULL : values, r->text.line, line);
 	if (!vertex)
 		return fail_memory(r);
-	vertex->colored = count == 6;
-	if (vertex->colored)
-		import_linear_color(values + 3, vertex->color);
+	vertex->colored = count >= 6; /* seven: and alpha */
+	for (int c = 0; vertex->colored && c < 3; c++)
+		vertex->color[c] = (float)fmin(fmax(values[3 + c], 0), 255); /* until settle_colors(); not finite: 0 */
 	return true;
+}
+
+/* From sRGB to linear light. Most writers count in 0..1, some in 0..255: then some vertex of the file has more than 1.
+ */
+static void settle_colors(obj_reader *r)
+{
+	import_vertex *vertices = r->polygons.vertices.items;
+	double largest = 0;
+	for (size_t v = 0; v < r->polygons.vertices.count; v++)
+		for (int c = 0; vertices[v].colored && c < 3; c++)
+			largest = fmax(largest, (double)vertices[v].color[c]);
+	const double unit = largest > 1.001 ? 255 : 1;
+	for (size_t v = 0; v < r->polygons.vertices.count; v++) {
+		const float *color = vertices[v].color;
+		if (vertices[v].colored)
+			import_linear_color((double[3]){color[0] / unit, color[1] / unit, color[2] / unit},
+					    vertices[v].color);
+	}
 }
 
 /* One of texture coordinates that are no numbers, or too far out, is of no use to any face. */
@@ -468,6 +486,7 @@ static bool read_file(obj_reader *r)
 {
 	if (!add_name_line(r, &r->groups, "", "") || !add_name_line(r, &r->uses, "", "") || !read_lines(r))
 		return false;
+	settle_colors(r);
 	mtl_sort(&r->materials);
 	if (!find_first_of_name(r, &r->groups) || !find_first_of_name(r, &r->uses) || !number_materials(r))
 		return false;

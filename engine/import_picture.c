@@ -39,7 +39,7 @@ static void decode(import_loader *loader, import_pictures *pictures, const uint8
 static void read_picture(import_loader *loader, import_pictures *pictures, picture *out)
 {
 	size_t size = 0;
-	if (pictures->pixels > MOST_PIXELS || pictures->bytes > MOST_BYTES || pictures->looked_for++ >= MOST_NAMES) {
+	if (pictures->pixels > MOST_PIXELS || pictures->bytes > MOST_BYTES) {
 		snprintf(out->why, sizeof out->why, "the images of the file are too many or too large");
 		return;
 	}
@@ -58,9 +58,9 @@ uint32_t import_find_picture(import_loader *loader, import_pictures *pictures, c
 		if (all[k].alpha == alpha && strcmp(all[k].name, name) == 0)
 			found = &all[k];
 	if (!found) {
-		found = import_array_add(&pictures->read, sizeof *found);
+		found = pictures->read.count < MOST_NAMES ? import_array_add(&pictures->read, sizeof *found) : NULL;
 		if (!found) {
-			snprintf(why, why_size, "there is no memory for it");
+			snprintf(why, why_size, "the images of the file are too many, or there is no memory for one");
 			return 0;
 		}
 		*found = (picture){.name = name, .alpha = alpha};

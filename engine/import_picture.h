@@ -8,7 +8,6 @@
 typedef struct import_pictures {
 	import_array read; /* private */
 	uint64_t pixels, bytes;
-	uint32_t looked_for;
 } import_pictures;
 
 /* The scene's texture of a PNG or JPEG beside or below the scene's file: its number and one; 0 with the reason in why,

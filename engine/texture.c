@@ -118,16 +118,37 @@ static void add_texel(const engine_texture *t, const engine_texture_use *use, do
 	s->area += area;
 }
 
+/* Between which columns the band from y to y + 1 is inside a convex polygon that was cut to it: those that it covers on
+ * both of its lines. */
+static void find_inside(const polygon *row, double y, double *from, double *to)
+{
+	double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+	for (int k = 0; k < row->count; k++)
+		for (int line = 0; line < 2; line++) {
+			if (row->at[k][1] != y + line)
+				continue;
+			low[line] = fmin(low[line], row->at[k][0]);
+			high[line] = fmax(high[line], row->at[k][0]);
+		}
+	*from = fmax(low[0], low[1]);
+	*to = fmin(high[0], high[1]);
+}
+
 /* step: texels of a block, each way. */
 static void add_row(const engine_texture *t, const engine_texture_use *use, const polygon *p, double y,
 		    const double step[2], sums *s)
 {
 	const polygon row = clip_band(p, 1, y);
-	double low, high;
+	double low, high, from, to;
 	range_of(&row, 0, &low, &high);
+	find_inside(&row, y, &from, &to);
 	for (double x = floor(low); x < high; x++) {
-		const polygon cell = clip_band(&row, 0, x);
-		add_texel(t, use, floor((x + 0.5) * step[0]), floor((y + 0.5) * step[1]), area_of(&cell), s);
+		double area = 1;
+		if (x < from || x + 1 > to) {
+			const polygon cell = clip_band(&row, 0, x);
+			area = area_of(&cell);
+		}
+		add_texel(t, use, floor((x + 0.5) * step[0]), floor((y + 0.5) * step[1]), area, s);
 	}
 }
 

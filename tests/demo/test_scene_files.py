@@ -6,7 +6,11 @@
 The files are written here; where ../shared/cases is, its files are played too. Parts and last lines are
 tests/suite.py's.
 """
+import base64
+import json
+import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -81,7 +85,6 @@ class SceneFiles(unittest.TestCase):
 
     def picture(self):
         """Mean of the picture's bytes as they are filtered, mostly as differences: all black gives 0."""
-        import struct
         import zlib
         with open(self.path("p0.png"), "rb") as file:
             data = file.read()
@@ -105,6 +108,29 @@ class SceneFiles(unittest.TestCase):
             self.assertGreater(self.picture(), 20)
             self.play(self.path("turned.obj", room(walls)), "--leaf-size", "0.5", "--two-sided=off")
             self.assertLess(self.walls()[1], 0.9 * right[1])
+
+    def test_a_file_may_have_a_sky_of_its_own(self):
+        # A square of rho 0.5 that looks up below a sky of radiance 2 all round: H is 2 pi.
+        white = ("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4AAAAAElFTkSuQmCC")
+        corners = struct.pack("<12f", 0, 0, 0, 0, 0, 1, 1, 0, 1, 1, 0, 0) + struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+        scene = {
+            "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+            "scenes": [{"nodes": [0], "extensions": {"EXT_lights_image_based": {"light": 0}}}],
+            "extensions": {"EXT_lights_image_based": {"lights": [{"intensity": 2, "specularImages": [[0] * 6]}]}},
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "images": [{"uri": "data:image/png;base64," + white}],
+            "buffers": [{"byteLength": len(corners), "uri": "data:application/octet-stream;base64," +
+                         base64.b64encode(corners).decode()}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}]}
+        path = self.path("sky.gltf", json.dumps(scene))
+        for arguments, wanted in (([], math.pi), (["--sky", "3"], 1.5), (["--sky", "0"], 0)):
+            told = self.play(path, "--leaf-size", "0.5", *arguments)
+            found = self.light()[1]
+            print("B under %s: %.4f of %.4f W/m2" % (" ".join(arguments) or "its own sky", found, wanted))
+            self.assertAlmostEqual(found, wanted, delta=0.002)
+            self.assertEqual("nothing in it emits light" in told, wanted == 0)
 
     def test_walls_of_two_rooms_in_one_plane_stay(self):
         # Which of two walls in one place a ray meets first is a matter of rounding, unless it is who looks at it.

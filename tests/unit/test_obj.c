@@ -307,6 +307,11 @@ static void colours_of_vertices_are_read(void **state)
 	CHECK_FACE(&scene, 2, 0.738014f, 0.071347f, 0.071347f);
 	assert_null(strstr(scene.warning, "in no library"));
 	engine_scene_free(&scene);
+	/* Bytes, where any of the file says so; alpha behind them. */
+	scene = load_obj("v 0 0 0 200 30 30 255\nv 1 0 0 200 30 30 255\nv 1 1 0 200 30 30 255\nv 0 1 0 1 0 0 255\n"
+			 "f 1 2 3\nf 4 4 4 3 1\n");
+	CHECK_FACE(&scene, 0, 0.5775805f, 0.0129830f, 0.0129830f);
+	engine_scene_free(&scene);
 	/* One of a library is times them. */
 	write_text("m.mtl", "newmtl m\nKd .3 .4 .5\nnewmtl plain\nd 1\n");
 	scene = load_obj("mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 1 0\nv 1 1 0 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"
