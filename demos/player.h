@@ -33,8 +33,14 @@ typedef struct player_scene {
 	gi_result (*press)(void *user, gi_context *gi, int key);
 	const char *const (*keys)[2]; /* what they do, for the list on screen: key_count of key and action */
 	uint32_t key_count;
+	/* > 0: it has receivers, which P and --overlay receivers show so large, metres */
+	float receiver_radius;
 	/* For the exports. */
 	export_objects (*objects)(void *user);
+
+	/* A sky of its own, unless --sky says otherwise: equirectangular, as gi_set_sky_image takes it; NULL: none. */
+	const float *sky;
+	uint32_t sky_width, sky_height;
 
 	double loop_s;      /* > 0: a window begins anew after so long */
 	uint32_t frames;    /* recorded frames when nobody says how many; > 0 */

@@ -31,9 +31,10 @@ static bool copy_values(object_record *o, const gi_object_def *def, const char *
 	o->name = object_copy_name(name);
 	o->specular = def->specular ? gi_malloc(sizeof(gi_specular) * o->material_count) : NULL;
 	o->sharers = gi_malloc(sizeof *o->sharers);
+	if (o->sharers)
+		*o->sharers = 1;
 	if (!o->materials || !o->name || (def->specular && !o->specular) || !o->sharers)
 		return false;
-	*o->sharers = 1;
 	if (def->specular)
 		memcpy(o->specular, def->specular, sizeof(gi_specular) * o->material_count);
 	if (def->material_count)

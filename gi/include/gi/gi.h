@@ -472,8 +472,9 @@ GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_o
 /* Another object of the shape, scale, materials, textures, mobility and name that `of` has at present, at `pose` and
  * not hidden: the chairs of a hall. It takes a microsecond or two and 1 KB of host memory: refinement, hierarchy,
  * trees, subsurface links and drawn surface are there once for all that came of one object; the last one destroyed
- * frees them, either may go first. All else is as if gi_create_object had made it, to the bit: it takes part after the next
- * gi_commit, on the GPU it takes what any object takes, and pose, materials, textures, mobility may be set for each.
+ * frees them, either may go first. All else is as if gi_create_object had made it, to the bit: it takes part after the
+ * next gi_commit, on the GPU it takes what any object takes, and pose, materials, textures, mobility may be set for
+ * each.
  *
  * With leaf_materials each has values of its own, 40 bytes a leaf. One of an object that deforms begins with its shape
  * of now, that was set last, and goes its own way: some 1.3 KB a leaf for what a shape takes. A scale is part of the
@@ -918,6 +919,10 @@ typedef enum gi_overlay {
 	GI_OVERLAY_SENDERS,    /* share of its irradiance that the entry brings, logarithmic: 1e-4 to 1 */
 	GI_OVERLAY_VISIBILITY, /* how much of them it sees, V */
 	GI_OVERLAY_BLOCKERS,   /* share of all its form factors that their object alone hides; 1e-4 to 1, log */
+	/* Receivers and probes over the picture, as white surfaces that give back what falls on them, radiance H / pi:
+	 * discs across their normals, seen from the front alone, and balls of those that see all round, lit by the
+	 * ball's normal. Rims are dark; black: it sees nothing that light comes from, within a solid */
+	GI_OVERLAY_RECEIVERS,
 } gi_overlay;
 
 struct gi_view {
@@ -928,6 +933,8 @@ struct gi_view {
 	gi_overlay overlay;
 	uint32_t overlay_leaf;  /* as gi_read_leaves counts, gi_pick_leaf; default 0 */
 	uint32_t overlay_depth; /* default 0: objects as a whole; beyond the last level: leaves */
+	/* Of receivers: > 0: metres, at most a twentieth of the picture's height; default 0: 6 pixels, however far */
+	float overlay_radius;
 
 	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked
 	 * at. All false by default. */
