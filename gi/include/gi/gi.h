@@ -632,8 +632,9 @@ GI_API gi_result gi_get_textures(const gi_context *gi, gi_object object, uint32_
  * one place is seen (Rules) stays what the definition's positions made it: they should be those of a pose in which
  * nothing is squeezed, a figure's bind pose. All else is a function of the shape, by OpenSubdiv's masks on the cage:
  * rows are those of a context in which an object of that definition had this shape from the first, bit for bit. It
- * costs what a move costs, and all pairs of leaves of the object anew; rays meet it leaf by leaf, however flat it is.
- * Turned inside out it is lit on the side its normals point to then.
+ * costs what a move costs, and all pairs of leaves of the object anew, of which those are left out whose form factor is
+ * about a hundredth of the row tolerance or less: 1.1 to 1.35 times a move in all, and 2 us of the CPU a leaf. Rays
+ * meet it leaf by leaf, however flat it is. Turned inside out it is lit on the side its normals point to then.
  *
  * GI_ERROR_INVALID_GEOMETRY, with the shape as it was: a number that is not finite, a vertex farther than 1e9 m from
  * the object's origin, a leaf of less than 1e-24 m2 (the line names its face). GI_ERROR_INVALID_ARGUMENT: the object
