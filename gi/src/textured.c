@@ -54,14 +54,17 @@ static void set_textures(const gi_context *gi, uint32_t program, const gi_textur
 	set_transform(g, program, EMISSIVE_UV, t->emissive_transform);
 }
 
-void textured_draw(const gi_context *gi, const gi_surfaces *s, uint32_t plain, uint32_t textured)
+void textured_draw_parts(const gi_context *gi, const gi_surfaces *s, uint32_t plain, uint32_t textured)
 {
 	for (uint32_t k = 0; k < s->part_count; k++) {
 		const surfaces_part *part = &s->parts[k];
 		const gi_textures *t = textures_of(gi, part);
+		const uint32_t program = t ? textured : plain;
 		if (t)
 			set_textures(gi, textured, t);
-		if (t || part->material == GI_NONE)
-			gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, t ? textured : plain, &part->range, 1);
+		if (!t && part->material != GI_NONE)
+			continue;
+		gpu_set_pair(&gi->gpu, program, SURFACES_BASES, part->bases);
+		gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, program, &part->range, 1);
 	}
 }
