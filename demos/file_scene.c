@@ -1,6 +1,7 @@
 #include "file_scene.h"
 
 #include "figure.h"
+#include "file_cage.h"
 #include "file_inside.h"
 #include "file_rays.h"
 #include "file_sides.h"
@@ -267,6 +268,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 {
 	if (!engine_scene_load(path, &f->scene, message, message_size))
 		return false;
+	f->lit = f->lit || (f->scene.sky.radiance && !f->sky_given);
 	const size_t count = f->scene.object_count + 1; /* an empty scene is a scene */
 	f->handles = calloc(count, sizeof *f->handles);
 	f->shapes = calloc(count, sizeof *f->shapes);
@@ -350,8 +352,10 @@ typedef struct prepared {
 	engine_mesh cage, drawn; /* drawn: empty where the cage is */
 	gi_material *materials;
 	gi_specular *specular;
-	uint32_t *face_materials; /* of textured ones: the scene's numbers; NULL: no face has a texture */
-	file_shown shown;         /* which of them are drawn */
+	/* Of one whose leaves have materials of their own, textured or coloured: the scene's numbers; else NULL */
+	uint32_t *face_materials;
+	const engine_mesh *full; /* what the leaves of a simplified cage take them from; NULL: the cage is whole */
+	file_shown shown;        /* which of them are drawn */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -395,7 +399,7 @@ static bool add_shown(const file_scene *f, const engine_scene_object *object, pr
 {
 	const bool whole = !p->drawn.index_count;
 	bool enough = true;
-	if (!file_textures_are_used(&f->scene, &object->mesh))
+	if (!file_shown_is_used(&f->scene, &object->mesh))
 		return true;
 	if (!file_shown_make(&f->scene, whole ? &p->cage : &object->mesh,
 			     whole ? p->face_materials : object->mesh.face_materials,
@@ -430,6 +434,25 @@ static uint32_t most_faces(const file_scene *f, const engine_scene_object *objec
 	return f->cage_faces ? f->cage_faces : fineness_most_faces(fine, object);
 }
 
+/* Before the cage's are numbered anew. */
+static bool keep_face_materials(const file_scene *f, prepared *out)
+{
+	const size_t bytes = sizeof *out->face_materials * out->cage.face_count;
+	out->face_materials = malloc(bytes);
+	if (out->face_materials)
+		memcpy(out->face_materials, out->cage.face_materials, bytes);
+	return out->face_materials && file_textures_prepare(&f->scene, &out->cage, out->full != NULL);
+}
+
+static gi_result set_leaf_materials(const file_scene *f, const prepared *p, bool both_sides, gi_context *gi,
+				    gi_object object)
+{
+	if (!p->face_materials)
+		return GI_OK;
+	return p->full ? file_cage_set(&f->scene, p->full, &p->cage, both_sides, gi, object)
+		       : file_textures_set(&f->scene, &p->cage, p->face_materials, gi, object);
+}
+
 static bool prepare(const file_scene *f, const engine_scene_object *object, const fineness *fine, prepared *out,
 		    gi_object_def *def, char *message, size_t message_size)
 {
@@ -447,17 +470,10 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 	if (simplified)
 		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
 			    object->mesh.face_count, out->cage.face_count);
-	if (simplified && file_textures_are_used(&f->scene, &object->mesh))
-		options_say(f->program, "%s has the means of its textures: its cage has no place in them",
-			    object->name);
-	if (file_textures_are_used(&f->scene, &out->cage)) {
-		const size_t bytes = sizeof *out->face_materials * out->cage.face_count;
-		out->face_materials = malloc(bytes);
-		if (!out->face_materials) {
-			snprintf(message, message_size, "out of memory");
-			return false;
-		}
-		memcpy(out->face_materials, out->cage.face_materials, bytes);
+	out->full = simplified ? &object->mesh : NULL;
+	if (file_textures_are_used(&f->scene, &object->mesh) && !keep_face_materials(f, out)) {
+		snprintf(message, message_size, "out of memory");
+		return false;
 	}
 	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
 	out->specular = malloc(sizeof *out->specular * (f->scene.material_count + 1));
@@ -516,18 +532,18 @@ static uint32_t find_created(const gi_object_def *defs, const uint32_t *first, u
 static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objects, const gi_object_def *defs,
 			    const uint32_t *first, uint32_t number)
 {
-	const uint32_t *face_materials = objects[first[number]].face_materials,
-		       like = find_created(defs, first, number);
+	const prepared *from = &objects[first[number]];
+	const uint32_t like = find_created(defs, first, number);
 	gi_result result;
 	if (like < number) {
 		result = gi_create_instance(gi, f->handles[like], defs[number].pose, &f->handles[number]);
 		return result ? result : gi_set_mobility(gi, f->handles[number], defs[number].mobility);
 	}
 	result = gi_create_object(gi, &defs[number], &f->handles[number]);
-	if (!result && face_materials)
-		result = file_textures_set(&f->scene, face_materials, gi, f->handles[number]);
 	if (!result)
-		result = file_shown_set(&f->scene, &objects[first[number]].shown, &f->uploads, gi, f->handles[number]);
+		result = set_leaf_materials(f, from, defs[number].double_sided, gi, f->handles[number]);
+	if (!result)
+		result = file_shown_set(&f->scene, &from->shown, &f->uploads, gi, f->handles[number]);
 	return result;
 }
 

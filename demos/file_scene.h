@@ -18,6 +18,7 @@ typedef struct file_scene {
 	engine_scene scene;
 	const char *program; /* for warnings */
 	bool lit;            /* by a sky, whatever the file holds */
+	bool sky_given;      /* one of the file does not count */
 	options_sides two_sided;
 	float leaf_size;     /* 0: the levels that the file gives, and what is chosen for objects without */
 	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */

@@ -24,6 +24,31 @@ static bool has_place(const engine_mesh *mesh, size_t first, uint32_t count)
 	return known;
 }
 
+/* Are there colours that the library, which knows the texture alone, would not show? */
+static bool is_tinted(const engine_mesh *mesh, size_t first, uint32_t count)
+{
+	bool tinted = false;
+	for (size_t k = 4 * first; mesh->colors && k < 4 * (first + count) && !tinted; k++)
+		tinted = k % 4 < 3 && mesh->colors[4 * first] >= 0 && mesh->colors[k] != 1;
+	return tinted;
+}
+
+static bool is_shown(const engine_scene *scene, const engine_mesh *mesh, uint32_t material, size_t first,
+		     uint32_t count)
+{
+	return is_textured(&scene->materials[material]) && has_place(mesh, first, count) &&
+	       !is_tinted(mesh, first, count);
+}
+
+bool file_shown_is_used(const engine_scene *scene, const engine_mesh *mesh)
+{
+	bool used = false;
+	size_t first = 0;
+	for (uint32_t f = 0; mesh->uvs && f < mesh->face_count && !used; first += mesh->face_counts[f++])
+		used = is_shown(scene, mesh, mesh->face_materials[f], first, mesh->face_counts[f]);
+	return used;
+}
+
 /* The number of a textured material in the definition; `numbers`: of the scene's, from 1, those that have one. */
 static uint32_t number_of(file_shown *out, uint32_t *numbers, uint32_t material)
 {
@@ -50,7 +75,7 @@ static void fill(const engine_scene *scene, const engine_mesh *mesh, const uint3
 	uint32_t triangle = 0;
 	for (uint32_t f = 0; f < mesh->face_count; first += mesh->face_counts[f++]) {
 		const uint32_t material = face_materials[f], count = mesh->face_counts[f];
-		const bool shown = is_textured(&scene->materials[material]) && has_place(mesh, first, count);
+		const bool shown = is_shown(scene, mesh, material, first, count);
 		const uint32_t number = shown ? number_of(out, numbers, material) : plain ? plain[f] : 0;
 		if (plain)
 			out->numbers[f] = number;
@@ -111,7 +136,8 @@ static gi_textures textures_of(const engine_scene *scene, const engine_scene_mat
 		for (int c = 0; c < 3; c++)
 			t.base_color_factor[c] = fmaxf(0, fminf(m->rho_factor[c], 1));
 		memcpy(t.base_color_transform, m->rho_texture.transform, sizeof t.base_color_transform);
-		t.alpha_cutoff = fminf(m->cutoff, 1e9f);
+		if (m->alpha_texture.number == m->rho_texture.number)
+			t.alpha_cutoff = fminf(m->cutoff / fmaxf(m->alpha_factor, 1e-9f), 1e9f);
 	}
 	if (m->radiance_texture.number) {
 		t.emissive = upload(scene, u, m->radiance_texture.number);

@@ -1,5 +1,5 @@
 /* Textures of a scene file in the picture: materials that have some get numbers of their own, and the library the
- * textures. What has no place in its texture is drawn in its mean.
+ * textures. What has no place in its texture, or colours that are times it, is drawn in the mean of its leaves.
  */
 #ifndef DEMOS_FILE_SHOWN_H
 #define DEMOS_FILE_SHOWN_H
@@ -17,6 +17,9 @@ typedef struct file_shown {
 	uint32_t *sources;
 	uint32_t first, count;
 } file_shown;
+
+/* Has some face of the mesh a texture that is drawn? */
+bool file_shown_is_used(const engine_scene *scene, const engine_mesh *mesh);
 
 /* Of a mesh that is drawn. face_materials: the scene's numbers. plain: what a face's number is where it has no texture;
  * NULL: 0, and faces become triangles as figure_make() makes them. first: how many materials the definition has without

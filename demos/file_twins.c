@@ -18,7 +18,8 @@ static bool is_same_mesh(const engine_mesh *a, const engine_mesh *b)
 	       is_same(a->face_counts, b->face_counts, sizeof *a->face_counts * a->face_count) &&
 	       is_same(a->indices, b->indices, sizeof *a->indices * a->index_count) &&
 	       is_same(a->face_materials, b->face_materials, sizeof *a->face_materials * a->face_count) &&
-	       is_same(a->uvs, b->uvs, 2 * sizeof *a->uvs * a->index_count);
+	       is_same(a->uvs, b->uvs, 2 * sizeof *a->uvs * a->index_count) &&
+	       is_same(a->colors, b->colors, 4 * sizeof *a->colors * a->index_count);
 }
 
 static bool are_twins(const engine_scene_object *a, const engine_scene_object *b)

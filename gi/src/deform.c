@@ -149,6 +149,7 @@ static void allocate_work(gi_deform *d, uint32_t leaf_vertices, bool *enough)
 	d->cage = allocate(d->vertex_count, sizeof *d->cage, enough);
 	d->draw = allocate(d->draw_count, sizeof *d->draw, enough);
 	d->normals = allocate(d->draw_count, sizeof *d->normals, enough);
+	d->sums = allocate(d->node_count, sizeof *d->sums, enough);
 	d->scratch = allocate(largest_upload(d->leaf_count), 1, enough);
 }
 
@@ -162,6 +163,7 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 	d->joint_count = def->joints ? def->joint_count : 0;
 	d->draw_count = def->draw_index_count ? def->draw_vertex_count : 0;
 	d->leaf_count = h->leaf_count;
+	d->node_count = h->node_count;
 	d->two_sided = def->double_sided;
 	d->skin = copy_skin(def->joints, def->joint_weights, d->vertex_count, &enough);
 	if (d->draw_count)
@@ -257,6 +259,7 @@ void gi_deform_free(gi_deform *d, bool last)
 	gi_free(d->cage);
 	gi_free(d->draw);
 	gi_free(d->normals);
+	gi_free(d->sums);
 	gi_free(d->scratch);
 	gi_free(d);
 }

@@ -33,7 +33,7 @@ typedef struct gi_deform {
 	gi_skin skin, draw_skin;
 	gi_stencils points;             /* of the leaves' vertices */
 	gi_stencils drawn, tangents[2]; /* of the vertices of what is drawn; none where that is the leaves' */
-	uint32_t leaf_count;
+	uint32_t leaf_count, node_count;
 	uint32_t *faces;   /* of each leaf: number of the definition's face */
 	uint32_t *by_size; /* the leaves in the order of their areas by the definition, the largest first (rank.h) */
 	bool two_sided;
@@ -42,6 +42,7 @@ typedef struct gi_deform {
 	double (*cage)[3];                /* the cage that was evaluated last */
 	double (*draw)[3], (*normals)[3]; /* likewise of a mesh that is drawn, and sums of its normals */
 	bool drawn_is_late;               /* what is drawn is not by `now` */
+	gi_node_sums *sums;               /* of the nodes, by `now` */
 	void *scratch;                    /* as large as any array that is uploaded (reshape.c) */
 } gi_deform;
 

@@ -218,14 +218,27 @@ static void map_triangle(drawn_builder *s, const float (*uvs)[2], uint32_t a, ui
 		memcpy(s->out->uvs[s->out->index_count - 3 + k], uvs[points[k]], sizeof *uvs);
 }
 
-/* Of the corners of a leaf that is drawn flat and, behind them, of its middle. */
-static void map_flat(const drawn_builder *s, uint32_t leaf, float uvs[5][2])
+/* Of the corners of a leaf that is drawn flat and, behind them, of its middle: coordinates are linear in the triangles
+ * a b c and a c d, in one of which that lies. */
+static void map_flat(const drawn_builder *s, uint32_t leaf, const quad *q, gi_vec3d middle, float uvs[5][2])
 {
+	static const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+	double best = -HUGE_VAL;
 	if (!s->uvs)
 		return;
 	memcpy(uvs, s->uvs[leaf].uvs, sizeof s->uvs[leaf].uvs);
-	for (int i = 0; i < 2; i++) /* they are linear in the triangles a b c and a c d */
-		uvs[4][i] = 0.5f * (uvs[0][i] + uvs[2][i]);
+	for (uint32_t t = 0; t < q->count - 2; t++) {
+		const uint32_t *k = triangles[t];
+		const gi_vec3d c[3] = {vertex_position(s->h, q->v[k[0]]), vertex_position(s->h, q->v[k[1]]),
+				       vertex_position(s->h, q->v[k[2]])};
+		double w[3];
+		const double least = gi_vec3d_weights(c, middle, w);
+		if (!(least > best))
+			continue;
+		best = least;
+		for (int i = 0; i < 2; i++)
+			uvs[4][i] = (float)(w[0] * uvs[k[0]][i] + w[1] * uvs[k[1]][i] + w[2] * uvs[k[2]][i]);
+	}
 }
 
 /* Of the corners of a face that has these weights of its leaf's. */
@@ -257,13 +270,13 @@ static void draw_flat(drawn_builder *s, uint32_t leaf)
 {
 	const quad q = leaf_quad(s->h, leaf);
 	uint32_t drawn[4];
-	float uvs[5][2];
+	float uvs[5][2] = {{0}};
 	gi_vec3d centre = {0};
-	map_flat(s, leaf, uvs);
 	for (uint32_t k = 0; k < q.count; k++) {
 		drawn[k] = flat_corner(s, leaf, q.v[k], k);
 		centre = gi_vec3d_add(centre, gi_vec3d_scale(vertex_position(s->h, q.v[k]), 0.25));
 	}
+	map_flat(s, leaf, &q, centre, uvs);
 	if (q.count == 3) {
 		gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
 		map_triangle(s, uvs, 0, 1, 2);

@@ -60,20 +60,6 @@ static gi_vec3d corner_of(const gi_object_def *def, uint32_t corner)
 	return (gi_vec3d){(double)(p[0] * scale[0]), (double)(p[1] * scale[1]), (double)(p[2] * scale[2])};
 }
 
-/* Weights of a triangle's corners at p, or at what of its plane is below p; returns the least. */
-static double weights_at(const gi_vec3d c[3], gi_vec3d p, double out[3])
-{
-	const gi_vec3d n = gi_vec3d_cross(gi_vec3d_sub(c[1], c[0]), gi_vec3d_sub(c[2], c[0]));
-	const double size = gi_vec3d_dot(n, n);
-	double least = HUGE_VAL;
-	for (int k = 0; k < 3; k++) {
-		const gi_vec3d from = c[(k + 1) % 3], to = c[(k + 2) % 3];
-		out[k] = gi_vec3d_dot(n, gi_vec3d_cross(gi_vec3d_sub(to, from), gi_vec3d_sub(p, from))) / size;
-		least = fmin(least, out[k]);
-	}
-	return size > 0 ? least : -HUGE_VAL;
-}
-
 /* At a point of a flat face: in the triangle of its fan that it lies in. */
 static void map_point(const mapping *m, uint32_t face, gi_vec3d p, float out[2])
 {
@@ -84,7 +70,7 @@ static void map_point(const mapping *m, uint32_t face, gi_vec3d p, float out[2])
 		const gi_vec3d c[3] = {corner_of(m->def, corners[0]), corner_of(m->def, corners[1]),
 				       corner_of(m->def, corners[2])};
 		double weights[3];
-		const double least = weights_at(c, p, weights);
+		const double least = gi_vec3d_weights(c, p, weights);
 		if (!(least > best))
 			continue;
 		best = least;

@@ -19,7 +19,7 @@ bool object_is_seen(const object_record *o)
 uint32_t object_flags(const object_record *o)
 {
 	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (object_is_seen(o) ? 0 : GI_OBJECT_UNSEEN) |
-	       (o->leaf_materials ? GI_OBJECT_LEAF_MATERIALS : 0);
+	       (o->leaf_materials ? GI_OBJECT_LEAF_MATERIALS : 0) | (o->deform ? GI_OBJECT_DEFORMS : 0);
 }
 
 /* ---- materials ---- */

@@ -3,14 +3,21 @@
 #include "context.h"
 #include "shade_shared.h"
 
+#include <string.h>
+
 /* Uniforms of draw_textured.vert and textured.glsl. */
 enum { TEXTURES = 2, BASE_COLOR_FACTOR, EMISSIVE_FACTOR, BASE_COLOR_UV, EMISSIVE_UV = BASE_COLOR_UV + 2 };
 
-/* NULL: its object is gone. */
+/* NULL: it has none. What was destroyed is drawn until the next update, and its textures may be gone. */
 static const gi_textures *textures_of(const gi_context *gi, const surfaces_part *part)
 {
 	const object_record *o = part->material == GI_NONE ? NULL : scene_object_in(&gi->scene, part->slot);
-	return o && o->textures ? &o->textures[part->material] : NULL;
+	return o && object_is_alive(o) && o->textures ? &o->textures[part->material] : NULL;
+}
+
+static bool are_alike(const gi_textures *a, const gi_textures *b)
+{
+	return a == b || (a && b && memcmp(a, b, sizeof *a) == 0);
 }
 
 static bool is_there(const gi_context *gi, uint32_t texture, uint32_t sampler)
@@ -21,14 +28,17 @@ static bool is_there(const gi_context *gi, uint32_t texture, uint32_t sampler)
 
 gi_result textured_check(const gi_context *gi, const gi_surfaces *s)
 {
+	const gi_textures *before = NULL;
 	for (uint32_t k = 0; k < s->part_count; k++) {
 		const gi_textures *t = textures_of(gi, &s->parts[k]);
-		if (t && !(is_there(gi, t->base_color, t->base_color_sampler) &&
-			   is_there(gi, t->emissive, t->emissive_sampler)))
+		if (t && !are_alike(t, before) &&
+		    !(is_there(gi, t->base_color, t->base_color_sampler) &&
+		      is_there(gi, t->emissive, t->emissive_sampler)))
 			return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 				       "gi_draw: object '%s', material %u: a texture or sampler of it was deleted; "
 				       "gi_set_textures with others, or with none, first",
 				       scene_object_in(&gi->scene, s->parts[k].slot)->name, s->parts[k].material);
+		before = t ? t : before;
 	}
 	return GI_OK;
 }
@@ -54,17 +64,35 @@ static void set_textures(const gi_context *gi, uint32_t program, const gi_textur
 	set_transform(g, program, EMISSIVE_UV, t->emissive_transform);
 }
 
+/* Does the next part only continue the one before it in the mesh? */
+static bool continues(const surfaces_part *before, const surfaces_part *next)
+{
+	return !before->shared && !next->shared && before->range.first + before->range.count == next->range.first;
+}
+
+/* The mesh from a part on, as far as parts look alike and lie one after the other. Returns the part behind. */
+static uint32_t join_parts(const gi_context *gi, const gi_surfaces *s, uint32_t first, gpu_range *range)
+{
+	const gi_textures *t = textures_of(gi, &s->parts[first]);
+	uint32_t next = first + 1;
+	*range = s->parts[first].range;
+	for (; next < s->part_count && continues(&s->parts[next - 1], &s->parts[next]) &&
+	       are_alike(t, textures_of(gi, &s->parts[next]));
+	     next++)
+		range->count += s->parts[next].range.count;
+	return next;
+}
+
 void textured_draw_parts(const gi_context *gi, const gi_surfaces *s, uint32_t plain, uint32_t textured)
 {
-	for (uint32_t k = 0; k < s->part_count; k++) {
-		const surfaces_part *part = &s->parts[k];
-		const gi_textures *t = textures_of(gi, part);
+	gpu_range range;
+	for (uint32_t k = 0, next; k < s->part_count; k = next) {
+		const gi_textures *t = textures_of(gi, &s->parts[k]);
 		const uint32_t program = t ? textured : plain;
+		next = join_parts(gi, s, k, &range);
 		if (t)
 			set_textures(gi, textured, t);
-		if (!t && part->material != GI_NONE)
-			continue;
-		gpu_set_pair(&gi->gpu, program, SURFACES_BASES, part->bases);
-		gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, program, &part->range, 1);
+		gpu_set_pair(&gi->gpu, program, SURFACES_BASES, s->parts[k].bases);
+		gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, program, &range, 1);
 	}
 }

@@ -1,12 +1,13 @@
 #include "fuzz_more.h"
 
+#include <glad/gl.h>
 #include <math.h>
 #include <string.h>
 
 /* A cube with more of what a definition has, in the slot of another. */
 static void create_rich(input *in, gi_context *gi)
 {
-	static const uint32_t joints[32] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0};
+	static const uint32_t numbers[8] = {0, 1, 1, 0, 1}, joints[32] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0};
 	cube c = {0};
 	float weights[32] = {0}, uvs[48];
 	gi_specular specular[2] = {{{0}, {0}, 0}};
@@ -25,8 +26,10 @@ static void create_rich(input *in, gi_context *gi)
 		def.joint_count = next_below(in, 3);
 	}
 	def.leaf_materials = parts & 4;
-	if (parts & 8)
-		def.uvs = uvs;
+	if (parts & 8) {
+		def.uvs = def.draw_uvs = uvs;
+		def.draw_face_materials = next_byte(in) & 1 ? numbers : NULL;
+	}
 	if (parts & 16) {
 		for (int m = 0; m < 2; m++)
 			next_floats(in, next_byte(in) & 1 ? specular[m].reflectance : specular[m].transmittance, 3);
@@ -99,6 +102,52 @@ static void set_specular(input *in, gi_context *gi)
 	check(result);
 	if (result == GI_OK)
 		require(gi_get_specular(gi, object, material, &now) == GI_OK, "what was set can be got");
+}
+
+/* One of two dimensions, which is sometimes deleted while it is in use, one of another kind, or none. */
+static GLuint next_texture(input *in)
+{
+	static GLuint plain, cube_map;
+	const uint8_t kind = next_byte(in);
+	if (!cube_map)
+		glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &cube_map);
+	if (kind & 16) {
+		glDeleteTextures(1, &plain);
+		plain = 0;
+	}
+	if (!plain) {
+		glCreateTextures(GL_TEXTURE_2D, 1, &plain);
+		glTextureStorage2D(plain, 2, GL_SRGB8_ALPHA8, 2, 3);
+	}
+	return kind & 7 ? plain : kind & 8 ? cube_map : 0;
+}
+
+static void set_textures(input *in, gi_context *gi)
+{
+	static GLuint sampler;
+	gi_textures t = gi_textures_default(), now;
+	const gi_object object = next_object(in);
+	const uint32_t material = next_below(in, 3);
+	const uint8_t parts = next_byte(in);
+	if (!sampler)
+		glCreateSamplers(1, &sampler);
+	t.base_color = next_texture(in);
+	t.emissive = parts & 1 ? next_texture(in) : 0;
+	t.base_color_sampler = parts & 2 ? sampler : 0;
+	t.emissive_sampler = parts & 4 ? next_byte(in) : 0;
+	if (parts & 8)
+		t.base_color_factor[next_below(in, 4)] = next_float(in);
+	if (parts & 16)
+		t.emissive_factor[next_below(in, 3)] = next_float(in);
+	if (parts & 32)
+		t.base_color_transform[next_below(in, 2)][next_below(in, 3)] = next_float(in);
+	if (parts & 64)
+		t.alpha_cutoff = next_float(in);
+	const gi_result result = gi_set_textures(gi, object, material, parts & 128 ? NULL : &t);
+	check(result);
+	require(result != GI_OK || gi_get_textures(gi, object, material, &now) == GI_OK,
+		"textures that were set can be got");
+	require(glGetError() == GL_NO_ERROR, "names are tried without an error");
 }
 
 static void set_leaf_materials(input *in, gi_context *gi)
@@ -337,9 +386,9 @@ static void pick_leaf(input *in, gi_context *gi)
 }
 
 void (*const more_calls[MORE_CALLS])(input *, gi_context *) = {
-    create_rich,        set_positions,  set_joints,     set_scale,     set_specular,
-    set_leaf_materials, create_light,   set_light,      set_sky_image, create_receivers,
-    create_probes,      move_receivers, read_receivers, set_settings,  pick_leaf};
+    create_rich,    set_positions, set_joints,    set_scale,        set_specular,  set_leaf_materials,
+    create_light,   set_light,     set_sky_image, create_receivers, create_probes, move_receivers,
+    read_receivers, set_settings,  pick_leaf,     set_textures,     set_textures};
 
 void forget_more(input *in, gi_context *gi)
 {

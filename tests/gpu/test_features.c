@@ -71,7 +71,7 @@ static const struct {
     [LIGHTS] = {"no lights but emitters",
 		{"punctual_", "emitted_specular_punctual", "receive_punctual", "light_punctual.frag",
 		 "lights without a surface", "lights: ", "lights of pictures"}},
-    [DEFORMING] = {"nothing deforms", {NULL}},
+    [DEFORMING] = {"nothing deforms", {"cut_own.comp"}},
 };
 
 /* ---- OpenGL's objects by name ---- */

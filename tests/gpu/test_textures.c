@@ -174,7 +174,7 @@ typedef struct plate_kind {
 	gi_scheme scheme;
 	uint32_t faces, levels;
 	float leaf_size;
-	bool triangles, polygon, leaf_materials, double_sided, deforms;
+	bool triangles, polygon, skewed, leaf_materials, double_sided, deforms;
 } plate_kind;
 
 static const gi_material GREY = {.rho = {.5f, .5f, .5f}, .exitance = {.1f, .2f, .3f}};
@@ -216,6 +216,8 @@ static gi_object add_plate(gi_context *gi, const plate_kind *kind)
 		to_triangles(&mesh);
 	if (kind->polygon)
 		to_polygon(&mesh);
+	if (kind->skewed) /* faces that are no parallelograms */
+		memcpy(mesh.positions + 3 * 4, (float[]){.4f, 0, -.3f}, 3 * sizeof *mesh.positions);
 	float *uvs = place_uvs(&mesh);
 	gi_object_def def = scene_mesh_def(&mesh);
 	def.name = kind->name;
@@ -304,6 +306,9 @@ static void texels_are_lit_as_they_are(void **state)
 	    {.name = "triangles", .faces = 2, .leaf_size = .4f, .triangles = true},
 	    {.name = "polygon", .faces = 2, .polygon = true},
 	    {.name = "polygon, leaf sizes", .faces = 2, .polygon = true, .leaf_size = .3f},
+	    {.name = "skewed", .faces = 2, .skewed = true},
+	    {.name = "skewed, levels", .faces = 2, .levels = 1, .skewed = true},
+	    {.name = "skewed, leaf sizes", .faces = 2, .leaf_size = .4f, .skewed = true},
 	    {.name = "materials of leaves", .faces = 2, .levels = 1, .leaf_materials = true},
 	    {.name = "two sides", .faces = 2, .levels = 1, .double_sided = true},
 	    {.name = "Catmull-Clark", .scheme = GI_SCHEME_CATMULL_CLARK, .faces = 2, .levels = 1},
@@ -698,6 +703,36 @@ static void seams_deform(void **state)
 	glDeleteTextures(1, &texture);
 }
 
+/* Two plates in turn: an instance has the textures that the other has, until it is given others. */
+static void instances_have_textures(void **state)
+{
+	(void)state;
+	harness_require_context();
+	const GLuint texture = two_texels();
+	gi_context *gi = open_scene(BY_LIGHT);
+	const gi_object first = add_halves(gi, false, false, false);
+	const gi_textures t = base_color(texture);
+	gi_object second;
+	for (uint32_t k = 0; k < 2; k++)
+		assert_gi(gi_set_textures(gi, first, k, &t));
+	assert_gi(gi_create_instance(gi, first, (gi_pose){{0, .01f, 0}, {0, 0, 0, 1}}, &second));
+	light(gi);
+	assert_gi(gi_set_textures(gi, first, 0, NULL));
+	assert_gi(gi_set_textures(gi, second, 1, NULL));
+	assert_gi(gi_set_pose(gi, first, (gi_pose){{-2, 0, 0}, {0, 0, 0, 1}}));
+	assert_gi(gi_set_pose(gi, second, gi_pose_identity()));
+	harness_update(gi);
+	draw(gi);
+	expect_halves("the second", BY_LIGHT, GREY.rho);
+	assert_gi(gi_destroy_object(gi, first));
+	light(gi);
+	assert_gi(gi_set_textures(gi, second, 1, &t));
+	draw(gi);
+	expect_halves("the second alone", BY_LIGHT, NULL);
+	gi_context_destroy(gi);
+	glDeleteTextures(1, &texture);
+}
+
 /* Light and picture of a scene are what they were once its textures are taken back, to the bit. */
 static void textures_are_taken_back(void **state)
 {
@@ -751,7 +786,8 @@ static void wrong_values_are_refused(void **state)
 {
 	(void)state;
 	harness_require_context();
-	GLuint texture = two_texels(), cube, named;
+	const GLuint texture = two_texels();
+	GLuint cube, named;
 	glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &cube);
 	glGenTextures(1, &named);
 	gi_context *gi = open_scene(BY_SKY);
@@ -787,10 +823,23 @@ static void wrong_values_are_refused(void **state)
 	assert_int_equal(gi_get_textures(gi, plate, 0, NULL), argument);
 	assert_int_equal(gi_get_textures(gi, plate, 1, &t), argument);
 	assert_int_equal(glGetError(), GL_NO_ERROR);
+	gi_context_destroy(gi);
+	glDeleteTextures(1, &texture);
+	glDeleteTextures(1, &cube);
+	glDeleteTextures(1, &named);
+}
 
-	/* One that is deleted is missed by name, and nothing is drawn. */
+/* A texture that is deleted is missed by name, and nothing is drawn. */
+static void deleted_textures_are_missed(void **state)
+{
+	(void)state;
+	harness_require_context();
+	GLuint texture = two_texels();
+	gi_context *gi = open_scene(BY_SKY);
+	const gi_object plate = add_plate(gi, &PLAIN);
+	gi_textures t = base_color(texture);
 	light(gi);
-	assert_gi(gi_set_textures(gi, plate, 0, &good));
+	assert_gi(gi_set_textures(gi, plate, 0, &t));
 	draw(gi);
 	glDeleteTextures(1, &texture);
 	gi_view view = look_down();
@@ -799,11 +848,21 @@ static void wrong_values_are_refused(void **state)
 	assert_true(picture.pixels[0][3] == 0);
 	assert_gi(gi_set_textures(gi, plate, 0, NULL));
 	draw(gi);
+
+	/* What was destroyed needs none: neither before the update that takes it away nor after that. */
+	texture = two_texels();
+	t = base_color(texture);
+	assert_gi(gi_set_textures(gi, plate, 0, &t));
+	draw(gi);
 	assert_gi(gi_destroy_object(gi, plate));
 	assert_int_equal(gi_set_textures(gi, plate, 0, NULL), GI_ERROR_INVALID_HANDLE);
+	glDeleteTextures(1, &texture);
+	draw(gi);
+	harness_update(gi);
+	draw(gi);
+	light(gi);
+	draw(gi);
 	gi_context_destroy(gi);
-	glDeleteTextures(1, &cube);
-	glDeleteTextures(1, &named);
 }
 
 static void definitions_are_checked(void **state)
@@ -1087,8 +1146,10 @@ int main(void)
 	    cmocka_unit_test(textures_move_and_deform),
 	    cmocka_unit_test(materials_have_textures_of_their_own),
 	    cmocka_unit_test(seams_deform),
+	    cmocka_unit_test(instances_have_textures),
 	    cmocka_unit_test(textures_are_taken_back),
 	    cmocka_unit_test(wrong_values_are_refused),
+	    cmocka_unit_test(deleted_textures_are_missed),
 	    cmocka_unit_test(definitions_are_checked),
 	    cmocka_unit_test(textures_go_with_all_else),
 	    cmocka_unit_test(multisampled_targets),
