@@ -15,6 +15,8 @@ layout(location = 4) in vec4 light_weight;
 
 layout(location = 0) uniform mat4 clip_from_world;
 layout(location = 1) uniform uint mode;
+// Added to numbers of leaves and light vertices: of an object whose vertices are drawn for others too.
+layout(location = 9) uniform uvec2 bases;
 
 layout(location = 0) out vec3 world_position; // on the surface that casts shadows
 layout(location = 1) out vec3 world_normal;
@@ -34,7 +36,7 @@ layout(location = 5) out vec2 uv;
 
 void main()
 {
-	uvec4 leaf = load_leaf(leaf_number);
+	uvec4 leaf = load_leaf(leaf_number + bases.x), lights = light_vertex + bases.y;
 	vec3 p = world_from_rest(leaf.y, position);
 	material = leaf.z;
 #ifdef TRANSLUCENT
@@ -51,9 +53,8 @@ void main()
 #endif
 	vec3 sum = mode == MODE_INDIRECT ? vec3(0.0) : exitance;
 	if (mode != MODE_DIRECT) {
-		vec3 light =
-		    load_light(light_vertex.x).xyz * light_weight.x + load_light(light_vertex.y).xyz * light_weight.y +
-		    load_light(light_vertex.z).xyz * light_weight.z + load_light(light_vertex.w).xyz * light_weight.w;
+		vec3 light = load_light(lights.x).xyz * light_weight.x + load_light(lights.y).xyz * light_weight.y +
+			     load_light(lights.z).xyz * light_weight.z + load_light(lights.w).xyz * light_weight.w;
 		sum += rho * light;
 #ifdef TEXTURED
 		irradiance = light;

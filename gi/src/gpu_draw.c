@@ -293,3 +293,8 @@ void gpu_set_corner(const gpu *g, uint32_t program, int location, const int corn
 {
 	g->gl->ProgramUniform2i(program, location, corner[0], corner[1]);
 }
+
+void gpu_set_pair(const gpu *g, uint32_t program, int location, const uint32_t values[2])
+{
+	g->gl->ProgramUniform2ui(program, location, values[0], values[1]);
+}

@@ -141,6 +141,7 @@ void gpu_draw_added_in_front(const gpu *g, bool on, gpu_convention convention);
 
 /* A part of the buffer; offset a multiple of 256. */
 void gpu_bind_uniform_range(const gpu *g, uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes);
+void gpu_set_pair(const gpu *g, uint32_t program, int location, const uint32_t values[2]);
 void gpu_set_corner(const gpu *g, uint32_t program, int location, const int corner[2]);
 
 #endif

@@ -162,7 +162,7 @@ static bool is_heat_map(const gi_view *view)
 /* Some object that is drawn has textures. */
 static bool is_textured(const gi_context *gi)
 {
-	return gi->shade->objects.part_count > 0;
+	return gi->shade->objects.textured;
 }
 
 /* Of what has no textures. */
@@ -191,16 +191,19 @@ static gi_result want_program(gi_context *gi, program which)
 static void draw_surfaces(const gi_context *gi, program plain, program textured, const gi_view *view,
 			  const float clip_from_world[16])
 {
+	static const uint32_t none[2] = {0, 0};
 	const gi_shade *shade = gi->shade;
 	const program drawn[2] = {plain, textured};
 	for (int k = 0; k < (is_textured(gi) ? 2 : 1); k++) {
 		gpu_set_matrices(&gi->gpu, shade->programs[drawn[k]], 0, 1, clip_from_world);
 		gpu_set_uint(&gi->gpu, shade->programs[drawn[k]], 1, (uint32_t)view->mode);
 	}
-	if (is_textured(gi))
-		textured_draw(gi, &shade->objects, shade->programs[plain], shade->programs[textured]);
-	else
-		gpu_mesh_draw(&gi->gpu, &shade->objects.mesh, shade->programs[plain]);
+	if (shade->objects.part_count) {
+		textured_draw_parts(gi, &shade->objects, shade->programs[plain], shade->programs[textured]);
+		return;
+	}
+	gpu_set_pair(&gi->gpu, shade->programs[plain], SURFACES_BASES, none);
+	gpu_mesh_draw(&gi->gpu, &shade->objects.mesh, shade->programs[plain]);
 }
 
 /* A pass over a rectangle of the picture, whose corner is where the framebuffer has it. */

@@ -5,7 +5,8 @@
  *   u v                                                                        8 more in scenes with textures
  *
  * A scene without textures is drawn as a whole. In one with textures the mesh is drawn part by part: an object that has
- * some lies in it material by material.
+ * some lies in it material by material. So it is where objects of one shape have many vertices: those lie in it once,
+ * with the object's own numbers, and are drawn for each.
  */
 #ifndef GI_SURFACES_H
 #define GI_SURFACES_H
@@ -14,16 +15,22 @@
 
 struct gi_context;
 
+/* Uniform of draw.glsl: surfaces_part.bases. */
+enum { SURFACES_BASES = 9 };
+
 typedef struct surfaces_part {
 	gpu_range range;
 	uint32_t slot, material; /* whose textures it has; material GI_NONE: none, it may be of several objects */
+	bool shared;             /* the same range is drawn for several objects */
+	uint32_t bases[2];       /* added to its leaves, its light vertices: 0 where the mesh has the scene's numbers */
 } surfaces_part;
 
 typedef struct gi_surfaces {
 	bool built; /* for the scene as committed */
 	gpu_mesh mesh;
 	gpu_buffer uvs;
-	surfaces_part *parts; /* all of the mesh, in its order; none in a scene without textures */
+	bool textured;        /* some object has textures */
+	surfaces_part *parts; /* all that is drawn, in order; none where the mesh is drawn as a whole */
 	uint32_t part_count;
 	uint32_t *first_vertex;      /* by slot; GI_NONE: it is not drawn */
 	struct draw_vertex *staging; /* of a shape that changed */

@@ -64,25 +64,35 @@ static void set_textures(const gi_context *gi, uint32_t program, const gi_textur
 	set_transform(g, program, EMISSIVE_UV, t->emissive_transform);
 }
 
-/* The mesh from a part on, as far as parts look alike: parts lie one after the other. Returns the part behind. */
+/* Does the next part only continue the one before it in the mesh? */
+static bool continues(const surfaces_part *before, const surfaces_part *next)
+{
+	return !before->shared && !next->shared && before->range.first + before->range.count == next->range.first;
+}
+
+/* The mesh from a part on, as far as parts look alike and lie one after the other. Returns the part behind. */
 static uint32_t join_parts(const gi_context *gi, const gi_surfaces *s, uint32_t first, gpu_range *range)
 {
 	const gi_textures *t = textures_of(gi, &s->parts[first]);
 	uint32_t next = first + 1;
 	*range = s->parts[first].range;
-	for (; next < s->part_count && are_alike(t, textures_of(gi, &s->parts[next])); next++)
+	for (; next < s->part_count && continues(&s->parts[next - 1], &s->parts[next]) &&
+	       are_alike(t, textures_of(gi, &s->parts[next]));
+	     next++)
 		range->count += s->parts[next].range.count;
 	return next;
 }
 
-void textured_draw(const gi_context *gi, const gi_surfaces *s, uint32_t plain, uint32_t textured)
+void textured_draw_parts(const gi_context *gi, const gi_surfaces *s, uint32_t plain, uint32_t textured)
 {
 	gpu_range range;
 	for (uint32_t k = 0, next; k < s->part_count; k = next) {
 		const gi_textures *t = textures_of(gi, &s->parts[k]);
+		const uint32_t program = t ? textured : plain;
 		next = join_parts(gi, s, k, &range);
 		if (t)
 			set_textures(gi, textured, t);
-		gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, t ? textured : plain, &range, 1);
+		gpu_set_pair(&gi->gpu, program, SURFACES_BASES, s->parts[k].bases);
+		gpu_mesh_draw_ranges(&gi->gpu, &s->mesh, program, &range, 1);
 	}
 }

@@ -10,6 +10,6 @@ struct gi_context;
 gi_result textured_check(const struct gi_context *gi, const gi_surfaces *surfaces);
 
 /* Draws the parts without textures by `plain`, the others by `textured`. */
-void textured_draw(const struct gi_context *gi, const gi_surfaces *surfaces, uint32_t plain, uint32_t textured);
+void textured_draw_parts(const struct gi_context *gi, const gi_surfaces *surfaces, uint32_t plain, uint32_t textured);
 
 #endif

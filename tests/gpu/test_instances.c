@@ -9,6 +9,8 @@
 #include "scenes/shapes.h"
 #include "target.h"
 
+#include <glad/gl.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,14 +37,14 @@ typedef enum kind {
 static const char *const NAMES[KINDS] = {"ball",    "smooth", "sides", "split", "marble",
 					 "texture", "scan",   "blank", "fixed", "skin"};
 
-enum { MOST_CORNERS = 512 };
+enum { MOST_CORNERS = 512, MOST_DRAWN = 8300 };
 
 typedef struct thing {
 	engine_mesh mesh, drawn;
 	gi_material materials[2];
 	gi_specular specular[2];
-	uint32_t draw_indices[2 * MOST_CORNERS], face_materials[MOST_CORNERS], joints[MOST_CORNERS];
-	float uvs[2 * MOST_CORNERS], weights[MOST_CORNERS];
+	uint32_t draw_indices[6 * MOST_DRAWN], face_materials[MOST_CORNERS], joints[MOST_CORNERS];
+	float uvs[2 * MOST_CORNERS], draw_uvs[6 * MOST_DRAWN][2], weights[MOST_CORNERS];
 	gi_object_def def;
 } thing;
 
@@ -50,8 +52,10 @@ static const gi_subsurface MARBLE_MEDIUM = {{14, 12, 10}, {.2f, .3f, .5f}, 1.5f}
 
 static void make_scan(thing *t)
 {
-	assert_true(shape_sphere(.22f, 3, &t->drawn));
-	assert_in_range(t->drawn.face_count, 1, MOST_CORNERS / 3);
+	/* So many vertices that they lie in the picture's mesh once. */
+	assert_true(shape_sphere(.22f, 37, &t->drawn));
+	assert_in_range(t->drawn.vertex_count, 8000, MOST_DRAWN);
+	assert_in_range(t->drawn.face_count, 1, MOST_DRAWN);
 	for (uint32_t f = 0; f < t->drawn.face_count; f++) {
 		const uint32_t *q = t->drawn.indices + 4 * f;
 		memcpy(t->draw_indices + 6 * f, (uint32_t[]){q[0], q[1], q[2], q[0], q[2], q[3]}, 6 * sizeof *q);
@@ -60,6 +64,9 @@ static void make_scan(thing *t)
 	t->def.draw_vertex_count = t->drawn.vertex_count;
 	t->def.draw_indices = t->draw_indices;
 	t->def.draw_index_count = 6 * t->drawn.face_count;
+	for (uint32_t k = 0; k < t->def.draw_index_count; k++)
+		memcpy(t->draw_uvs[k], t->drawn.positions + 3 * (size_t)t->draw_indices[k], sizeof t->draw_uvs[k]);
+	t->def.draw_uvs = t->draw_uvs[0];
 }
 
 static void make_skin(thing *t)
@@ -241,6 +248,45 @@ static void change_one_of_each(pair *p)
 		assert_gi(gi_set_hidden(gi, o[SMOOTH], true));
 		bend(gi, o[SKIN], .15f);
 	}
+}
+
+/* The scan of each set of objects has textures from one on. */
+static void show_textures(pair *p, uint32_t texture, int copies)
+{
+	gi_textures t = gi_textures_default();
+	t.base_color = texture;
+	for (int side = 0; side < 2; side++)
+		for (int k = 0; k < copies; k++)
+			assert_gi(gi_set_textures(p->gi[side], p->objects[side][k * KINDS + SCAN], 0, &t));
+}
+
+static GLuint make_texture(void)
+{
+	static const float texels[4][4] = {
+	    {.1f, .2f, .7f, 1}, {.7f, .2f, .1f, 1}, {.3f, .8f, .1f, 1}, {.5f, .5f, .5f, 1}};
+	GLuint name;
+	glCreateTextures(GL_TEXTURE_2D, 1, &name);
+	glTextureStorage2D(name, 1, GL_RGBA32F, 2, 2);
+	glTextureSubImage2D(name, 0, 0, 0, 2, 2, GL_RGBA, GL_FLOAT, texels);
+	glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	return name;
+}
+
+/* Of those that lie in the mesh of the picture once, some have textures. */
+static void as_created_with_textures(void **state)
+{
+	(void)state;
+	static pair p;
+	const gi_context_def def = coarse_def();
+	const GLuint texture = make_texture();
+	create_pair(&p, &def);
+	settle(&p, true, "no textures so far");
+	for (int copies = 1; copies <= COPIES; copies++) {
+		show_textures(&p, texture, copies);
+		compare(p.gi[0], p.gi[1], "textures");
+	}
+	free_pair(&p);
+	glDeleteTextures(1, &texture);
 }
 
 static void as_created(void **state)
@@ -437,8 +483,13 @@ static void memory_is_shared(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(as_created),   cmocka_unit_test(go_in_any_order), cmocka_unit_test(present_values),
-	    cmocka_unit_test(same_answers), cmocka_unit_test(misuse),          cmocka_unit_test(memory_is_shared),
+	    cmocka_unit_test(as_created_with_textures),
+	    cmocka_unit_test(as_created),
+	    cmocka_unit_test(go_in_any_order),
+	    cmocka_unit_test(present_values),
+	    cmocka_unit_test(same_answers),
+	    cmocka_unit_test(misuse),
+	    cmocka_unit_test(memory_is_shared),
 	};
 	return cmocka_run_group_tests_name("instances", tests, harness_open, harness_close);
 }

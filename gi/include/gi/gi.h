@@ -471,10 +471,10 @@ GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_o
 
 /* Another object of the shape, scale, materials, textures, mobility and name that `of` has at present, at `pose` and
  * not hidden: the chairs of a hall. It takes a microsecond or two and 1 KB of host memory: refinement, hierarchy,
- * trees, subsurface links and drawn surface are there once for all that came of one object; the last one destroyed
+ * trees, subsurface links and drawn surface are there once for all that came of one object; the last that is destroyed
  * frees them, either may go first. All else is as if gi_create_object had made it, to the bit: it takes part after the
- * next gi_commit, on the GPU it takes what any object takes, and pose, materials, textures, mobility may be set for
- * each.
+ * next gi_commit, and pose, materials, textures, mobility may be set for each. On the GPU it takes what any object
+ * takes, but that 8,000 vertices that are drawn, and more, are there once.
  *
  * With leaf_materials each has values of its own, 40 bytes a leaf. One of an object that deforms begins with its shape
  * of now, that was set last, and goes its own way: some 1.3 KB a leaf for what a shape takes. A scale is part of the
