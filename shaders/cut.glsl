@@ -27,6 +27,7 @@
 #include "changed.glsl"
 #include "chosen.glsl"
 #include "facing.glsl"
+#include "fineness.glsl"
 #include "spread.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
@@ -62,14 +63,15 @@ gi_node_geometry geometry_of(uint node, bool same)
 	return load_world(node);
 }
 
-uint classify_sky(shape p, gi_node_geometry g, uint flags)
+uint classify_sky(shape p, gi_node_geometry g, uint flags, float refinement)
 {
 	float height = dot(p.axis, g.sphere.xyz) + g.sphere.w + (p.cone < 0.0 ? 1.0 : sine_of(p.cone));
 	if (height <= 0.0)
 		return CUT_SKIP;
 	float estimate = g.moment.w * min(1.0, height) / PI;
 	// Down to what is small and bright, however little it subtends.
-	bool refine = estimate > frame.tolerance.z || (flags & (GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
+	bool refine = refinement * estimate > frame.tolerance.z ||
+		      (flags & (GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
 	return (flags & GI_NODE_LEAF) == 0u && refine ? CUT_REFINE : CUT_TAKE;
 }
 
@@ -90,11 +92,12 @@ bool is_other_side(shape p, gi_node_geometry g)
 	       abs(p.radius - g.sphere.w) <= slack;
 }
 
-uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same)
+uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 range, uint node, uint source,
+	      bool same)
 {
 	uint flags = range.w;
 	if ((flags & GI_NODE_SKY) != 0u)
-		return classify_sky(p, g, flags);
+		return classify_sky(p, g, flags, refinement);
 	facing f = facing_of(p, g, flags);
 	if (f.unseen)
 		return CUT_SKIP;
@@ -124,7 +127,9 @@ uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, ui
 		shown = max(shown, ALONG * g.moment.w);
 	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
 	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
-	float tolerance = max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
+	// Emitters are fine enough as they are.
+	float tolerance = max(frame.tolerance.x / max(float(1u << finer), refinement),
+			      min(frame.tolerance.y, frame.tolerance.x / refinement));
 	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
 }
 
@@ -164,7 +169,8 @@ struct cut_size {
 // Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that
 // are not fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is
 // overwritten before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
-cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room, old_part old, uint queued)
+cut_size write_cut(shape p, float refinement, uint leaf, uint source, bool same, uint at, uint room, old_part old,
+		   uint queued)
 {
 	uvec4 nodes = object_nodes(source);
 	cut_size size = cut_size(0u, 0u);
@@ -187,7 +193,7 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 			n = range.x;
 			continue;
 		}
-		uint verdict = classify(leaf, p, geometry_of(n, same), range, n, source, same);
+		uint verdict = classify(leaf, p, refinement, geometry_of(n, same), range, n, source, same);
 		if (verdict == CUT_TAKE) {
 			// The form factor and the visibility come from the passes that follow; one sample is what most
 			// take. It is no entry that a mover may have changed.
@@ -244,6 +250,7 @@ struct cut {
 	uint leaf, source;
 	bool same, unseen;
 	shape receiver;
+	float refinement;
 	uint segment;
 	uvec2 block;    // of entries
 	uint old_count; // how many the segment had
@@ -261,6 +268,7 @@ cut begin_cut(uint leaf, uint source, uvec4 receiver, uint since)
 	c.same = receiver.y == source;
 	c.unseen = ((object_bvh(receiver.y).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
 	c.receiver = shape_of(geometry_of(receiver.x, c.same), topology_range(receiver.x).w);
+	c.refinement = fineness_of(leaf).refinement;
 	c.segment = segment_of(leaf, source);
 	c.block = load_segment(c.segment).xy;
 	c.old_count = c.block.y & GI_BLOCK_COUNT_MASK;
@@ -298,7 +306,8 @@ bool make_cut(inout cut c)
 		bool has = c.block.y >> 24u != GI_BLOCK_NO_CLASS;
 		uint room = has && !counts ? GI_BLOCK_SMALLEST << (c.block.y >> 24u) : 0u;
 		if (!c.unseen)
-			c.size = write_cut(c.receiver, c.leaf, c.source, c.same, c.block.x, room, c.old, c.queued);
+			c.size = write_cut(c.receiver, c.refinement, c.leaf, c.source, c.same, c.block.x, room, c.old,
+					   c.queued);
 		if (c.keeps && !counts)
 			break;
 		if (counts && c.size.fresh == 0u && c.size.nodes == c.old_count)

@@ -281,6 +281,10 @@ static void bad_definitions(void **state)
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.harmonics = 0;
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.refinement = 0;
+	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.samples = 17;
+	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.lower[2] = NAN;
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
 	assert_gi(gi_create_probes(gi, &good, &out));
