@@ -1,10 +1,12 @@
 #include "file_scene.h"
 
 #include "figure.h"
+#include "file_cage.h"
 #include "file_inside.h"
 #include "file_rays.h"
 #include "file_sides.h"
 #include "file_textures.h"
+#include "file_twins.h"
 #include "fineness.h"
 #include "options.h"
 #include "progress.h"
@@ -266,6 +268,7 @@ bool file_scene_load(file_scene *f, const char *path, char *message, size_t mess
 {
 	if (!engine_scene_load(path, &f->scene, message, message_size))
 		return false;
+	f->lit = f->lit || (f->scene.sky.radiance && !f->sky_given);
 	const size_t count = f->scene.object_count + 1; /* an empty scene is a scene */
 	f->handles = calloc(count, sizeof *f->handles);
 	f->shapes = calloc(count, sizeof *f->shapes);
@@ -297,6 +300,7 @@ void file_scene_free(file_scene *f)
 	f->shapes = NULL;
 	engine_scene_free(&f->scene);
 	file_lights_free(&f->lights);
+	file_uploads_free(&f->uploads);
 	free(f->handles);
 	free(f->names);
 	f->handles = NULL;
@@ -304,6 +308,16 @@ void file_scene_free(file_scene *f)
 }
 
 /* ---- objects ---- */
+
+static void to_material(const engine_scene_material *from, gi_material *to, gi_specular *specular)
+{
+	memcpy(to->rho, from->rho, sizeof to->rho);
+	for (int c = 0; c < 3; c++)
+		to->exitance[c] = PI * from->radiance[c]; /* a lambertian side: E = pi L */
+	memcpy(specular->reflectance, from->mirror, sizeof specular->reflectance);
+	memcpy(specular->transmittance, from->glass, sizeof specular->transmittance);
+	specular->index = from->index;
+}
 
 /* Only what its faces use, or a lamp's material would make lamps of all. Renumbers the mesh. Returns how many. */
 static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_material *to, gi_specular *specular)
@@ -316,13 +330,7 @@ static uint32_t take_materials(const engine_scene *scene, engine_mesh *mesh, gi_
 	for (uint32_t k = 0; k < mesh->face_count; k++) {
 		uint32_t *material = mesh->face_materials + k;
 		if (number[*material] == UINT32_MAX) {
-			const engine_scene_material *m = scene->materials + *material;
-			memcpy(to[count].rho, m->rho, sizeof m->rho);
-			for (int c = 0; c < 3; c++)
-				to[count].exitance[c] = PI * m->radiance[c]; /* a lambertian side: E = pi L */
-			memcpy(specular[count].reflectance, m->mirror, sizeof m->mirror);
-			memcpy(specular[count].transmittance, m->glass, sizeof m->glass);
-			specular[count].index = m->index;
+			to_material(scene->materials + *material, &to[count], &specular[count]);
 			number[*material] = count++;
 		}
 		*material = number[*material];
@@ -344,7 +352,10 @@ typedef struct prepared {
 	engine_mesh cage, drawn; /* drawn: empty where the cage is */
 	gi_material *materials;
 	gi_specular *specular;
-	uint32_t *face_materials; /* of textured ones: the scene's numbers; NULL: no face has a texture */
+	/* Of one whose leaves have materials of their own, textured or coloured: the scene's numbers; else NULL */
+	uint32_t *face_materials;
+	const engine_mesh *full; /* what the leaves of a simplified cage take them from; NULL: the cage is whole */
+	file_shown shown;        /* which of them are drawn */
 } prepared;
 
 static void define(const file_scene *f, const engine_scene_object *object, const prepared *p, gi_object_def *def)
@@ -375,12 +386,71 @@ static void define(const file_scene *f, const engine_scene_object *object, const
 	def->pose = to_pose(&object->rest);
 }
 
+static void *grow(void *memory, size_t count, size_t size, bool *enough)
+{
+	void *grown = realloc(memory, count * size);
+	*enough = *enough && grown;
+	return grown ? grown : memory;
+}
+
+/* Materials more, for faces whose textures are drawn: those of a cage are what they were, those of a mesh in front of
+ * a cage light nothing. */
+static bool add_shown(const file_scene *f, const engine_scene_object *object, prepared *p, gi_object_def *def)
+{
+	const bool whole = !p->drawn.index_count;
+	bool enough = true;
+	if (!file_shown_is_used(&f->scene, &object->mesh))
+		return true;
+	if (!file_shown_make(&f->scene, whole ? &p->cage : &object->mesh,
+			     whole ? p->face_materials : object->mesh.face_materials,
+			     whole ? p->cage.face_materials : NULL, def->material_count, &p->shown))
+		return false;
+	const uint32_t first = def->material_count, count = first + p->shown.count;
+	p->materials = grow(p->materials, count, sizeof *p->materials, &enough);
+	p->specular = grow(p->specular, count, sizeof *p->specular, &enough);
+	def->materials = p->materials;
+	def->specular = p->specular;
+	for (uint32_t k = first; enough && k < count; k++) {
+		p->materials[k] = (gi_material){.rho = {0}};
+		p->specular[k] = (gi_specular){.index = 1};
+		if (whole)
+			to_material(&f->scene.materials[p->shown.sources[k - first]], &p->materials[k],
+				    &p->specular[k]);
+	}
+	def->material_count = count;
+	def->draw_uvs = p->shown.uvs;
+	if (whole)
+		def->face_materials = p->shown.numbers;
+	else
+		def->draw_face_materials = p->shown.numbers;
+	return enough;
+}
+
 /* How many faces a mesh may have before it is simplified, UINT32_MAX: it is a cage. */
 static uint32_t most_faces(const file_scene *f, const engine_scene_object *object, const fineness *fine)
 {
 	if (object->scheme != ENGINE_SCHEME_BILINEAR || object->levels)
 		return UINT32_MAX;
 	return f->cage_faces ? f->cage_faces : fineness_most_faces(fine, object);
+}
+
+/* Before the cage's are numbered anew. */
+static bool keep_face_materials(const file_scene *f, prepared *out)
+{
+	const size_t bytes = sizeof *out->face_materials * out->cage.face_count;
+	out->face_materials = malloc(bytes);
+	if (out->face_materials)
+		memcpy(out->face_materials, out->cage.face_materials, bytes);
+	return out->face_materials && file_textures_prepare(&f->scene, &out->cage, out->full != NULL);
+}
+
+static gi_result set_leaf_materials(const file_scene *f, const prepared *p, bool both_sides, gi_context *gi,
+				    gi_object object)
+{
+	if (!p->face_materials)
+		return GI_OK;
+	return p->full ? file_cage_set(&f->scene, p->full, &p->cage, both_sides, gi, object)
+		       : file_textures_set(&f->scene, &p->cage, p->face_materials, gi, object);
 }
 
 static bool prepare(const file_scene *f, const engine_scene_object *object, const fineness *fine, prepared *out,
@@ -400,17 +470,10 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 	if (simplified)
 		options_say(f->program, "%s has %u faces; it is lit through a cage of %u (--cage-faces)", object->name,
 			    object->mesh.face_count, out->cage.face_count);
-	if (simplified && file_textures_are_used(&f->scene, &object->mesh))
-		options_say(f->program, "%s has the means of its textures: its cage has no place in them",
-			    object->name);
-	if (file_textures_are_used(&f->scene, &out->cage)) {
-		const size_t bytes = sizeof *out->face_materials * out->cage.face_count;
-		out->face_materials = malloc(bytes);
-		if (!out->face_materials) {
-			snprintf(message, message_size, "out of memory");
-			return false;
-		}
-		memcpy(out->face_materials, out->cage.face_materials, bytes);
+	out->full = simplified ? &object->mesh : NULL;
+	if (file_textures_are_used(&f->scene, &object->mesh) && !keep_face_materials(f, out)) {
+		snprintf(message, message_size, "out of memory");
+		return false;
 	}
 	out->materials = malloc(sizeof *out->materials * (f->scene.material_count + 1));
 	out->specular = malloc(sizeof *out->specular * (f->scene.material_count + 1));
@@ -421,6 +484,10 @@ static bool prepare(const file_scene *f, const engine_scene_object *object, cons
 		return false;
 	}
 	define(f, object, out, def);
+	if (!add_shown(f, object, out, def)) {
+		snprintf(message, message_size, "out of memory");
+		return false;
+	}
 	/* A cage that was made as fine as it should be has a leaf a face. */
 	if (simplified && !(f->leaf_size > 0))
 		def->leaf_size = WHOLE_FACES;
@@ -445,9 +512,44 @@ static void name_options(char *message, size_t message_size)
 		snprintf(message + length, message_size - length, " (--leaf-size, --leaves)");
 }
 
+/* What the first of its shape was defined with, where it is. */
+static void define_twin(const engine_scene_object *object, const gi_object_def *first, gi_object_def *def)
+{
+	*def = *first;
+	def->name = object->name;
+	def->pose = to_pose(&object->rest);
+}
+
+/* An object before it that is of its shape and was cut alike; its own number where there is none. */
+static uint32_t find_created(const gi_object_def *defs, const uint32_t *first, uint32_t number)
+{
+	uint32_t k = first[number];
+	while (k < number && !(first[k] == first[number] && file_twins_have_same_leaves(&defs[k], &defs[number])))
+		k++;
+	return k;
+}
+
+static gi_result create_one(file_scene *f, gi_context *gi, const prepared *objects, const gi_object_def *defs,
+			    const uint32_t *first, uint32_t number)
+{
+	const prepared *from = &objects[first[number]];
+	const uint32_t like = find_created(defs, first, number);
+	gi_result result;
+	if (like < number) {
+		result = gi_create_instance(gi, f->handles[like], defs[number].pose, &f->handles[number]);
+		return result ? result : gi_set_mobility(gi, f->handles[number], defs[number].mobility);
+	}
+	result = gi_create_object(gi, &defs[number], &f->handles[number]);
+	if (!result)
+		result = set_leaf_materials(f, from, defs[number].double_sided, gi, f->handles[number]);
+	if (!result)
+		result = file_shown_set(&f->scene, &from->shown, &f->uploads, gi, f->handles[number]);
+	return result;
+}
+
 /* Chooses sizes for what has none and creates all. */
 static gi_result create_all(file_scene *f, gi_context *gi, const prepared *objects, gi_object_def *defs,
-			    const bool *moves, char *message, size_t message_size)
+			    const bool *moves, const uint32_t *first, char *message, size_t message_size)
 {
 	gi_leaf_choice_def def = gi_leaf_choice_def_default();
 	gi_leaf_choice choice;
@@ -459,11 +561,8 @@ static gi_result create_all(file_scene *f, gi_context *gi, const prepared *objec
 		name_options(message, message_size);
 	if (!result && choice.leaf_size > 0 && f->scene.object_count)
 		tell_choice(f, &choice);
-	for (uint32_t k = 0; !result && k < f->scene.object_count; k++) {
-		result = gi_create_object(gi, &defs[k], &f->handles[k]);
-		if (!result && objects[k].face_materials)
-			result = file_textures_set(&f->scene, objects[k].face_materials, gi, f->handles[k]);
-	}
+	for (uint32_t k = 0; !result && k < f->scene.object_count; k++)
+		result = create_one(f, gi, objects, defs, first, k);
 	gi_free_leaf_choice(&choice);
 	return result;
 }
@@ -474,13 +573,17 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 	prepared *objects = calloc((size_t)count + 1, sizeof *objects);
 	gi_object_def *defs = calloc((size_t)count + 1, sizeof *defs);
 	bool *moves = calloc((size_t)count + 1, sizeof *moves);
+	uint32_t *first = calloc((size_t)count + 1, sizeof *first);
 	const fineness fine = fineness_of(&f->scene, f->leaves);
-	bool created = objects && defs && moves;
+	bool created = objects && defs && moves && first && file_twins_find(&f->scene, first);
 	if (!created)
 		snprintf(message, message_size, "out of memory");
 	for (uint32_t k = 0; created && k < count; k++) {
 		moves[k] = f->scene.objects[k].animated || f->scene.objects[k].deforms;
-		created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
+		if (first[k] < k)
+			define_twin(&f->scene.objects[k], &defs[first[k]], &defs[k]);
+		else
+			created = prepare(f, f->scene.objects + k, &fine, &objects[k], &defs[k], message, message_size);
 		if (created && !file_shape_make(&f->scene, k, &objects[k].cage, &objects[k].drawn, &f->shapes[k])) {
 			snprintf(message, message_size, "out of memory");
 			created = false;
@@ -489,7 +592,7 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		defs[k].deforms = f->shapes[k].bends || f->shapes[k].scales;
 	}
 	if (created) {
-		gi_result result = create_all(f, gi, objects, defs, moves, message, message_size);
+		gi_result result = create_all(f, gi, objects, defs, moves, first, message, message_size);
 		if (!result)
 			result = file_lights_create(&f->lights, &f->scene, gi, f->program);
 		if (result && !message[0])
@@ -502,10 +605,12 @@ bool file_scene_create(file_scene *f, gi_context *gi, char *message, size_t mess
 		free(objects[k].materials);
 		free(objects[k].specular);
 		free(objects[k].face_materials);
+		file_shown_free(&objects[k].shown);
 	}
 	free(objects);
 	free(defs);
 	free(moves);
+	free(first);
 	return created;
 }
 

@@ -5,6 +5,7 @@
 #include "camera.h"
 #include "file_lights.h"
 #include "file_shape.h"
+#include "file_shown.h"
 #include "gi/gi.h"
 #include "options.h"
 #include "import_file.h"
@@ -17,6 +18,7 @@ typedef struct file_scene {
 	engine_scene scene;
 	const char *program; /* for warnings */
 	bool lit;            /* by a sky, whatever the file holds */
+	bool sky_given;      /* one of the file does not count */
 	options_sides two_sided;
 	float leaf_size;     /* 0: the levels that the file gives, and what is chosen for objects without */
 	uint32_t leaves;     /* about so many are chosen; 0: what suits the renderer */
@@ -25,6 +27,7 @@ typedef struct file_scene {
 	file_shape *shapes;  /* likewise */
 	const char **names;
 	file_lights lights;
+	file_uploads uploads;     /* textures that are drawn */
 	float lower[3], upper[3]; /* of everything at rest, world */
 	camera framing;           /* where the file has no camera */
 } file_scene;

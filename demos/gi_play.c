@@ -87,6 +87,7 @@ int main(int argc, char **argv)
 	options_parse(&parser, argc, argv, &play);
 	play.file = (file_scene){.program = o->program,
 				 .lit = o->sky > 0 || o->sky_file,
+				 .sky_given = o->sky_given,
 				 .two_sided = o->two_sided,
 				 .leaf_size = o->leaf_size,
 				 .leaves = o->leaves,
@@ -105,6 +106,9 @@ int main(int argc, char **argv)
 				    .animate = animate,
 				    .view = view,
 				    .objects = objects,
+				    .sky = play.file.scene.sky.radiance,
+				    .sky_width = play.file.scene.sky.width,
+				    .sky_height = play.file.scene.sky.height,
 				    .loop_s = play.file.scene.duration_s,
 				    .frames = default_frames(&play),
 				    .gallery = !asked};

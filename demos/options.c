@@ -61,7 +61,8 @@ static const struct argp_option table[] = {
     {"context", KEY_CONTEXT, "KIND", 0,
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
     {"exposure", KEY_EXPOSURE, "X", 0, "display value 1 per W/(m2 sr)", 0},
-    {"sky", KEY_SKY, "E|FILE", 0, "light from a white sky, exitance in W/m2 (0), or from a picture, .hdr or .pfm", 0},
+    {"sky", KEY_SKY, "E|FILE", 0,
+     "light from a white sky, exitance in W/m2 (0; the scene's own), or from a picture, .hdr or .pfm", 0},
     {"shaders", KEY_SHADERS, "FOLDER", 0, "the library's shaders from there; F5 in a window reads them again", 0},
     {"two-sided", KEY_TWO_SIDED, "WHICH", OPTION_ARG_OPTIONAL,
      "faces of a file have two sides: on (all but lamps), off (those the file says), auto (turned or doubled where "
@@ -253,6 +254,7 @@ static const char *checked_name(const options *o, const char *option, const char
 static void parse_sky(options *o, char *text)
 {
 	double value;
+	o->sky_given = true;
 	o->sky_file = parse_number(text, &value) ? NULL : checked_name(o, "--sky", text);
 	o->sky = o->sky_file ? 0 : not_negative(o, "--sky", text, 1e9);
 }

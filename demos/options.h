@@ -39,6 +39,7 @@ typedef struct options {
 	uint32_t cage_faces;  /* of the cage that lights a detailed mesh; 0: the program's default */
 	float sky;            /* exitance of a white sky, W/m2; 0: black */
 	const char *sky_file; /* a picture of it; NULL: none */
+	bool sky_given;       /* of a scene that has a sky of its own: it counts no more */
 	const char *shaders;  /* folder; NULL: those built in */
 	options_sides two_sided;
 	float exposure;        /* display value 1 per W/(m2 sr); 0: the program's choice */

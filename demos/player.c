@@ -56,6 +56,11 @@ static uint32_t estimate_leaves(const player *p)
 	return p->frames < 4 ? 256 : 64;
 }
 
+static bool has_own_sky(const player *p)
+{
+	return p->scene->sky && !p->o->sky_given;
+}
+
 static bool open_gi(player *p)
 {
 	gi_context_def def = gi_context_def_default();
@@ -80,13 +85,22 @@ static bool open_gi(player *p)
 		def.sky = GI_SKY_ON;
 		def.sky_exitance[c] = p->o->sky;
 	}
-	if (p->o->sky_file)
+	if (p->o->sky_file || has_own_sky(p))
 		def.sky = GI_SKY_ON;
 	return player_succeeded(p, gi_context_create(&def, &p->gi));
 }
 
+static bool show_sky(player *p, const float *rgb, int width, int height)
+{
+	p->backdrop = engine_backdrop_create(rgb, width, height, p->message, sizeof p->message);
+	return p->backdrop &&
+	       player_succeeded(p, gi_set_sky_image(p->gi, rgb, (uint32_t)width, (uint32_t)height, NULL));
+}
+
 static bool open_sky(player *p)
 {
+	if (has_own_sky(p))
+		return show_sky(p, p->scene->sky, (int)p->scene->sky_width, (int)p->scene->sky_height);
 	if (!p->o->sky_file)
 		return true;
 	int width, height;
@@ -97,9 +111,7 @@ static bool open_sky(player *p)
 	if (mended)
 		options_say(p->o->program, "%s: %zu pixels are no radiance of 0 to 3e11 and are taken as the nearest",
 			    p->o->sky_file, mended);
-	p->backdrop = engine_backdrop_create(rgb, width, height, p->message, sizeof p->message);
-	const bool opened =
-	    p->backdrop && player_succeeded(p, gi_set_sky_image(p->gi, rgb, (uint32_t)width, (uint32_t)height, NULL));
+	const bool opened = show_sky(p, rgb, width, height);
 	free(rgb);
 	return opened;
 }

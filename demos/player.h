@@ -36,6 +36,10 @@ typedef struct player_scene {
 	/* For the exports. */
 	export_objects (*objects)(void *user);
 
+	/* A sky of its own, unless --sky says otherwise: equirectangular, as gi_set_sky_image takes it; NULL: none. */
+	const float *sky;
+	uint32_t sky_width, sky_height;
+
 	double loop_s;      /* > 0: a window begins anew after so long */
 	uint32_t frames;    /* recorded frames when nobody says how many; > 0 */
 	float exposure;     /* > 0: used unless --exposure says otherwise; 0: from the light of the first frame */

@@ -271,6 +271,7 @@ static const char *const known_extensions[] = {
     "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
     "KHR_materials_transmission",      "KHR_materials_ior",
     "KHR_texture_transform",           "KHR_lights_punctual",
+    "EXT_lights_image_based",
 };
 
 /* What holds the geometry alone may not be required; of the rest, what is not read is told where it is used. */

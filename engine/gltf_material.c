@@ -95,51 +95,57 @@ static void read_emission(gltf_document *document, const cJSON *from, engine_sce
 	}
 }
 
-/* The colour of the old specular-glossiness model is its diffuse reflectance, which is what rho is. */
-static void read_colour(gltf_document *document, const cJSON *from, engine_scene_material *material, double color[4])
+/* The extension that holds the old specular-glossiness model, where the material says nothing of the new one; NULL: it
+ * does. */
+static const cJSON *old_model(const cJSON *material)
+{
+	const cJSON *surface = gltf_member(material, "pbrMetallicRoughness");
+	const bool given = gltf_member(surface, "baseColorFactor") || gltf_member(surface, "baseColorTexture");
+	return given ? NULL : gltf_extension(material, "KHR_materials_pbrSpecularGlossiness");
+}
+
+/* The colour of the old specular-glossiness model is its diffuse reflectance, which is what rho is. Returns the factor
+ * of alpha, which the colour's is times the mean of its texture's. */
+static double read_colour(gltf_document *document, const cJSON *from, engine_scene_material *material, double color[4])
 {
 	const char *name = material->name;
 	float mean[4] = {1, 1, 1, 1};
-	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
-	const cJSON *old = gltf_extension(from, "KHR_materials_pbrSpecularGlossiness");
-	bool given = gltf_member(surface, "baseColorFactor") || gltf_member(surface, "baseColorTexture");
-	bool sound = !given && old ? gltf_numbers(old, "diffuseFactor", 4, color)
-				   : gltf_numbers(surface, "baseColorFactor", 4, color);
-	if (!sound)
+	const cJSON *old = old_model(from), *surface = old ? old : gltf_member(from, "pbrMetallicRoughness");
+	const char *factor_key = old ? "diffuseFactor" : "baseColorFactor";
+	const cJSON *texture = gltf_member(surface, old ? "diffuseTexture" : "baseColorTexture");
+	const bool factor = gltf_member(surface, factor_key);
+	if (!gltf_numbers(surface, factor_key, 4, color))
 		import_note(document->loader, name, "colours that are no finite numbers are taken as 0.5");
-	const cJSON *texture = gltf_member(surface, "baseColorTexture");
-	if (texture && !gltf_member(surface, "baseColorFactor"))
+	if (texture && !factor)
 		color[0] = color[1] = color[2] = color[3] = 1;
-	material->rho_texture = find_texture(document, texture ? texture : gltf_member(old, "diffuseTexture"), name,
-					     "textures of base colours", &material->uv_set, mean);
-	if (texture && !material->rho_texture.number && !gltf_member(surface, "baseColorFactor"))
+	material->rho_texture =
+	    find_texture(document, texture, name, "textures of base colours", &material->uv_set, mean);
+	if (texture && !material->rho_texture.number && !factor)
 		color[0] = color[1] = color[2] = 0.5;
+	const double alpha = color[3];
 	for (int c = 0; c < 4; c++) {
-		if (c < 3)
+		if (c < 3 && (factor || material->rho_texture.number))
 			material->rho_factor[c] = (float)color[c];
 		color[c] *= (double)mean[c];
 	}
+	return alpha;
 }
 
-/* Alpha as coverage: what covers less than half lets the light through. Where a texture says what, face by face. */
-static bool is_clear(gltf_document *document, const cJSON *from, engine_scene_material *material, double alpha)
+/* Alpha as coverage: what covers less than half lets the light through. Where a texture, or colours of vertices, say
+ * what, face by face. factor: of what the texture has. */
+static void read_alpha(gltf_document *document, const cJSON *from, engine_scene_material *material, double factor)
 {
 	const char *mode = gltf_text(from, "alphaMode");
 	double cutoff = 0.5;
 	if (!mode || strcmp(mode, "OPAQUE") == 0)
-		return false;
+		return;
 	if (strcmp(mode, "MASK") == 0)
 		gltf_number(from, "alphaCutoff", &cutoff);
-	if (material->rho_texture.number) {
-		const engine_texture *t = &document->loader->scene->textures[material->rho_texture.number - 1];
-		const double factor = t->mean[3] > 0 ? alpha / (double)t->mean[3] : 0;
-		material->cutoff = (float)(cutoff / fmax(factor, 1e-9));
-		return false;
-	}
-	const bool clear = alpha < cutoff;
-	note_unread(document, !clear && alpha < 1, material->name,
+	material->alpha_texture = material->rho_texture;
+	material->alpha_factor = (float)factor;
+	material->cutoff = (float)cutoff;
+	note_unread(document, !material->rho_texture.number && factor >= cutoff && factor < 1, material->name,
 		    "transparency of alpha above a half is taken as opaque");
-	return clear;
 }
 
 /* Rougher surfaces are no mirrors and no clear glass. */
@@ -167,11 +173,18 @@ static void take_share(engine_scene_material *material, const double color[3], d
 	}
 }
 
+/* Mirrors and glass have the mean of a texture; colours of vertices tint what is left of them that is diffuse. */
+static void keep_mean(engine_scene_material *material)
+{
+	material->rho_texture.number = 0;
+	memcpy(material->rho_factor, material->rho, sizeof material->rho_factor);
+}
+
 /* A smooth metal is a mirror of its colour, what transmits is glass of its colour. */
 static void read_smoothness(gltf_document *document, const cJSON *from, const double color[3],
 			    engine_scene_material *material)
 {
-	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
+	const cJSON *surface = old_model(from) ? NULL : gltf_member(from, "pbrMetallicRoughness");
 	const cJSON *transmits = gltf_extension(from, "KHR_materials_transmission");
 	const double metallic = surface_factor(surface, "metallicFactor", 0);
 	const bool smooth = surface_factor(surface, "roughnessFactor", 1) < SMOOTH;
@@ -193,23 +206,33 @@ static void read_smoothness(gltf_document *document, const cJSON *from, const do
 	}
 }
 
+/* More than what is not metal reflects in front of its colour is told. */
+static void note_shine(gltf_document *document, const cJSON *old, const char *name)
+{
+	double specular[3] = {0, 0, 0};
+	gltf_numbers(old, "specularFactor", 3, specular);
+	note_unread(document, fmax(specular[0], fmax(specular[1], specular[2])) > 0.1, name,
+		    "specular colours of the specular-glossiness model are not read");
+}
+
 static bool read_material(gltf_document *document, const cJSON *from)
 {
 	engine_scene_material *material = import_add_material(document->loader, gltf_text(from, "name"));
-	double color[4] = {0.5, 0.5, 0.5, 1};
+	double color[4] = {0.5, 0.5, 0.5, 1}, alpha;
 	if (!material)
 		return false;
-	read_colour(document, from, material, color);
+	alpha = read_colour(document, from, material, color);
 	read_emission(document, from, material);
 	for (int c = 0; c < 3; c++)
 		material->rho[c] = (float)color[c];
 	material->double_sided = cJSON_IsTrue(gltf_member(from, "doubleSided"));
-	material->clear = is_clear(document, from, material, color[3]);
+	read_alpha(document, from, material, alpha);
+	note_shine(document, old_model(from), material->name);
 	const cJSON *surface = gltf_member(from, "pbrMetallicRoughness");
 	read_smoothness(document, from, color, material);
 	if (memcmp(material->mirror, (const float[3]){0}, sizeof material->mirror) != 0 ||
 	    memcmp(material->glass, (const float[3]){0}, sizeof material->glass) != 0)
-		material->rho_texture.number = 0; /* mirrors and glass have the mean */
+		keep_mean(material);
 	note_unread(document, gltf_member(surface, "metallicRoughnessTexture") || gltf_member(from, "normalTexture"),
 		    material->name, "textures of roughness, metal and normals are not read");
 	return true;

@@ -280,19 +280,16 @@ static bool triangle_vertices(const primitive *p, uint32_t t, uint32_t vertices[
 	return true;
 }
 
-static bool triangle_material(reading *r, const primitive *p, const uint32_t vertices[3], uint32_t *material)
+/* Of files that count them in 0..1; floats may be more, which a dark material brings back. */
+static const double BRIGHTEST_COLOR = 1e6;
+
+static void read_color(const primitive *p, uint32_t vertex, float out[4])
 {
-	float mean[3] = {0, 0, 0};
-	*material = p->material;
-	if (!p->colors)
-		return true;
-	for (int k = 0; k < 3; k++) {
-		double color[4];
-		gltf_element(p->colors, vertices[k], color);
-		for (int c = 0; c < 3; c++)
-			mean[c] += (float)color[c] / 3;
-	}
-	return import_tinted_material(r->document->loader, p->material, mean, material);
+	double color[4] = {1, 1, 1, 1};
+	if (p->colors)
+		gltf_element(p->colors, vertex, color);
+	for (int c = 0; c < 4; c++)
+		out[c] = !p->colors ? ENGINE_NO_COLOR : color[c] > 0 ? (float)fmin(color[c], BRIGHTEST_COLOR) : 0;
 }
 
 static void read_uv(const primitive *p, uint32_t vertex, float out[2])
@@ -304,10 +301,10 @@ static void read_uv(const primitive *p, uint32_t vertex, float out[2])
 		out[k] = p->uvs && fabs(uv[k]) < 1e6 ? (float)uv[k] : ENGINE_NO_UV;
 }
 
-static bool add_triangle(reading *r, const primitive *p, uint32_t t)
+static void add_triangle(reading *r, const primitive *p, uint32_t t)
 {
 	engine_mesh *out = r->out;
-	uint32_t vertices[3], material, *to = out->indices + out->index_count;
+	uint32_t vertices[3], *to = out->indices + out->index_count;
 	bool sound = triangle_vertices(p, t, vertices);
 	for (int k = 0; sound && k < 3; k++) {
 		to[k] = vertex_number(r, p, vertices[k]);
@@ -315,16 +312,15 @@ static bool add_triangle(reading *r, const primitive *p, uint32_t t)
 	}
 	if (!sound) {
 		r->left_out++;
-		return true;
+		return;
 	}
-	if (!triangle_material(r, p, vertices, &material))
-		return false;
 	for (int k = 0; out->uvs && k < 3; k++)
 		read_uv(p, vertices[k], out->uvs + 2 * ((size_t)out->index_count + (size_t)k));
+	for (int k = 0; out->colors && k < 3; k++)
+		read_color(p, vertices[k], out->colors + 4 * ((size_t)out->index_count + (size_t)k));
 	out->index_count += 3;
-	out->face_materials[out->face_count] = material;
+	out->face_materials[out->face_count] = p->material;
 	out->face_counts[out->face_count++] = 3;
-	return true;
 }
 
 static void *make_array(size_t count, size_t size)
@@ -350,7 +346,7 @@ static bool make_numbers(gltf_document *document)
 static bool find_uvs(reading *r, const cJSON *from, primitive *p)
 {
 	const engine_scene_material *m = &r->document->loader->scene->materials[p->material];
-	if (!m->rho_texture.number && !m->radiance_texture.number)
+	if (!m->rho_texture.number && !m->radiance_texture.number && !m->alpha_texture.number)
 		return true;
 	char key[16];
 	snprintf(key, sizeof key, "TEXCOORD_%u", m->uv_set);
@@ -358,6 +354,18 @@ static bool find_uvs(reading *r, const cJSON *from, primitive *p)
 	if (!r->out->uvs)
 		r->out->uvs = calloc(2 * ((size_t)r->corners + 1), sizeof *r->out->uvs);
 	return r->out->uvs || import_fail(r->document->loader, "out of memory for meshes");
+}
+
+/* Room for colours, where the primitive has some; those before it in the mesh have none. */
+static bool make_color_room(reading *r, const primitive *p)
+{
+	engine_mesh *out = r->out;
+	if (!p->colors || out->colors)
+		return true;
+	out->colors = make_array(r->corners, 4 * sizeof *out->colors);
+	for (size_t i = 0; out->colors && i < 4 * (size_t)out->index_count; i++)
+		out->colors[i] = ENGINE_NO_COLOR;
+	return out->colors || import_fail(r->document->loader, "out of memory for meshes");
 }
 
 static bool add_primitive(reading *r, const cJSON *from)
@@ -376,13 +384,11 @@ static bool add_primitive(reading *r, const cJSON *from)
 	}
 	if (!gltf_material_number(document, from, &p.material))
 		return false;
-	if (!find_uvs(r, from, &p))
+	if (!find_uvs(r, from, &p) || !make_color_room(r, &p))
 		return false;
 	document->stamp++;
-	for (uint32_t t = 0; t < p.triangle_count; t++) {
-		if (!add_triangle(r, &p, t))
-			return false;
-	}
+	for (uint32_t t = 0; t < p.triangle_count; t++)
+		add_triangle(r, &p, t);
 	return true;
 }
 

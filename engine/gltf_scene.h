@@ -7,6 +7,9 @@
 /* Appends the lights of the nodes in the scene; animations are read. False: out of memory (reported). */
 bool gltf_read_lights(gltf_document *document, const bool *in_scene);
 
+/* The sky that a scene of the file has; what is broken of it is noted. False: out of memory (reported). */
+bool gltf_read_sky(gltf_document *document, const cJSON *scene);
+
 /* Number of the scene's material for a primitive: read when first used, so that nothing is told of others. False: out
  * of memory (reported).
  */

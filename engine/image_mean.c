@@ -69,22 +69,100 @@ static bool too_large(uint64_t width, uint64_t height, uint64_t *pixels, const c
 	return true;
 }
 
+/* ---- PNG ---- */
+
+/* libpng's errors leave by a jump. */
+typedef struct png_state {
+	png_structp reader;
+	png_infop info;
+	const uint8_t *next;
+	size_t left;
+	uint8_t *rgba, **rows;
+	bool whole; /* all of it was read */
+} png_state;
+
+static void take_bytes(png_structp reader, png_bytep to, size_t count)
+{
+	png_state *s = png_get_io_ptr(reader);
+	if (count > s->left)
+		png_error(reader, "cut off");
+	memcpy(to, s->next, count);
+	s->next += count;
+	s->left -= count;
+}
+
+static void leave_png(png_structp reader, png_const_charp message)
+{
+	(void)message;
+	png_longjmp(reader, 1);
+}
+
+static void ignore_warning(png_structp reader, png_const_charp message)
+{
+	(void)reader;
+	(void)message;
+}
+
+/* Any PNG to four bytes a pixel as they are stored: what it says of its gamma is not asked (glTF 2.0, 3.8.3). */
+static void choose_rgba(const png_state *s)
+{
+	png_set_expand(s->reader);
+	png_set_scale_16(s->reader);
+	png_set_gray_to_rgb(s->reader);
+	png_set_add_alpha(s->reader, 255, PNG_FILLER_AFTER);
+	png_set_interlace_handling(s->reader);
+	png_read_update_info(s->reader, s->info);
+}
+
+static void read_png_rows(png_state *s, uint64_t *pixels, const char **fault)
+{
+	png_read_info(s->reader, s->info);
+	const size_t width = png_get_image_width(s->reader, s->info), height = png_get_image_height(s->reader, s->info);
+	if (too_large(width, height, pixels, fault))
+		return;
+	choose_rgba(s);
+	if (png_get_rowbytes(s->reader, s->info) != 4 * width)
+		return;
+	s->rgba = malloc(4 * width * height);
+	s->rows = malloc(sizeof *s->rows * height);
+	if (!s->rgba || !s->rows)
+		return;
+	for (size_t y = 0; y < height; y++)
+		s->rows[y] = s->rgba + 4 * width * y;
+	png_read_image(s->reader, s->rows);
+	png_read_end(s->reader, NULL);
+	s->whole = true;
+}
+
+/* What it leaves is in the state, whichever way it comes back. */
+static void decode_png(png_state *s, uint64_t *pixels, const char **fault)
+{
+	if (setjmp(png_jmpbuf(s->reader)))
+		return;
+	s->info = png_create_info_struct(s->reader);
+	png_set_read_fn(s->reader, s, take_bytes);
+	if (s->info)
+		read_png_rows(s, pixels, fault);
+}
+
 static bool read_png(const uint8_t *bytes, size_t size, histogram *h, uint64_t *pixels, const char **fault)
 {
-	png_image image = {.version = PNG_IMAGE_VERSION};
+	png_state s = {.next = bytes, .left = size};
 	*fault = "its PNG is broken or cut off";
-	if (!png_image_begin_read_from_memory(&image, bytes, size))
-		return false;
-	image.format = PNG_FORMAT_RGBA;
-	uint8_t *rgba = too_large(image.width, image.height, pixels, fault) ? NULL : malloc(PNG_IMAGE_SIZE(image));
-	bool read =
-	    rgba && png_image_finish_read(&image, NULL, rgba, 0, NULL) && keep_size(h, image.width, image.height);
-	if (read)
-		count_pixels(h, rgba, *pixels, 4);
-	png_image_free(&image);
-	free(rgba);
-	return read;
+	s.reader = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, leave_png, ignore_warning);
+	if (s.reader)
+		decode_png(&s, pixels, fault);
+	if (s.whole)
+		s.whole = keep_size(h, png_get_image_width(s.reader, s.info), png_get_image_height(s.reader, s.info));
+	if (s.whole)
+		count_pixels(h, s.rgba, *pixels, 4);
+	png_destroy_read_struct(&s.reader, &s.info, NULL);
+	free(s.rgba);
+	free(s.rows);
+	return s.whole;
 }
+
+/* ---- JPEG ---- */
 
 /* libjpeg's errors leave by a jump. */
 typedef struct jpeg_state {
@@ -92,7 +170,8 @@ typedef struct jpeg_state {
 	struct jpeg_error_mgr errors;
 	struct jpeg_progress_mgr progress;
 	jmp_buf failed;
-	uint8_t *row;
+	uint8_t *row;  /* as it is decoded: three bytes a pixel, or four of inks */
+	bool inverted; /* inks are counted from full to none, as Adobe's programs write them */
 } jpeg_state;
 
 static void leave(j_common_ptr reader)
@@ -112,18 +191,35 @@ static void limit_scans(j_common_ptr reader)
 		leave(reader);
 }
 
+/* Cyan, magenta, yellow and black to red, green and blue, in place: what each ink leaves times what black leaves. */
+static void mix_inks(uint8_t *row, size_t count, bool inverted)
+{
+	for (size_t i = 0; i < count; i++) {
+		uint8_t ink[4];
+		memcpy(ink, row + 4 * i, 4);
+		for (int c = 0; c < 4; c++)
+			ink[c] = inverted ? ink[c] : (uint8_t)(255 - ink[c]);
+		for (size_t c = 0; c < 3; c++)
+			row[3 * i + c] = (uint8_t)((ink[c] * ink[3] + 127) / 255);
+	}
+}
+
 static void read_jpeg_rows(jpeg_state *s, histogram *h, uint64_t *pixels, const char **fault)
 {
 	jpeg_read_header(&s->reader, TRUE);
 	if (too_large(s->reader.image_width, s->reader.image_height, pixels, fault))
 		leave((j_common_ptr)&s->reader);
-	s->reader.out_color_space = JCS_RGB;
+	const bool inks = s->reader.jpeg_color_space == JCS_CMYK || s->reader.jpeg_color_space == JCS_YCCK;
+	s->reader.out_color_space = inks ? JCS_CMYK : JCS_RGB;
+	s->inverted = s->reader.saw_Adobe_marker;
 	jpeg_start_decompress(&s->reader);
 	if (!keep_size(h, s->reader.output_width, s->reader.output_height))
 		leave((j_common_ptr)&s->reader);
-	s->row = malloc((size_t)s->reader.output_width * 3);
+	s->row = malloc((size_t)s->reader.output_width * 4);
 	while (s->row && s->reader.output_scanline < s->reader.output_height) {
 		jpeg_read_scanlines(&s->reader, &s->row, 1);
+		if (inks)
+			mix_inks(s->row, s->reader.output_width, s->inverted);
 		count_pixels(h, s->row, s->reader.output_width, 3);
 	}
 	jpeg_finish_decompress(&s->reader);

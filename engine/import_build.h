@@ -86,17 +86,6 @@ typedef struct import_kind {
 
 enum { IMPORT_MAX_KINDS = 32 };
 
-/* A material made of another and a colour. */
-typedef struct import_tint {
-	uint64_t key;    /* base << 15 | r << 10 | g << 5 | b, steps of 1/31 of the square root; */
-	uint32_t number; /* of the material, and one; 0: an empty slot */
-} import_tint;
-
-typedef struct import_tints {
-	import_tint *slots;
-	size_t capacity, count; /* capacity is 0 or a power of two */
-} import_tints;
-
 typedef struct import_loader {
 	const char *path;
 	engine_scene *scene;
@@ -108,7 +97,6 @@ typedef struct import_loader {
 	bool meshes_broken;        /* one or more could not be read */
 	uint32_t default_material; /* its number and one; 0: none yet */
 	import_names names;
-	import_tints tints;
 } import_loader;
 
 /* Writes "path: text" as one line; always false, so that callers can return it. */
@@ -152,7 +140,8 @@ import_node import_node_default(void);
  */
 bool import_make_graph(import_loader *loader, uint32_t count);
 
-/* Appends a material, zeroed but for its name and rho 0.5. NULL: out of memory (already reported). */
+/* Appends a material, zeroed but for its name, rho 0.5 and factors of 1 for it and alpha. NULL: out of memory (already
+ * reported). */
 engine_scene_material *import_add_material(import_loader *loader, const char *name);
 
 /* Appends a texture, which is the scene's from then on, freed where that fails; its number and one. False: out of
@@ -161,11 +150,6 @@ bool import_add_texture(import_loader *loader, engine_texture *texture, uint32_t
 
 /* Number of the material for faces that have none; made when first asked for. False: out of memory (reported). */
 bool import_default_material(import_loader *loader, uint32_t *number);
-
-/* Number of a material that is `base` with its rho times a colour (linear r g b), for colours of vertices and faces: of
- * the first colour in each of 32 steps a channel, so that a gradient makes few. False: out of memory (reported).
- */
-bool import_tinted_material(import_loader *loader, uint32_t base, const float color[3], uint32_t *number);
 
 /* Marks the materials that faces use and brings all into their ranges; what changes a used one is noted. */
 void import_settle_materials(import_loader *loader);

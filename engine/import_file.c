@@ -42,6 +42,7 @@ void engine_scene_free(engine_scene *scene)
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		free(scene->textures[i].pixels.rgba);
 	free(scene->textures);
+	free(scene->sky.radiance);
 	free(scene->objects);
 	free(scene->lights);
 	free_graph(scene->graph);
@@ -109,7 +110,6 @@ bool engine_scene_load(const char *path, engine_scene *scene, char *message, siz
 	scene->graph = calloc(1, sizeof *scene->graph);
 	bool loaded = scene->graph ? read_scene(&loader) : import_fail(&loader, "out of memory");
 	free(loader.names.slots);
-	free(loader.tints.slots);
 	free(loader.kinds);
 	if (!loaded)
 		engine_scene_free(scene);

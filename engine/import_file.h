@@ -1,21 +1,22 @@
 /* Scenes from files: glTF 2.0 (.gltf, .glb), OBJ and PLY, as plain structs in metres, watts and seconds.
  *
  * glTF   Every node of the scene that has a mesh is an object, in node order, and every instance of
- *        EXT_mesh_gpu_instancing one of its own; all primitives of a mesh become one. baseColorFactor times COLOR_0 is
- *        rho (linear), emissiveFactor times the mean of emissiveTexture times KHR_materials_emissive_strength the
- *        radiance L. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets through is
- *        glass of KHR_materials_ior. Nodes with a light of KHR_lights_punctual are lights, whose candela and lux are
- *        taken as the nits of emissive materials are (ENGINE_WATTS_PER_LUMEN). Skins and morph targets move meshes
- *        (import_shape.h). The node's extras.gi =
+ *        EXT_mesh_gpu_instancing one of its own; all primitives of a mesh become one. baseColorFactor times
+ *        baseColorTexture times COLOR_0 is rho (linear), emissiveFactor times emissiveTexture times
+ *        KHR_materials_emissive_strength the radiance L; materials have the means of textures, and what it takes to
+ *        have them at a place. Metals of a roughness below 0.1 are mirrors, what KHR_materials_transmission lets
+ *        through is glass of KHR_materials_ior. Nodes with a light of KHR_lights_punctual are lights, whose candela and
+ *        lux are taken as the nits of emissive materials are (ENGINE_WATTS_PER_LUMEN); the scene's
+ *        EXT_lights_image_based is its sky, by the first mip of its cube map, else by its coefficients. Skins and morph
+ *        targets move meshes (import_shape.h). The node's extras.gi =
  *        {"scheme": "catmull-clark" | "loop" | "bilinear", "levels": n} chooses the refinement.
- *        glTF has triangles only: where extras.gi.scheme says
- *        catmull-clark or bilinear, pairs of triangles that were a quad are put together again (see
- *        engine_mesh_pair_triangles); without it triangles stay. All animations of a file play together from 0 s; of
- *        two for one property of a node the first counts.
- * OBJ    Every o or g with faces is an object; polygons stay. Kd is rho (0.6 where the .mtl gives none), Ke times the
- *        mean of map_Ke the radiance.
+ *        glTF has triangles only: where extras.gi.scheme says catmull-clark or bilinear, pairs of triangles that were a
+ *        quad are put together again (see engine_mesh_pair_triangles); without it triangles stay. All animations of a
+ *        file play together from 0 s; of two for one property of a node the first counts.
+ * OBJ    Every o or g with faces is an object; polygons stay. Kd times map_Kd is rho (0.6 where the .mtl gives
+ *        neither), Ke times map_Ke the radiance; map_d covers faces as alpha of glTF does.
  * PLY    One object; triangle strips too.
- *        In both, colours of vertices or faces (sRGB) are the rho of faces that have no material.
+ *        In both, colours of vertices or faces (sRGB) are times the rho of the material, of 1 without one.
  *
  * In all of them:
  * - Faces without any material, and glTF materials without a base colour, have rho 0.5. A rho of 1 or more becomes

@@ -94,17 +94,25 @@ static void take_all_roots(gltf_document *document, walk *w)
 	}
 }
 
-static void take_roots(gltf_document *document, walk *w)
+/* The scene that the file chooses, or its first; NULL: it has none. */
+static const cJSON *chosen_scene(const gltf_document *document)
 {
 	int64_t scene = -1;
+	const gltf_table *scenes = &document->tables[GLTF_SCENES];
+	gltf_index(document, document->root, "scene", GLTF_SCENES, &scene);
+	return scenes->count > 0 ? scenes->items[scene < 0 ? 0 : scene] : NULL;
+}
+
+static void take_roots(gltf_document *document, walk *w)
+{
+	int64_t scene;
+	const cJSON *chosen = chosen_scene(document);
 	if (!gltf_index(document, document->root, "scene", GLTF_SCENES, &scene))
 		import_note(document->loader, NULL, "the scene that the file chooses is not there; the first is read");
-	if (document->tables[GLTF_SCENES].count == 0) {
+	if (chosen)
+		take_nodes(document, w, gltf_member(chosen, "nodes"), -1);
+	else
 		take_all_roots(document, w);
-		return;
-	}
-	const cJSON *chosen = document->tables[GLTF_SCENES].items[scene < 0 ? 0 : scene];
-	take_nodes(document, w, gltf_member(chosen, "nodes"), -1);
 }
 
 /* Leaves the graph's order with the nodes of the scene alone. Those of a cycle have no root that leads to them. */
@@ -175,7 +183,8 @@ static bool read_scene(gltf_document *document, gltf_objects *objects)
 			read_node_transform(document, nodes->items[i], &loader->scene->graph->nodes[i]);
 		walk_nodes(document, &w);
 		read = read_cameras(document, &w) && gltf_read_animations(document) &&
-		       gltf_read_objects(document, objects, w.seen) && gltf_read_lights(document, w.seen);
+		       gltf_read_objects(document, objects, w.seen) && gltf_read_lights(document, w.seen) &&
+		       gltf_read_sky(document, chosen_scene(document));
 	}
 	free(w.seen);
 	return read;

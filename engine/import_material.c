@@ -22,7 +22,8 @@ engine_scene_material *import_add_material(import_loader *loader, const char *na
 		return NULL;
 	}
 	engine_scene_material *material = &scene->materials[scene->material_count++];
-	*material = (engine_scene_material){.name = copy, .rho = {0.5f, 0.5f, 0.5f}};
+	*material = (engine_scene_material){
+	    .name = copy, .rho = {0.5f, 0.5f, 0.5f}, .rho_factor = {1, 1, 1}, .alpha_factor = 1};
 	return material;
 }
 
@@ -54,77 +55,6 @@ bool import_default_material(import_loader *loader, uint32_t *number)
 	return true;
 }
 
-/* ---- tints ------------------------------------------------------------------------------------------------------- */
-
-/* The slot of the key, or the empty one where it would go; the table is never full. */
-static import_tint *find_tint(const import_tints *tints, uint64_t key)
-{
-	size_t slot = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (tints->capacity - 1);
-	while (tints->slots[slot].number != 0 && tints->slots[slot].key != key)
-		slot = (slot + 1) & (tints->capacity - 1);
-	return &tints->slots[slot];
-}
-
-/* At most half full. */
-static bool make_room(import_tints *tints)
-{
-	if (2 * (tints->count + 1) <= tints->capacity)
-		return true;
-	import_tints grown = {.capacity = tints->capacity ? 2 * tints->capacity : 64, .count = tints->count};
-	grown.slots = calloc(grown.capacity, sizeof *grown.slots);
-	if (!grown.slots)
-		return false;
-	for (size_t i = 0; i < tints->capacity; i++) {
-		if (tints->slots[i].number != 0)
-			*find_tint(&grown, tints->slots[i].key) = tints->slots[i];
-	}
-	free(tints->slots);
-	*tints = grown;
-	return true;
-}
-
-/* Square roots, as eyes and display values go: 31 steps in the dark as well. */
-static uint32_t step_of(float value)
-{
-	return value > 0 ? (uint32_t)lrintf(31 * sqrtf(fminf(value, 1))) : 0;
-}
-
-static bool add_tint(import_loader *loader, uint32_t base, const float color[3])
-{
-	engine_scene_material *made = import_add_material(loader, loader->scene->materials[base].name);
-	if (!made)
-		return false;
-	const engine_scene_material *from = &loader->scene->materials[base];
-	char *name = made->name;
-	*made = *from;
-	made->name = name;
-	for (int c = 0; c < 3; c++) {
-		made->rho[c] *= color[c];
-		made->rho_factor[c] *= color[c];
-	}
-	return true;
-}
-
-bool import_tinted_material(import_loader *loader, uint32_t base, const float color[3], uint32_t *number)
-{
-	uint32_t steps[3] = {step_of(color[0]), step_of(color[1]), step_of(color[2])};
-	*number = base;
-	if (steps[0] + steps[1] + steps[2] == 3 * 31) /* white */
-		return true;
-	uint64_t key = (uint64_t)base << 15 | steps[0] << 10 | steps[1] << 5 | steps[2];
-	if (!make_room(&loader->tints))
-		return import_fail(loader, "out of memory for materials");
-	import_tint *tint = find_tint(&loader->tints, key);
-	if (tint->number == 0) {
-		if (!add_tint(loader, base, color))
-			return false;
-		*tint = (import_tint){key, loader->scene->material_count};
-		loader->tints.count++;
-	}
-	*number = tint->number - 1;
-	return true;
-}
-
 /* ---- ranges ------------------------------------------------------------------------------------------------------ */
 
 static void mark_used(engine_scene *scene)
@@ -136,14 +66,17 @@ static void mark_used(engine_scene *scene)
 	}
 }
 
-/* What a reflectance becomes, and which fault it had. rho 1 - 1e-6 is 1 as far as sums of floats can tell. */
+/* What floats tell from 1. */
+static const float WHITE = 1 - 1e-6f;
+
+/* What a reflectance becomes, and which fault it had. */
 typedef enum fault { FAULT_NONE, FAULT_WHITE, FAULT_OUT_OF_RANGE } fault;
 
 static fault mend_reflectance(float rho[3])
 {
 	fault worst = FAULT_NONE;
 	for (int c = 0; c < 3; c++) {
-		if (rho[c] >= 0 && rho[c] <= 1 - 1e-6f)
+		if (rho[c] >= 0 && rho[c] <= WHITE)
 			continue;
 		if (rho[c] > 0 && worst == FAULT_NONE)
 			worst = FAULT_WHITE;
@@ -166,17 +99,42 @@ static fault mend_radiance(float radiance[3])
 	return worst;
 }
 
+static const char *const TOO_WHITE =
+    "materials with a reflectance of 1 or more get 0.98 (nothing gives back all light)";
+
+/* Whether some corner of the mesh is white. One whose material has a texture is as its texels are. */
+static bool has_white_corner(const engine_scene *scene, const engine_mesh *mesh)
+{
+	const float *color = mesh->colors;
+	for (uint32_t f = 0; color && f < mesh->face_count; f++) {
+		const engine_scene_material *m = &scene->materials[mesh->face_materials[f]];
+		for (uint32_t k = 0; k < mesh->face_counts[f]; k++, color += 4)
+			for (int c = 0; c < 3; c++)
+				if (m->rho_factor[c] * color[c] > WHITE && !m->rho_texture.number)
+					return true;
+	}
+	return false;
+}
+
+/* Such are made less white where they are used (demos/file_textures.c). */
+static void note_white_corners(import_loader *loader)
+{
+	const engine_scene *scene = loader->scene;
+	for (uint32_t o = 0; o < scene->object_count; o++)
+		if (has_white_corner(scene, &scene->objects[o].mesh))
+			import_note(loader, scene->objects[o].name, "%s", TOO_WHITE);
+}
+
 void import_settle_materials(import_loader *loader)
 {
 	engine_scene *scene = loader->scene;
 	mark_used(scene);
+	note_white_corners(loader);
 	for (uint32_t m = 0; m < scene->material_count; m++) {
 		engine_scene_material *material = &scene->materials[m];
 		fault reflects = mend_reflectance(material->rho), emits = mend_radiance(material->radiance);
 		if (material->used && reflects == FAULT_WHITE)
-			import_note(
-			    loader, material->name,
-			    "materials with a reflectance of 1 or more get 0.98 (nothing gives back all light)");
+			import_note(loader, material->name, "%s", TOO_WHITE);
 		if (material->used && reflects == FAULT_OUT_OF_RANGE)
 			import_note(loader, material->name,
 				    "materials with a reflectance that is negative or no number get 0 for it");

@@ -62,19 +62,23 @@ static bool read_color(char *rest, float color[3])
 static void read_diffuse(reader *r, char *rest)
 {
 	float color[3];
-	if (read_color(rest, color))
-		memcpy(r->material->rho, color, sizeof color);
-	else
+	if (!read_color(rest, color)) {
 		note_broken(r, "Kd");
+		return;
+	}
+	memcpy(r->material->rho, color, sizeof color);
+	r->material->has_rho = true;
 }
 
 static void read_emission(reader *r, char *rest)
 {
 	float color[3];
-	if (read_color(rest, color))
-		memcpy(r->material->radiance, color, sizeof color);
-	else
+	if (!read_color(rest, color)) {
 		note_broken(r, "Ke");
+		return;
+	}
+	memcpy(r->material->radiance, color, sizeof color);
+	r->material->has_radiance = true;
 }
 
 static void read_specular(reader *r, char *rest)
@@ -104,12 +108,6 @@ static void read_transparency(reader *r, char *rest)
 	set_unread(r, MTL_TRANSPARENT, import_read_number(&rest, &value) && value > 0);
 }
 
-static void read_opacity_texture(reader *r, char *rest)
-{
-	(void)rest;
-	set_unread(r, MTL_TRANSPARENT, true);
-}
-
 /* Models 3 to 9 trace rays to what a surface mirrors or lets through. */
 static void read_illumination(reader *r, char *rest)
 {
@@ -124,23 +122,108 @@ static void read_metalness(reader *r, char *rest)
 		set_unread(r, MTL_MIRROR, true);
 }
 
-static void read_diffuse_texture(reader *r, char *rest)
+/* ---- textures ---- */
+
+/* Up to three numbers, of which two count: the picture has no depth. */
+static void read_pair(char **rest, float pair[2])
 {
-	(void)rest;
-	set_unread(r, MTL_TEXTURE, true);
+	double value;
+	for (int k = 0; k < 3 && import_read_number(rest, &value); k++)
+		if (k < 2 && fabs(value) <= 1e6)
+			pair[k] = (float)value;
 }
 
-/* The file is the last word of its line, behind options that begin with '-'. */
+static void read_channel(const char *word, mtl_texture *texture)
+{
+	static const char letters[] = "mrgbl"; /* in the order of engine_alpha */
+	const char *at = word && word[0] ? strchr(letters, word[0]) : NULL;
+	if (at)
+		texture->alpha = (engine_alpha)(at - letters);
+}
+
+/* Options with one word behind them that change nothing here, and those that would. */
+static const struct {
+	const char *name;
+	uint32_t words;
+	bool told;
+} other_options[] = {{"-blendu", 1, false}, {"-blendv", 1, false}, {"-texres", 1, false}, {"-bm", 1, false},
+		     {"-boost", 1, false},  {"-type", 1, false},   {"-cc", 1, true},      {"-mm", 2, true}};
+
+/* Passes over one option and what belongs to it. False: it is none of those that textures have. */
+static bool read_option(reader *r, const char *name, char **rest, mtl_texture *texture)
+{
+	float unread[2];
+	if (strcmp(name, "-s") == 0) {
+		read_pair(rest, texture->scale);
+	} else if (strcmp(name, "-o") == 0) {
+		read_pair(rest, texture->offset);
+	} else if (strcmp(name, "-t") == 0) {
+		read_pair(rest, unread);
+		set_unread(r, MTL_TEXTURE_OPTIONS, true);
+	} else if (strcmp(name, "-clamp") == 0) {
+		const char *word = import_next_word(rest);
+		texture->clamp = word && strcmp(word, "on") == 0;
+	} else if (strcmp(name, "-imfchan") == 0) {
+		read_channel(import_next_word(rest), texture);
+	} else {
+		for (size_t k = 0; k < sizeof other_options / sizeof *other_options; k++) {
+			if (strcmp(name, other_options[k].name) != 0)
+				continue;
+			for (uint32_t w = 0; w < other_options[k].words; w++)
+				import_next_word(rest);
+			if (other_options[k].told)
+				set_unread(r, MTL_TEXTURE_OPTIONS, true);
+			return true;
+		}
+		return false;
+	}
+	return true;
+}
+
+/* The last word, of a line with an option that nobody knows. */
+static char *last_word(char *line)
+{
+	char *blank = strrchr(line, ' '), *tab = strrchr(line, '\t');
+	return blank > tab ? blank + 1 : tab ? tab + 1 : line;
+}
+
+/* Options, then the file, whose name may have blanks in it. */
+static void read_texture(reader *r, char *rest, mtl_texture_kind kind)
+{
+	mtl_texture texture = {.scale = {1, 1}, .alpha = kind == MTL_OPACITY ? ENGINE_ALPHA_MASK : ENGINE_ALPHA_OWN};
+	char *file = import_rest_of_line(rest);
+	bool known = true;
+	while (file[0] == '-' && known) {
+		char *after = file, *last = last_word(file), name[16];
+		snprintf(name, sizeof name, "%.*s", (int)strcspn(file, " \t"), file);
+		after += strcspn(file, " \t");
+		known = *after && read_option(r, name, &after, &texture);
+		file = known ? import_rest_of_line(after) : last;
+	}
+	if (!file[0]) {
+		note_broken(r, "a texture");
+		return;
+	}
+	mtl_texture *to = &r->material->textures[kind];
+	free(to->file);
+	*to = texture;
+	to->file = strdup(file);
+	r->out_of_memory = !to->file;
+}
+
+static void read_diffuse_texture(reader *r, char *rest)
+{
+	read_texture(r, rest, MTL_DIFFUSE);
+}
+
 static void read_emission_texture(reader *r, char *rest)
 {
-	char *file = import_rest_of_line(rest);
-	if (file[0] == '-') {
-		char *blank = strrchr(file, ' '), *tab = strrchr(file, '\t');
-		file = blank > tab ? blank + 1 : tab ? tab + 1 : file;
-	}
-	free(r->material->glow);
-	r->material->glow = strdup(file);
-	r->out_of_memory = !r->material->glow;
+	read_texture(r, rest, MTL_EMISSION);
+}
+
+static void read_opacity_texture(reader *r, char *rest)
+{
+	read_texture(r, rest, MTL_OPACITY);
 }
 
 /* All other keys say how a surface shines, bumps or is named elsewhere. */
@@ -193,7 +276,8 @@ bool mtl_read(mtl_materials *materials, import_loader *loader, const char *name,
 static void free_material(mtl_material *material)
 {
 	free(material->name);
-	free(material->glow);
+	for (int k = 0; k < MTL_TEXTURES; k++)
+		free(material->textures[k].file);
 }
 
 static int compare(const void *a, const void *b)

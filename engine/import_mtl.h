@@ -11,19 +11,34 @@
 
 /* What a scene of matt, opaque surfaces cannot show. */
 typedef enum mtl_unread {
-	MTL_TRANSPARENT, /* d below 1, Tr above 0, map_d */
-	MTL_MIRROR,      /* illum 3 to 9, Pm above 0, or Ks without Kd */
-	MTL_TEXTURE,     /* map_Kd */
+	MTL_TRANSPARENT,     /* d below 1, Tr above 0 */
+	MTL_MIRROR,          /* illum 3 to 9, Pm above 0, or Ks without Kd */
+	MTL_TEXTURE_OPTIONS, /* those of textures that turn, stretch or recolour them */
 	MTL_UNREAD_KINDS,
 } mtl_unread;
+
+typedef enum mtl_texture_kind {
+	MTL_DIFFUSE,  /* map_Kd */
+	MTL_EMISSION, /* map_Ke */
+	MTL_OPACITY,  /* map_d */
+	MTL_TEXTURES,
+} mtl_texture_kind;
+
+typedef struct mtl_texture {
+	char *file;                /* NULL: none */
+	float scale[2], offset[2]; /* -s, -o: texture coordinates are times scale, plus offset */
+	bool clamp;                /* -clamp on: it does not repeat */
+	engine_alpha alpha;        /* -imfchan, of MTL_OPACITY */
+} mtl_texture;
 
 typedef struct mtl_material {
 	char *name;
 	uint32_t order; /* of its newmtl line among all */
 	float rho[3], radiance[3];
-	bool shines;     /* Ks is above 0 */
-	uint32_t unread; /* bits 1 << mtl_unread */
-	char *glow;      /* file of map_Ke; NULL without */
+	bool has_rho, has_radiance; /* Kd, Ke are given */
+	bool shines;                /* Ks is above 0 */
+	uint32_t unread;            /* bits 1 << mtl_unread */
+	mtl_texture textures[MTL_TEXTURES];
 } mtl_material;
 
 /* What the libraries of a file say. Zeroed: nothing yet. */

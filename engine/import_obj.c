@@ -1,17 +1,18 @@
 /* OBJ. Every o or g with faces is an object; faces of a g that is named again under the same o join it.
  *
- * What has no bearing on the shape (texture coordinates, normals, smoothing) is passed over; what has, and is not read,
- * is counted and told. Numbers of vertices may run ahead of the vertices, as some writers put all faces first.
+ * What has no bearing on the shape (normals, smoothing) is passed over; what has, and is not read, is counted and told.
+ * Numbers of vertices may run ahead of the vertices, as some writers put all faces first.
  */
 #define _POSIX_C_SOURCE 200809L /* fileno */
 #include "import_obj.h"
 
-#include "image_mean.h"
 #include "import_mtl.h"
 #include "import_path.h"
+#include "import_picture.h"
 #include "import_polygons.h"
 #include "import_text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +21,6 @@
 /* Of one file, and bytes of each: more are no scene's, and would be looked for or read for hours. */
 enum { MOST_LIBRARIES = 64, MOST_NAMES = 1000 };
 static const size_t MOST_LIBRARY_BYTES = (size_t)64 << 20;
-/* Of all textures together. */
-static const uint64_t MOST_PIXELS = (uint64_t)1 << 28, MOST_TEXTURE_BYTES = (uint64_t)1 << 30;
 
 /* A name that a line gives, in the file's own text: of a group under its object, or of a material alone. */
 typedef struct name_line {
@@ -44,9 +43,9 @@ typedef struct obj_reader {
 	mtl_materials materials;
 	import_array groups, uses; /* name_line: of o and g; of usemtl. The first of each holds before any other */
 	library libraries[MOST_LIBRARIES];
-	uint32_t library_count, names; /* of libraries read; of libraries and textures looked for */
-	const char *object;            /* of the last o */
-	uint64_t pixels, bytes;        /* of all textures so far */
+	uint32_t library_count, names; /* of libraries read, and looked for */
+	import_pictures pictures;
+	const char *object; /* of the last o */
 } obj_reader;
 
 static bool fail_memory(obj_reader *r)
@@ -75,8 +74,24 @@ static bool read_vertex(obj_reader *r, char *rest)
 	return true;
 }
 
-/* A vertex number as the file has it, up to a slash or the end of the word. False: it is none. */
-static bool parse_vertex_number(const char *word, int64_t *number)
+/* One of texture coordinates that are no numbers, or too far out, is of no use to any face. */
+static bool read_uv(obj_reader *r, char *rest)
+{
+	double values[2] = {0, 0};
+	import_uv *uv = import_array_add(&r->polygons.uvs, sizeof *uv);
+	if (!uv)
+		return fail_memory(r);
+	bool sound = import_read_number(&rest, &values[0]);
+	import_read_number(&rest, &values[1]); /* a texture may be a line */
+	for (int k = 0; k < 2; k++)
+		sound = sound && fabs(values[k]) < 1e6;
+	for (int k = 0; k < 2; k++)
+		uv->uv[k] = sound ? (float)values[k] : ENGINE_NO_UV;
+	return true;
+}
+
+/* A number as the file has it, up to a slash or the end of the word. False: it is none. */
+static bool parse_number(const char *word, int64_t *number)
 {
 	char *end;
 	if ((*word < '0' || *word > '9') && *word != '-' && *word != '+')
@@ -85,14 +100,27 @@ static bool parse_vertex_number(const char *word, int64_t *number)
 	return end > word && (*end == '\0' || *end == '/');
 }
 
-/* From the file's numbers (from 1 on, or back from -1, the vertex before the line) to ours from 0 on. */
-static uint32_t vertex_of(const obj_reader *r, const char *word)
+/* From the file's numbers (from 1 on, or back from -1, the last one before the line) to ours from 0 on. */
+static uint32_t number_of(const import_array *array, const char *word)
 {
-	int64_t number, vertices = (int64_t)r->polygons.vertices.count;
-	if (!parse_vertex_number(word, &number) || number < -vertices)
+	int64_t number, items = (int64_t)array->count;
+	if (!parse_number(word, &number) || number < -items)
 		return IMPORT_NO_VERTEX;
-	int64_t counted = number < 0 ? vertices + 1 + number : number;
+	int64_t counted = number < 0 ? items + 1 + number : number;
 	return counted < 1 || counted >= IMPORT_MOST_ITEMS ? IMPORT_NO_VERTEX : (uint32_t)counted - 1;
+}
+
+/* vertex, vertex/uv, vertex/uv/normal, vertex//normal */
+static bool read_corner(obj_reader *r, const char *word)
+{
+	const char *slash = strchr(word, '/');
+	uint32_t *corner = import_array_add(&r->polygons.corners, sizeof *corner);
+	uint32_t *uv = import_array_add(&r->polygons.corner_uvs, sizeof *uv);
+	if (!corner || !uv)
+		return fail_memory(r);
+	*corner = number_of(&r->polygons.vertices, word);
+	*uv = slash ? number_of(&r->polygons.uvs, slash + 1) : IMPORT_NO_VERTEX;
+	return true;
 }
 
 static bool read_face(obj_reader *r, char *rest)
@@ -100,10 +128,8 @@ static bool read_face(obj_reader *r, char *rest)
 	uint32_t corners = 0;
 	const char *word;
 	while ((word = import_next_word(&rest)) && word[0] != '#') {
-		uint32_t *corner = import_array_add(&r->polygons.corners, sizeof *corner);
-		if (!corner)
-			return fail_memory(r);
-		*corner = vertex_of(r, word);
+		if (!read_corner(r, word))
+			return false;
 		corners++;
 	}
 	import_polygon *face = import_add_polygon(&r->polygons, corners);
@@ -257,7 +283,7 @@ static const struct {
 	bool (*read)(obj_reader *r, char *rest);
 } keywords[] = {
     {"v", read_vertex},
-    {"vt", skip},
+    {"vt", read_uv},
     {"vn", skip},
     {"f", read_face},
     {"fo", read_face}, /* of files before 1995 */
@@ -292,41 +318,77 @@ static bool read_lines(obj_reader *r)
 	return true;
 }
 
-/* ---- textures of lamps ------------------------------------------------------------------------------------------- */
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* The mean of an image beside the scene. False with the reason in why. */
-static bool read_mean(obj_reader *r, const char *name, float mean[4], char *why, size_t why_size)
+/* How a texture is looked up: rows of a picture go down, coordinates go up. */
+static engine_texture_use use_of(const mtl_texture *from, uint32_t number)
 {
-	size_t size = 0;
-	uint64_t pixels = 0;
-	const char *fault = "";
-	if (r->pixels > MOST_PIXELS || r->bytes > MOST_TEXTURE_BYTES || r->names++ >= MOST_NAMES) {
-		snprintf(why, why_size, "the images of the file are too many or too large");
-		return false;
-	}
-	FILE *file = import_open_below(r->loader->path, name, why, why_size);
-	uint8_t *bytes = import_read_all(file, MOST_LIBRARY_BYTES, &size, why, why_size);
-	bool read = bytes && engine_image_mean(bytes, size, mean, &pixels, &fault);
-	if (bytes && !read)
-		snprintf(why, why_size, "%s", fault);
-	r->pixels += pixels;
-	r->bytes += size;
-	free(bytes);
-	return read;
+	engine_texture_use use = engine_texture_use_of(number);
+	use.transform[0][0] = from->scale[0];
+	use.transform[0][2] = from->offset[0];
+	use.transform[1][1] = -from->scale[1];
+	use.transform[1][2] = 1 - from->offset[1];
+	use.wrap[0] = use.wrap[1] = from->clamp ? ENGINE_WRAP_CLAMP : ENGINE_WRAP_REPEAT;
+	return use;
 }
 
-/* The emission times the mean of its texture. Without the image no one knows how much it leaves: it stays as stated. */
-static void apply_glow(obj_reader *r, const mtl_material *from, engine_scene_material *material)
+/* The texture of one kind, and its mean; false where there is none, or none that can be read, which is told. */
+static bool find_texture(obj_reader *r, const mtl_material *from, mtl_texture_kind kind, engine_texture_use *use,
+			 float mean[4])
 {
+	static const char *const names[MTL_TEXTURES] = {"Kd", "Ke", "d"};
+	const mtl_texture *texture = &from->textures[kind];
 	char why[160];
-	float mean[4];
-	if (!read_mean(r, from->glow, mean, why, sizeof why)) {
-		import_note(r->loader, from->name, "textures of Ke are left out: %s", why);
-		return;
+	if (!texture->file)
+		return false;
+	const uint32_t number =
+	    import_find_picture(r->loader, &r->pictures, texture->file, texture->alpha, why, sizeof why);
+	if (number == 0) {
+		import_note(r->loader, from->name, "textures of %s are left out: %s", names[kind], why);
+		return false;
 	}
-	for (int c = 0; c < 3; c++)
-		material->radiance[c] *= mean[c];
-	import_note(r->loader, from->name, "textures of Ke are read as their mean");
+	*use = use_of(texture, number);
+	memcpy(mean, r->loader->scene->textures[number - 1].mean, 4 * sizeof *mean);
+	return true;
+}
+
+/* The mask as alpha of the diffuse texture, or of a white one, as glTF's are: so it cuts what is drawn. Where the two
+ * lie differently on the surface it leaves out faces alone. */
+static void join_mask(obj_reader *r, engine_scene_material *material)
+{
+	const engine_texture_use *mask = &material->alpha_texture, *rho = &material->rho_texture;
+	if (rho->number &&
+	    (memcmp(rho->transform, mask->transform, sizeof rho->transform) != 0 || rho->wrap[0] != mask->wrap[0]))
+		return;
+	const uint32_t number = import_combine_pictures(r->loader, &r->pictures, rho->number, mask->number);
+	if (number == 0)
+		return;
+	if (!rho->number)
+		memcpy(material->rho_factor, material->rho, sizeof material->rho_factor);
+	material->alpha_texture.number = number;
+	material->rho_texture = material->alpha_texture;
+}
+
+/* A texture is times Kd or Ke, 1 without, as colours of vertices are. Without the picture no one knows how much a
+ * lamp's leaves: Ke stays as stated.
+ */
+static void read_textures(obj_reader *r, const mtl_material *from, engine_scene_material *material)
+{
+	float mean[4];
+	for (int c = 0; c < 3; c++) {
+		material->rho_factor[c] = from->has_rho ? from->rho[c] : 1;
+		material->radiance_factor[c] = from->has_radiance ? from->radiance[c] : 1;
+	}
+	if (find_texture(r, from, MTL_DIFFUSE, &material->rho_texture, mean))
+		for (int c = 0; c < 3; c++)
+			material->rho[c] = material->rho_factor[c] * mean[c];
+	if (find_texture(r, from, MTL_EMISSION, &material->radiance_texture, mean))
+		for (int c = 0; c < 3; c++)
+			material->radiance[c] = material->radiance_factor[c] * mean[c];
+	if (find_texture(r, from, MTL_OPACITY, &material->alpha_texture, mean)) {
+		material->cutoff = 0.5f;
+		join_mask(r, material);
+	}
 }
 
 /* ---- from names to numbers --------------------------------------------------------------------------------------- */
@@ -336,7 +398,7 @@ static void note_unread(obj_reader *r, const mtl_material *material)
 	static const char *const kinds[MTL_UNREAD_KINDS] = {
 	    [MTL_TRANSPARENT] = "transparency (d, Tr) is taken as opaque",
 	    [MTL_MIRROR] = "mirrors, metals and glass (illum, Pm, Ks without Kd) are taken as diffuse",
-	    [MTL_TEXTURE] = "textures of Kd are not read, Kd is",
+	    [MTL_TEXTURE_OPTIONS] = "options -t, -mm and -cc of textures are not read",
 	};
 	for (int kind = 0; kind < MTL_UNREAD_KINDS; kind++) {
 		if (material->unread >> kind & 1)
@@ -360,8 +422,7 @@ static bool add_used_material(obj_reader *r, name_line *use)
 		return true;
 	}
 	note_unread(r, from);
-	if (from->glow)
-		apply_glow(r, from, material);
+	read_textures(r, from, material);
 	return true;
 }
 
@@ -369,21 +430,19 @@ static bool number_materials(obj_reader *r)
 {
 	import_polygon *faces = r->polygons.faces.items;
 	name_line *uses = r->uses.items;
-	uint32_t not_by_color = 0;
+	const uint32_t *corners = r->polygons.corners.items;
 	for (size_t u = 0; u < r->uses.count; u++)
 		uses[u].found = mtl_find(&r->materials, uses[u].name);
-	for (size_t f = 0; f < r->polygons.faces.count; f++) {
+	for (size_t f = 0; f < r->polygons.faces.count; corners += faces[f++].corners) {
 		name_line *use = uses + uses[faces[f].material].first;
 		faces[f].material = IMPORT_NO_MATERIAL;
-		not_by_color += faces[f].colored && use->found;
-		if (!use->name[0] || (faces[f].colored && !use->found))
+		/* What no library has says less than the colours of the corners. */
+		if (!use->name[0] || (!use->found && import_has_color(&r->polygons, &faces[f], corners)))
 			continue;
 		if (use->material == IMPORT_NO_MATERIAL && !add_used_material(r, use))
 			return false;
 		faces[f].material = use->material;
 	}
-	import_note_many(r->loader, not_by_color, NULL,
-			 "colours of vertices are not read on faces that have a material");
 	return true;
 }
 
@@ -419,6 +478,7 @@ static void free_reader(obj_reader *r)
 {
 	import_polygons_free(&r->polygons);
 	mtl_free(&r->materials);
+	import_pictures_free(&r->pictures);
 	free(r->groups.items);
 	free(r->uses.items);
 }

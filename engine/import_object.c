@@ -37,15 +37,33 @@ typedef struct painted {
 	const engine_mesh *mesh;
 } painted;
 
-/* Mean alpha of a face's fan of triangles, alike by number: those of a face are of about one size. */
-static float coverage(const painted *p, const engine_scene_material *m, const float *uvs, uint32_t count)
+/* Mean alpha of a texture on a triangle; uvs: of its corners, NULL: none. */
+static float alpha_of_texture(const engine_texture *texture, const engine_texture_use *use, const float *const uvs[3])
 {
-	float sum = 0, mean[4];
+	float mean[4], at[3][2];
+	if (!uvs[0])
+		return texture->mean[3];
+	for (int k = 0; k < 3; k++)
+		memcpy(at[k], uvs[k], sizeof at[k]);
+	engine_texture_mean(texture, use, at, mean);
+	return mean[3];
+}
+
+/* Mean alpha of a face's fan of triangles, alike by number: those of a face are of about one size. */
+static float coverage(const painted *p, const engine_scene_material *m, size_t first, uint32_t count)
+{
+	const float *uvs = p->mesh->uvs ? p->mesh->uvs + 2 * first : NULL;
+	const float *colors = p->mesh->colors ? p->mesh->colors + 4 * first : NULL;
+	float sum = 0;
 	for (uint32_t k = 1; k + 1 < count; k++) {
-		const float corners[3][2] = {
-		    {uvs[0], uvs[1]}, {uvs[2 * k], uvs[2 * k + 1]}, {uvs[2 * k + 2], uvs[2 * k + 3]}};
-		engine_texture_mean(&p->textures[m->rho_texture.number - 1], &m->rho_texture, corners, mean);
-		sum += mean[3];
+		float alpha = m->alpha_factor;
+		if (m->alpha_texture.number)
+			alpha *= alpha_of_texture(
+			    &p->textures[m->alpha_texture.number - 1], &m->alpha_texture,
+			    (const float *const[]){uvs, uvs ? uvs + 2 * k : NULL, uvs ? uvs + 2 * k + 2 : NULL});
+		if (colors && colors[0] >= 0)
+			alpha *= (colors[3] + colors[4 * k + 3] + colors[4 * k + 7]) / 3;
+		sum += alpha;
 	}
 	return sum / (float)(count - 2);
 }
@@ -54,10 +72,8 @@ static bool is_opaque(const void *context, uint32_t face, const uint32_t *corner
 {
 	const painted *p = context;
 	const engine_scene_material *m = &p->materials[p->mesh->face_materials[face]];
-	const size_t first = (size_t)(corners - p->mesh->indices);
-	if (!(m->cutoff > 0) || !p->mesh->uvs)
-		return !m->clear;
-	return coverage(p, m, p->mesh->uvs + 2 * first, p->mesh->face_counts[face]) >= m->cutoff;
+	return !(m->cutoff > 0) ||
+	       coverage(p, m, (size_t)(corners - p->mesh->indices), p->mesh->face_counts[face]) >= m->cutoff;
 }
 
 /* Drops the faces whose material lets light through. */

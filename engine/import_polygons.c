@@ -27,6 +27,8 @@ void import_polygons_free(import_polygons *polygons)
 {
 	free(polygons->vertices.items);
 	free(polygons->corners.items);
+	free(polygons->uvs.items);
+	free(polygons->corner_uvs.items);
 	free(polygons->faces.items);
 	*polygons = (import_polygons){0};
 }
@@ -69,6 +71,15 @@ void import_linear_color(const double srgb[3], float linear[3])
 		linear[c] = (float)engine_linear_of_srgb(fmin(fmax(srgb[c], 0), 1));
 }
 
+bool import_has_color(const import_polygons *polygons, const import_polygon *face, const uint32_t *corners)
+{
+	const import_vertex *vertices = polygons->vertices.items;
+	for (uint32_t i = 0; i < face->corners && !face->colored; i++)
+		if (corners[i] >= polygons->vertices.count || !vertices[corners[i]].colored)
+			return false;
+	return true;
+}
+
 static bool is_whole(const import_polygons *polygons, const import_polygon *face, const uint32_t *corners)
 {
 	const import_vertex *vertices = polygons->vertices.items;
@@ -83,13 +94,15 @@ static bool is_whole(const import_polygons *polygons, const import_polygon *face
 static bool drop_broken_faces(import_loader *loader, import_polygons *polygons)
 {
 	import_polygon *faces = polygons->faces.items;
-	uint32_t *corners = polygons->corners.items, *next = corners, dropped = 0;
+	uint32_t *corners = polygons->corners.items, *uvs = polygons->corner_uvs.items, *next = corners, dropped = 0;
 	size_t kept = 0, kept_corners = 0, all = polygons->faces.count;
 	char first[64] = "";
 	for (size_t f = 0; f < all; f++) {
 		const import_polygon face = faces[f];
 		if (is_whole(polygons, &face, next)) {
 			memmove(corners + kept_corners, next, face.corners * sizeof *next);
+			if (uvs)
+				memmove(uvs + kept_corners, uvs + (next - corners), face.corners * sizeof *uvs);
 			kept_corners += face.corners;
 			faces[kept++] = face;
 		} else if (dropped++ == 0) {
@@ -99,26 +112,9 @@ static bool drop_broken_faces(import_loader *loader, import_polygons *polygons)
 	}
 	polygons->faces.count = kept;
 	polygons->corners.count = kept_corners;
+	polygons->corner_uvs.count = uvs ? kept_corners : 0;
 	import_note_many(loader, dropped, first, IMPORT_BROKEN_FACES);
 	return dropped <= kept;
-}
-
-/* The mean of the colours of the corners, where all have one. */
-static void color_by_vertices(const import_polygons *polygons, import_polygon *face)
-{
-	const import_vertex *vertices = polygons->vertices.items;
-	const uint32_t *corners = (uint32_t *)polygons->corners.items + polygons->corners.count - face->corners;
-	double sum[3] = {0};
-	for (uint32_t i = 0; i < face->corners; i++) {
-		/* A PLY may hold its faces before its vertices; those have no colour then. */
-		if (corners[i] >= polygons->vertices.count || !vertices[corners[i]].colored)
-			return;
-		for (int c = 0; c < 3; c++)
-			sum[c] += (double)vertices[corners[i]].color[c];
-	}
-	face->colored = true;
-	for (int c = 0; c < 3; c++)
-		face->color[c] = (float)(sum[c] / face->corners);
 }
 
 import_polygon *import_add_polygon(import_polygons *polygons, uint32_t corners)
@@ -127,11 +123,11 @@ import_polygon *import_add_polygon(import_polygons *polygons, uint32_t corners)
 	if (!face)
 		return NULL;
 	*face = (import_polygon){.corners = corners, .material = IMPORT_NO_MATERIAL};
-	if (corners >= 3) {
-		color_by_vertices(polygons, face);
+	if (corners >= 3)
 		return face;
-	}
 	polygons->corners.count -= corners; /* a point or a line */
+	if (polygons->corner_uvs.count > 0)
+		polygons->corner_uvs.count -= corners;
 	polygons->faces.count--;
 	polygons->small_faces++;
 	return face;
@@ -229,13 +225,40 @@ static size_t count_corners(const import_polygons *polygons, const grouping *g, 
 	return corners;
 }
 
-static bool allocate_mesh(engine_mesh *mesh, size_t faces, size_t corners)
+static const uint32_t *corners_of(const import_polygons *polygons, const grouping *g, uint32_t f)
+{
+	return (const uint32_t *)polygons->corners.items + g->corner[f];
+}
+
+static bool has_texture(const engine_scene *scene, const import_polygon *face)
+{
+	const engine_scene_material *m = &scene->materials[face->material];
+	return m->rho_texture.number || m->radiance_texture.number || m->alpha_texture.number;
+}
+
+/* Arrays of corners that a group's mesh is to have. */
+static void find_arrays(const engine_scene *scene, const import_polygons *polygons, const grouping *g, uint32_t group,
+			bool *colored, bool *textured)
+{
+	const import_polygon *faces = polygons->faces.items;
+	*colored = *textured = false;
+	for (uint32_t k = g->first[group]; k < g->first[group + 1]; k++) {
+		const uint32_t f = g->sorted[k];
+		*colored = *colored || import_has_color(polygons, &faces[f], corners_of(polygons, g, f));
+		*textured = *textured || (polygons->corner_uvs.count > 0 && has_texture(scene, &faces[f]));
+	}
+}
+
+static bool allocate_mesh(engine_mesh *mesh, size_t faces, size_t corners, bool colored, bool textured)
 {
 	*mesh = (engine_mesh){.positions = malloc(3 * (corners + 1) * sizeof(float)),
 			      .face_counts = malloc((faces + 1) * sizeof(uint32_t)),
 			      .face_materials = malloc((faces + 1) * sizeof(uint32_t)),
-			      .indices = malloc((corners + 1) * sizeof(uint32_t))};
-	return mesh->positions && mesh->face_counts && mesh->face_materials && mesh->indices;
+			      .indices = malloc((corners + 1) * sizeof(uint32_t)),
+			      .uvs = textured ? malloc(2 * (corners + 1) * sizeof(float)) : NULL,
+			      .colors = colored ? malloc(4 * (corners + 1) * sizeof(float)) : NULL};
+	return mesh->positions && mesh->face_counts && mesh->face_materials && mesh->indices &&
+	       (!textured || mesh->uvs) && (!colored || mesh->colors);
 }
 
 /* The vertex's number in the group's mesh, where it is added when it comes first. */
@@ -253,12 +276,37 @@ static uint32_t take_vertex(const import_polygons *polygons, grouping *g, uint32
 	return g->number[vertex];
 }
 
+static void take_uv(const import_polygons *polygons, uint32_t number, float out[2])
+{
+	const import_uv *uvs = polygons->uvs.items;
+	out[0] = number < polygons->uvs.count ? uvs[number].uv[0] : ENGINE_NO_UV;
+	out[1] = number < polygons->uvs.count ? uvs[number].uv[1] : ENGINE_NO_UV;
+}
+
+static void take_color(const float color[3], float out[4])
+{
+	memcpy(out, color, 3 * sizeof *out);
+	out[3] = 1;
+}
+
 static void take_face(const import_polygons *polygons, grouping *g, uint32_t f, engine_mesh *mesh)
 {
+	static const float none[3] = {ENGINE_NO_COLOR, ENGINE_NO_COLOR, ENGINE_NO_COLOR};
 	const import_polygon *face = (import_polygon *)polygons->faces.items + f;
-	const uint32_t *corners = (uint32_t *)polygons->corners.items + g->corner[f];
-	for (uint32_t i = 0; i < face->corners; i++)
-		mesh->indices[mesh->index_count++] = take_vertex(polygons, g, face->group, corners[i], mesh);
+	const import_vertex *vertices = polygons->vertices.items;
+	const uint32_t *corners = corners_of(polygons, g, f), *uvs = polygons->corner_uvs.items;
+	const bool colored = mesh->colors && import_has_color(polygons, face, corners);
+	for (uint32_t i = 0; i < face->corners; i++) {
+		const size_t to = mesh->index_count++;
+		mesh->indices[to] = take_vertex(polygons, g, face->group, corners[i], mesh);
+		if (mesh->uvs)
+			take_uv(polygons, uvs[g->corner[f] + i], mesh->uvs + 2 * to);
+		if (mesh->colors)
+			take_color(!colored        ? none
+				   : face->colored ? face->color
+						   : vertices[corners[i]].color,
+				   mesh->colors + 4 * to);
+	}
 	mesh->face_counts[mesh->face_count] = face->corners;
 	mesh->face_materials[mesh->face_count++] = face->material;
 }
@@ -272,7 +320,9 @@ static bool add_group(import_loader *loader, const import_polygons *polygons, gr
 	uint32_t faces = g->first[group + 1] - g->first[group];
 	if (faces == 0)
 		return true;
-	if (!allocate_mesh(&mesh, faces, count_corners(polygons, g, group))) {
+	bool colored, textured;
+	find_arrays(loader->scene, polygons, g, group, &colored, &textured);
+	if (!allocate_mesh(&mesh, faces, count_corners(polygons, g, group), colored, textured)) {
 		engine_mesh_free(&mesh);
 		return import_fail(loader, "out of memory for an object of %u faces", faces);
 	}
@@ -309,25 +359,13 @@ static bool add_groups(import_loader *loader, const import_polygons *polygons, c
 	return added;
 }
 
-/* Materials of faces that a file gives none: by colour, or grey. */
+/* Materials of faces that a file gives none. */
 static bool number_materials(import_loader *loader, import_polygons *polygons)
 {
 	import_polygon *faces = polygons->faces.items;
-	uint32_t white = IMPORT_NO_MATERIAL;
-	for (size_t f = 0; f < polygons->faces.count; f++) {
-		if (faces[f].material != IMPORT_NO_MATERIAL)
-			continue;
-		if (faces[f].colored && white == IMPORT_NO_MATERIAL) {
-			white = loader->scene->material_count;
-			engine_scene_material *material = import_add_material(loader, "(colour)");
-			if (!material)
-				return false;
-			material->rho[0] = material->rho[1] = material->rho[2] = 1;
-		}
-		if (!(faces[f].colored ? import_tinted_material(loader, white, faces[f].color, &faces[f].material)
-				       : import_default_material(loader, &faces[f].material)))
+	for (size_t f = 0; f < polygons->faces.count; f++)
+		if (faces[f].material == IMPORT_NO_MATERIAL && !import_default_material(loader, &faces[f].material))
 			return false;
-	}
 	return true;
 }
 

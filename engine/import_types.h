@@ -20,14 +20,18 @@ typedef struct engine_scene_material {
 	float glass[3];    /* share of refracted light that goes on, [0, 1 - rho]; 0 where it is a mirror */
 	float index;       /* of refraction, of glass, 1..4 */
 	float radiance[3]; /* L of one side, W/(m2 sr), >= 0; exitance E = pi L */
-	/* Where rho and radiance are means of textures: at a place they are the texture there times the factor. */
+	/* Where there are textures, rho and radiance are their means: at a place they are the texture there times the
+	 * factor. rho is times the colours of the mesh, too, where it has some; rho_factor is set for that without a
+	 * texture as well, to 1 where the file gives no reflectance. */
 	engine_texture_use rho_texture, radiance_texture;
 	float rho_factor[3], radiance_factor[3];
-	uint32_t uv_set;   /* of a file with several sets of texture coordinates: the one of the textures */
-	float cutoff;      /* of alpha of rho_texture: faces of less in the mean are left out; 0: none are */
+	uint32_t uv_set; /* of a file with several sets of texture coordinates: the one of the textures */
+	/* Alpha as coverage: alpha_factor times the texture's alpha times that of the mesh's colours. Faces of less
+	 * than the cutoff in the mean are left out; cutoff 0: none are. */
+	engine_texture_use alpha_texture;
+	float alpha_factor, cutoff;
 	bool double_sided; /* two back-to-back sides */
 	bool used;         /* some face has it */
-	bool clear;        /* lets light through: its faces are left out */
 } engine_scene_material;
 
 /* World from object: scale, then rotate, then translate. */
@@ -73,6 +77,12 @@ typedef struct engine_scene_light {
 	uint32_t node;                  /* private */
 } engine_scene_light;
 
+/* A picture of the sky, equirectangular as gi_set_sky_image takes it. */
+typedef struct engine_sky {
+	uint32_t width, height;
+	float *radiance; /* 3 * width * height, linear, W/(m2 sr), top row first; NULL: no picture */
+} engine_sky;
+
 typedef struct engine_scene_camera {
 	float eye[3], target[3], up[3]; /* world; target is 1 m ahead, up a unit vector across the view */
 	float vertical_fov;             /* radians, (0, pi) */
@@ -87,6 +97,7 @@ typedef struct engine_scene {
 	uint32_t object_count; /* 0: an empty scene is none of our errors */
 	engine_scene_light *lights;
 	uint32_t light_count;
+	engine_sky sky;
 	double duration_s;    /* last key of the animations, 0 without */
 	bool has_camera;      /* the first perspective camera of the scene */
 	double origin[3];     /* metres: where the scene's 0 0 0 lies in the file; 0 but for scenes far off */

@@ -9,6 +9,7 @@ void engine_mesh_free(engine_mesh *mesh)
 	free(mesh->face_counts);
 	free(mesh->indices);
 	free(mesh->uvs);
+	free(mesh->colors);
 	free(mesh->face_materials);
 	free(mesh->crease_vertices);
 	free(mesh->crease_sharpness);
@@ -37,6 +38,7 @@ bool engine_mesh_copy(const engine_mesh *mesh, engine_mesh *out)
 	copy_array(mesh->face_counts, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_counts, &ok);
 	copy_array(mesh->indices, sizeof(uint32_t) * mesh->index_count, (void **)&out->indices, &ok);
 	copy_array(mesh->uvs, sizeof(float) * 2 * mesh->index_count, (void **)&out->uvs, &ok);
+	copy_array(mesh->colors, sizeof(float) * 4 * mesh->index_count, (void **)&out->colors, &ok);
 	copy_array(mesh->face_materials, sizeof(uint32_t) * mesh->face_count, (void **)&out->face_materials, &ok);
 	copy_array(mesh->crease_vertices, sizeof(uint32_t) * 2 * mesh->crease_count, (void **)&out->crease_vertices,
 		   &ok);
@@ -69,6 +71,8 @@ void engine_mesh_move_corners(engine_mesh *mesh, size_t to, size_t from, size_t 
 	memmove(mesh->indices + to, mesh->indices + from, count * sizeof *mesh->indices);
 	if (mesh->uvs)
 		memmove(mesh->uvs + 2 * to, mesh->uvs + 2 * from, 2 * count * sizeof *mesh->uvs);
+	if (mesh->colors)
+		memmove(mesh->colors + 4 * to, mesh->colors + 4 * from, 4 * count * sizeof *mesh->colors);
 }
 
 uint32_t engine_mesh_keep_faces(engine_mesh *mesh, engine_mesh_keep *keep, const void *context)

@@ -17,9 +17,10 @@ extern "C" {
 typedef struct engine_mesh {
 	float *positions; /* 3 * vertex_count, metres, object space */
 	uint32_t vertex_count;
-	uint32_t *face_counts;    /* face_count corner numbers, each >= 3 */
-	uint32_t *indices;        /* index_count vertex numbers */
-	float *uvs;               /* 2 * index_count, texture coordinates of corners; NULL: none */
+	uint32_t *face_counts; /* face_count corner numbers, each >= 3 */
+	uint32_t *indices;     /* index_count vertex numbers */
+	float *uvs;            /* 2 * index_count, texture coordinates of corners; NULL: none */
+	float *colors; /* 4 * index_count, of corners: linear r g b, alpha, which materials are times; NULL: none */
 	uint32_t *face_materials; /* face_count material numbers; NULL: all 0 */
 	uint32_t face_count;
 	uint32_t index_count;
@@ -30,6 +31,9 @@ typedef struct engine_mesh {
 
 /* Texture coordinates of a corner that has none: a face of such has the mean of all of a texture. */
 #define ENGINE_NO_UV 4e9f
+
+/* Red of a corner that has no colour: its face has the material's alone. */
+#define ENGINE_NO_COLOR (-1.0f)
 
 /* Frees every array and zeroes the struct. NULL arrays and an already zeroed struct are fine. */
 void engine_mesh_free(engine_mesh *mesh);

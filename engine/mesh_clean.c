@@ -20,14 +20,22 @@ static bool grow(void *array, size_t count, size_t element_size)
 	return pointer != NULL;
 }
 
-static bool grow_uvs(engine_mesh *mesh, size_t corners)
+/* Values of corners, `size` each; corners that had none get `without`. */
+static bool grow_values(float **values, const engine_mesh *mesh, size_t corners, uint32_t size, float without)
 {
-	const bool fresh = !mesh->uvs;
-	if (!grow(&mesh->uvs, corners, 2 * sizeof(float)))
+	const bool fresh = !*values;
+	if (!grow(values, corners, size * sizeof(float)))
 		return false;
-	for (size_t i = 0; fresh && i < 2 * (size_t)mesh->index_count; i++)
-		mesh->uvs[i] = ENGINE_NO_UV;
+	for (size_t i = 0; fresh && i < size * (size_t)mesh->index_count; i++)
+		(*values)[i] = without;
 	return true;
+}
+
+static void append_values(float *to, const engine_mesh *mesh, const float *from, const engine_mesh *part, uint32_t size,
+			  float without)
+{
+	for (size_t i = 0; to && i < size * (size_t)part->index_count; i++)
+		to[size * (size_t)mesh->index_count + i] = from ? from[i] : without;
 }
 
 static bool grow_for(engine_mesh *mesh, const engine_mesh *part)
@@ -36,13 +44,15 @@ static bool grow_for(engine_mesh *mesh, const engine_mesh *part)
 	size_t faces = (size_t)mesh->face_count + part->face_count;
 	size_t corners = (size_t)mesh->index_count + part->index_count;
 	/* Below 2^30, so that three floats a vertex still count in 32 bits wherever they go. */
-	const bool textured = mesh->uvs || part->uvs;
+	const bool textured = mesh->uvs || part->uvs, colored = mesh->colors || part->colors;
 	if (vertices >= 1u << 30 || faces >= 1u << 30 || corners >= 1u << 30)
 		return false;
 	return grow(&mesh->positions, vertices, 3 * sizeof(float)) &&
 	       grow(&mesh->face_counts, faces, sizeof(uint32_t)) &&
 	       grow(&mesh->face_materials, faces, sizeof(uint32_t)) &&
-	       grow(&mesh->indices, corners, sizeof(uint32_t)) && (!textured || grow_uvs(mesh, corners));
+	       grow(&mesh->indices, corners, sizeof(uint32_t)) &&
+	       (!textured || grow_values(&mesh->uvs, mesh, corners, 2, ENGINE_NO_UV)) &&
+	       (!colored || grow_values(&mesh->colors, mesh, corners, 4, ENGINE_NO_COLOR));
 }
 
 bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t material)
@@ -57,8 +67,8 @@ bool engine_mesh_append(engine_mesh *mesh, const engine_mesh *part, uint32_t mat
 	}
 	for (uint32_t i = 0; i < part->index_count; i++)
 		mesh->indices[mesh->index_count + i] = part->indices[i] + mesh->vertex_count;
-	for (uint32_t i = 0; mesh->uvs && i < 2 * part->index_count; i++)
-		mesh->uvs[2 * (size_t)mesh->index_count + i] = part->uvs ? part->uvs[i] : ENGINE_NO_UV;
+	append_values(mesh->uvs, mesh, part->uvs, part, 2, ENGINE_NO_UV);
+	append_values(mesh->colors, mesh, part->colors, part, 4, ENGINE_NO_COLOR);
 	mesh->vertex_count += part->vertex_count;
 	mesh->face_count += part->face_count;
 	mesh->index_count += part->index_count;
@@ -176,18 +186,24 @@ static void drop_degenerate(engine_mesh *mesh, engine_clean_report *report)
 	mesh->index_count = write;
 }
 
+static void swap_values(float *values, uint32_t size, size_t a, size_t b)
+{
+	for (uint32_t k = 0; values && k < size; k++) {
+		const float kept = values[size * a + k];
+		values[size * a + k] = values[size * b + k];
+		values[size * b + k] = kept;
+	}
+}
+
 void engine_mesh_turn_face(engine_mesh *mesh, uint32_t *corners, uint32_t count)
 {
-	float *uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
+	const size_t first = (size_t)(corners - mesh->indices);
 	for (uint32_t a = 0, b = count - 1; a < b; a++, b--) {
 		const uint32_t kept = corners[a];
 		corners[a] = corners[b];
 		corners[b] = kept;
-		for (int k = 0; uvs && k < 2; k++) {
-			const float uv = uvs[2 * a + k];
-			uvs[2 * a + k] = uvs[2 * b + k];
-			uvs[2 * b + k] = uv;
-		}
+		swap_values(mesh->uvs, 2, first + a, first + b);
+		swap_values(mesh->colors, 4, first + a, first + b);
 	}
 }
 
@@ -251,16 +267,23 @@ bool engine_mesh_clean(engine_mesh *mesh, engine_clean_report *report, char *mes
 	return false;
 }
 
-static bool uv_is_same(const float *uvs, uint32_t a, uint32_t b)
+static bool is_same(const float *values, uint32_t size, size_t a, size_t b)
 {
-	return !uvs || (uvs[2 * a] == uvs[2 * b] && uvs[2 * a + 1] == uvs[2 * b + 1]);
+	return !values || memcmp(values + size * a, values + size * b, size * sizeof *values) == 0;
+}
+
+/* Whether two corners of one place have the same of all else. */
+static bool corners_agree(const engine_mesh *mesh, size_t a, size_t b)
+{
+	return is_same(mesh->uvs, 2, a, b) && is_same(mesh->colors, 4, a, b);
 }
 
 /* Finds the edge that the second of two triangles has the other way round, and writes which of their six corners are
  * the quad a b c d with that edge as its diagonal a-c. */
-static bool join_at_shared_edge(const uint32_t *first, const float *uvs, uint32_t *quad)
+static bool join_at_shared_edge(const engine_mesh *mesh, const uint32_t *first, uint32_t *quad)
 {
 	const uint32_t *second = first + 3;
+	const size_t at = (size_t)(first - mesh->indices);
 	for (int i = 0; i < 3; i++) {
 		for (int j = 0; j < 3; j++) {
 			uint32_t from = first[i], to = first[(i + 1) % 3];
@@ -271,8 +294,9 @@ static bool join_at_shared_edge(const uint32_t *first, const float *uvs, uint32_
 			quad[1] = (uint32_t)(i + 2) % 3;
 			quad[2] = (uint32_t)i;
 			quad[3] = 3 + (uint32_t)(j + 2) % 3;
-			return first[quad[1]] != first[quad[3]] && uv_is_same(uvs, quad[0], 3 + (uint32_t)j) &&
-			       uv_is_same(uvs, quad[2], 3 + (uint32_t)(j + 1) % 3);
+			return first[quad[1]] != first[quad[3]] &&
+			       corners_agree(mesh, at + quad[0], at + 3 + (size_t)j) &&
+			       corners_agree(mesh, at + quad[2], at + 3 + (size_t)(j + 1) % 3);
 		}
 	}
 	return false;
@@ -315,8 +339,7 @@ static bool pair_at(const engine_mesh *mesh, uint32_t face, const uint32_t *corn
 		return false;
 	if (mesh->face_materials && mesh->face_materials[face] != mesh->face_materials[face + 1])
 		return false;
-	const float *uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
-	if (!join_at_shared_edge(corners, uvs, which) || !nearly_coplanar(mesh, corners, corners + 3))
+	if (!join_at_shared_edge(mesh, corners, which) || !nearly_coplanar(mesh, corners, corners + 3))
 		return false;
 	for (int k = 0; k < 4; k++)
 		quad[k] = corners[which[k]];
@@ -327,15 +350,20 @@ static bool pair_at(const engine_mesh *mesh, uint32_t face, const uint32_t *corn
 static void put_quad(engine_mesh *mesh, uint32_t write, uint32_t read, const uint32_t which[4])
 {
 	uint32_t corners[4];
-	float uvs[4][2];
+	float uvs[4][2], colors[4][4];
 	for (int k = 0; k < 4; k++) {
-		corners[k] = mesh->indices[read + which[k]];
+		const size_t from = (size_t)read + which[k];
+		corners[k] = mesh->indices[from];
 		if (mesh->uvs)
-			memcpy(uvs[k], mesh->uvs + 2 * (size_t)(read + which[k]), sizeof uvs[k]);
+			memcpy(uvs[k], mesh->uvs + 2 * from, sizeof uvs[k]);
+		if (mesh->colors)
+			memcpy(colors[k], mesh->colors + 4 * from, sizeof colors[k]);
 	}
 	memcpy(mesh->indices + write, corners, sizeof corners);
 	if (mesh->uvs)
 		memcpy(mesh->uvs + 2 * (size_t)write, uvs, sizeof uvs);
+	if (mesh->colors)
+		memcpy(mesh->colors + 4 * (size_t)write, colors, sizeof colors);
 }
 
 /* In place: what is written never passes what is still to be read. */

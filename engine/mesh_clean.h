@@ -41,8 +41,8 @@ void engine_mesh_turn_face(engine_mesh *mesh, uint32_t *corners, uint32_t count)
 
 /* glTF has triangles only, and exporters write a quad as two triangles that follow each other. Puts such pairs back
  * together: faces f and f+1 that share an edge, have one material, are within 45 degrees of coplanar and form a convex
- * quad, with one pair of texture coordinates at either end of that edge. The shared edge becomes the quad's diagonal
- * a-c, so that a cage without refinement keeps its shape exactly. Needs welded vertices.
+ * quad, with the same texture coordinates and colours at either end of that edge. The shared edge becomes the quad's
+ * diagonal a-c, so that a cage without refinement keeps its shape exactly. Needs welded vertices.
  */
 void engine_mesh_pair_triangles(engine_mesh *mesh);
 

@@ -19,12 +19,12 @@ typedef struct cutter {
 	GLUtesselator *tesselator;
 	engine_mesh out;
 	size_t vertex_room, face_room, index_room;
-	size_t uv_room;
+	size_t uv_room, color_room;
 	uint32_t corners[3], corner_count; /* of the triangle that comes in */
 	const uint32_t *polygon;           /* the corners of the one in work, */
 	uint32_t polygon_count;
-	const float *polygon_uvs; /* and their texture coordinates; NULL: none */
-	uint64_t squares;         /* of the corners of all polygons cut */
+	const float *polygon_uvs, *polygon_colors; /* and what they carry; NULL: none */
+	uint64_t squares;                          /* of the corners of all polygons cut */
 	bool failed;
 } cutter;
 
@@ -47,18 +47,22 @@ static bool grow(void **array, size_t *room, size_t needed, size_t size)
 	return true;
 }
 
-/* Those of the polygon's corners; a vertex that cutting made has the first corner's. */
-static bool add_uvs(cutter *c, const uint32_t *corners, uint32_t count)
+/* What the polygon's corners carry, `size` values each, NULL: nothing; a vertex that cutting made has the first
+ * corner's. */
+static bool add_values(cutter *c, const float *from, uint32_t size, float **to, size_t *room, const uint32_t *corners,
+		       uint32_t count)
 {
-	engine_mesh *out = &c->out;
-	if (!grow((void **)&out->uvs, &c->uv_room, (size_t)out->index_count + count, 2 * sizeof(float)))
+	const size_t first = c->out.index_count;
+	if (!from)
+		return true;
+	if (!grow((void **)to, room, first + count, size * sizeof(float)))
 		return false;
 	for (uint32_t k = 0; k < count; k++) {
 		uint32_t at = 0;
 		while (at < c->polygon_count && c->polygon[at] != corners[k])
 			at++;
-		memcpy(out->uvs + 2 * ((size_t)out->index_count + k),
-		       c->polygon_uvs + 2 * (size_t)(at < c->polygon_count ? at : 0), 2 * sizeof(float));
+		memcpy(*to + size * (first + k), from + size * (size_t)(at < c->polygon_count ? at : 0),
+		       size * sizeof(float));
 	}
 	return true;
 }
@@ -71,7 +75,8 @@ static bool add_face(cutter *c, const uint32_t *corners, uint32_t count, uint32_
 	    !grow((void **)&out->face_counts, &room, (size_t)out->face_count + 1, sizeof(uint32_t)) ||
 	    !grow((void **)&out->face_materials, &c->face_room, (size_t)out->face_count + 1, sizeof(uint32_t)))
 		return false;
-	if (c->polygon_uvs && !add_uvs(c, corners, count))
+	if (!add_values(c, c->polygon_uvs, 2, &out->uvs, &c->uv_room, corners, count) ||
+	    !add_values(c, c->polygon_colors, 4, &out->colors, &c->color_room, corners, count))
 		return false;
 	memcpy(out->indices + out->index_count, corners, count * sizeof *corners);
 	out->index_count += count;
@@ -275,6 +280,7 @@ static bool cut_all(cutter *c, const engine_mesh *mesh, uint32_t *scratch, engin
 		c->polygon = corners;
 		c->polygon_count = count;
 		c->polygon_uvs = mesh->uvs ? mesh->uvs + 2 * (corners - mesh->indices) : NULL;
+		c->polygon_colors = mesh->colors ? mesh->colors + 4 * (corners - mesh->indices) : NULL;
 		if (count == 3 || (is_convex(mesh, corners, count) && !passes_twice(corners, count, scratch))) {
 			if (!add_face(c, corners, count, material))
 				return false;

@@ -45,17 +45,40 @@ static bool read_header(FILE *file, int *width, int *height, double *scale)
 	       *height >= 1 && *width <= MOST_PIXELS && *height <= MOST_PIXELS && *scale != 0;
 }
 
-/* NULL where the file ends too early, or memory is short. */
+static void turn_over(float *rgb, size_t row, int height)
+{
+	for (int y = 0; y < height / 2; y++) {
+		float *a = rgb + (size_t)y * row, *b = rgb + (size_t)(height - 1 - y) * row;
+		for (size_t k = 0; k < row; k++) {
+			const float kept = a[k];
+			a[k] = b[k];
+			b[k] = kept;
+		}
+	}
+}
+
+/* NULL where the file ends too early, or memory is short: it grows with what was read, not with what the header says.
+ */
 static float *read_pixels(FILE *file, int width, int height, bool swapped)
 {
 	const size_t row = 3 * (size_t)width;
-	float *rgb = malloc(sizeof *rgb * row * (size_t)height);
-	for (int y = height - 1; rgb && y >= 0; y--)
-		if (fread(rgb + (size_t)y * row, sizeof *rgb, row, file) != row) {
-			free(rgb);
-			rgb = NULL;
+	float *rgb = NULL;
+	bool read = true;
+	for (int y = 0, room = 0; y < height && read; y++) {
+		if (y == room) {
+			room = room ? (room < height / 2 ? 2 * room : height) : 1;
+			float *grown = realloc(rgb, sizeof *rgb * row * (size_t)room);
+			read = grown != NULL;
+			rgb = grown ? grown : rgb;
 		}
-	if (rgb && swapped)
+		read = read && fread(rgb + (size_t)y * row, sizeof *rgb, row, file) == row;
+	}
+	if (!read) {
+		free(rgb);
+		return NULL;
+	}
+	turn_over(rgb, row, height);
+	if (swapped)
 		swap_bytes(rgb, row * (size_t)height);
 	return rgb;
 }

@@ -12,7 +12,8 @@ static bool copy_mesh(const engine_mesh *in, engine_mesh *copy)
 	if (!engine_mesh_append(copy, in, 0))
 		return false;
 	free(copy->uvs); /* they belong to corners, which change */
-	copy->uvs = NULL;
+	free(copy->colors);
+	copy->uvs = copy->colors = NULL;
 	return true;
 }
 

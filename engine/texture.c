@@ -24,6 +24,29 @@ engine_texture_use engine_texture_use_of(uint32_t number)
 	return (engine_texture_use){.number = number, .transform = {{1, 0, 0}, {0, 1, 0}}};
 }
 
+static uint8_t alpha_of(const uint8_t texel[4], engine_alpha alpha)
+{
+	if (alpha != ENGINE_ALPHA_LUMINANCE)
+		return texel[alpha - ENGINE_ALPHA_RED];
+	return (uint8_t)lrint(0.2126 * texel[0] + 0.7152 * texel[1] + 0.0722 * texel[2]);
+}
+
+void engine_texture_set_alpha(engine_texture *texture, engine_alpha alpha)
+{
+	const size_t count = (size_t)texture->pixels.width * texture->pixels.height;
+	double sum = 0;
+	if (alpha == ENGINE_ALPHA_MASK)
+		alpha = texture->mean[3] < 1 ? ENGINE_ALPHA_OWN : ENGINE_ALPHA_LUMINANCE;
+	if (alpha == ENGINE_ALPHA_OWN)
+		return;
+	for (size_t k = 0; k < count; k++) {
+		uint8_t *texel = texture->pixels.rgba + 4 * k;
+		texel[3] = alpha_of(texel, alpha);
+		sum += texel[3] / 255.0;
+	}
+	texture->mean[3] = (float)(sum / (double)count);
+}
+
 /* What of p has coordinate `axis` above the bound (sign 1) or below it (sign -1): Sutherland and Hodgman, 1974. */
 static polygon clip(const polygon *p, int axis, double bound, double sign)
 {

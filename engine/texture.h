@@ -25,6 +25,19 @@ typedef struct engine_texture_use {
 
 engine_texture_use engine_texture_use_of(uint32_t number);
 
+/* What of a picture is alpha. */
+typedef enum engine_alpha {
+	ENGINE_ALPHA_OWN, /* its own channel, 1 without */
+	ENGINE_ALPHA_RED, /* a channel as it is stored, not in linear light */
+	ENGINE_ALPHA_GREEN,
+	ENGINE_ALPHA_BLUE,
+	ENGINE_ALPHA_LUMINANCE, /* 0.2126 r + 0.7152 g + 0.0722 b of these */
+	ENGINE_ALPHA_MASK,      /* its own where some pixel's is not 1, else luminance */
+} engine_alpha;
+
+/* Makes alpha of what is told, and its mean. */
+void engine_texture_set_alpha(engine_texture *texture, engine_alpha alpha);
+
 /* Mean over a triangle of the surface, whose corners have these coordinates of the mesh: linear r g b, and alpha.
  * Texels are squares of one value, what the triangle covers of each counts. Of very many one in so many is looked
  * at; a triangle that covers a repeating picture several times has the mean of all. */

@@ -2,8 +2,12 @@
 // where they subtend little. A thread walks one (leaf, object) pair: of a run (x first thread, y receiving object, z
 // source object, w first leaf), or under a budget of the chosen leaves times all objects.
 //
-// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries; else of all
-// others. Apart, for software renderers run both sides of a branch.
+// KEEPS: of the static ones, where what a row has of nodes that stayed what they were is kept, as entries. OWN: of
+// objects whose shape may change, for their own leaves: every shape makes all of these anew, so what brings next to
+// nothing, two of three, is left out. Else of all others. Apart, for software renderers run both sides of a branch.
+#ifndef OWN
+#define OWN 0
+#endif
 #define READ_FRAME
 #define READ_OBJECTS
 #define READ_SPREAD
@@ -92,10 +96,20 @@ bool is_other_side(shape p, gi_node_geometry g)
 	       abs(p.radius - g.sphere.w) <= slack;
 }
 
-uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 range, uint node, uint source,
-	      bool same)
+// Emitters are fine enough for finer rows as they are.
+float tolerance_of(uint flags, float refinement)
+{
+	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
+	return max(frame.tolerance.x / max(float(1u << finer), refinement),
+		   min(frame.tolerance.y, frame.tolerance.x / refinement));
+}
+
+// shown: the area that is seen of a node that is taken.
+uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 range, uint node, uint source, bool same,
+	      out float shown)
 {
 	uint flags = range.w;
+	shown = g.moment.w;
 	if ((flags & GI_NODE_SKY) != 0u)
 		return classify_sky(p, g, flags, refinement);
 	facing f = facing_of(p, g, flags);
@@ -109,7 +123,7 @@ uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 ra
 	if (d < max(g.sphere.w, reach))
 		return CUT_REFINE;
 	bool near = f.faced < ALONG * d && d < NEAR * g.sphere.w;
-	float shown = g.moment.w * min(1.0, f.faced / d);
+	shown = g.moment.w * min(1.0, f.faced / d);
 	if (g.axis.w < FLAT_CONE) {
 		vec3 view = f.to / -d;
 		vec2 sides = shown_area(load_spread(node), g.moment, view,
@@ -123,15 +137,45 @@ uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 ra
 	bool walls = ((flags & GI_NODE_BACK) != 0u && g.axis.w < APART) || g.axis.w >= FLAT;
 	if ((sparse || walls) && (flags & GI_NODE_POLYGON) == 0u && d < SPARSE_NEAR * g.sphere.w)
 		return CUT_REFINE;
-	if (near)
-		shown = max(shown, ALONG * g.moment.w);
-	float estimate = shown * min(1.0, f.height / d) / (PI * d * d + shown);
-	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
-	// Emitters are fine enough as they are.
-	float tolerance = max(frame.tolerance.x / max(float(1u << finer), refinement),
-			      min(frame.tolerance.y, frame.tolerance.x / refinement));
-	return estimate > tolerance ? CUT_REFINE : CUT_TAKE;
+	float most = near ? max(shown, ALONG * g.moment.w) : shown;
+	float estimate = most * min(1.0, f.height / d) / (PI * d * d + most);
+	return estimate > tolerance_of(flags, refinement) ? CUT_REFINE : CUT_TAKE;
 }
+
+#if OWN
+// A form factor of less than this share of the tolerance is left out. All of them are a thousandth of a row.
+const float NEGLIGIBLE = 0.01;
+
+// Of squares side by side the middles are farther apart than this share of both radii.
+const float OVERLAP = 0.65;
+
+// Mean height above a plane of what reaches `reach` to both sides of its middle, at a height.
+float mean_above(float height, float reach)
+{
+	float above = clamp(height + reach, 0.0, 2.0 * reach);
+	return max(height, above * above / max(4.0 * reach, 1e-30));
+}
+
+// Does a node that would be taken bring next to nothing? Of a curved surface most of what balls and cones let through
+// (facing.glsl) lies below the horizon, or so close above it that rays to it are wasted. What is no polygon is taken as
+// a disc, its middle for all of it (factor.glsl). Where the two face each other a hair apart, or pass through each
+// other, heights say nothing.
+bool is_negligible(shape p, gi_node_geometry g, uint flags, float shown)
+{
+	bool polygon = (flags & GI_NODE_LEAF) != 0u || ((flags & GI_NODE_POLYGON) != 0u && g.axis.w >= FLAT_CONE);
+	vec3 to = g.sphere.xyz - p.centre;
+	float d = max(length(to), p.radius), apart = length(cross(p.axis, g.axis.xyz));
+	float height = dot(p.axis, to), faced = -dot(g.axis.xyz, to);
+	bool across = dot(p.axis, g.axis.xyz) < 0.0, before = height > 0.0 && faced > 0.0;
+	if (across && d < (before ? 1.0 : OVERLAP) * (p.radius + g.sphere.w))
+		return false;
+	float fold = p.cone < FOLDED ? d * sine_of(p.cone) : 0.0;
+	height = mean_above(height, fold + (polygon ? g.sphere.w * apart : 0.0));
+	faced = mean_above(faced, d * sine_of(g.axis.w) + p.radius * apart);
+	shown *= polygon && (flags & GI_NODE_BACK) == 0u ? min(faced / d, 1.0) : 1.0;
+	return shown * min(height / d, 1.0) <= NEGLIGIBLE * tolerance_of(flags, 1.0) * (PI * d * d + shown);
+}
+#endif
 
 // What closing wants to know of a node, kept with the entry.
 uint kind_of(uint flags)
@@ -193,7 +237,13 @@ cut_size write_cut(shape p, float refinement, uint leaf, uint source, bool same,
 			n = range.x;
 			continue;
 		}
-		uint verdict = classify(leaf, p, refinement, geometry_of(n, same), range, n, source, same);
+		gi_node_geometry g = geometry_of(n, same);
+		float shown;
+		uint verdict = classify(leaf, p, refinement, g, range, n, source, same, shown);
+#if OWN
+		if (verdict == CUT_TAKE && is_negligible(p, g, range.w, shown))
+			verdict = CUT_SKIP;
+#endif
 		if (verdict == CUT_TAKE) {
 			// The form factor and the visibility come from the passes that follow; one sample is what most
 			// take. It is no entry that a mover may have changed.
@@ -226,6 +276,15 @@ void shift(inout old_part old, uint count)
 // Leaf and source object of a thread; no leaf when it has nothing to do. Threads side by side share the source.
 uvec2 pair_of(uint t)
 {
+#if OWN
+	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
+		uint leaf = chosen_row();
+		return leaf == GI_NONE ? uvec2(GI_NONE) : uvec2(leaf, load_leaf(leaf).y);
+	}
+	if (t >= frame.statics.w)
+		return uvec2(GI_NONE);
+	t += frame.work.w;
+#else
 	if ((frame.update.w & GI_UPDATE_PART) != 0u) {
 		uint count = state.refresh.chosen_rows;
 		return t < count * source_count() ? uvec2(chosen_leaf(t % count), frame.swept.z + t / count)
@@ -233,6 +292,7 @@ uvec2 pair_of(uint t)
 	}
 	if (t >= frame.work.w)
 		return uvec2(GI_NONE);
+#endif
 	uvec4 run = find_run(frame.work.x, frame.work.z, t);
 	return uvec2(run.w + (t - run.x), run.z);
 }
@@ -240,6 +300,9 @@ uvec2 pair_of(uint t)
 // Does the pair's cut have to be made anew, and by this shader?
 bool is_wanted(uint mine, uint source, uint since)
 {
+	bool own = mine == source && (object_bvh(source).z & GI_OBJECT_DEFORMS) != 0u;
+	if (own != (OWN == 1))
+		return false;
 	if ((frame.update.w & GI_UPDATE_REBUILD) != 0u)
 		return KEEPS == 0;
 	return pair_is_dirty(mine, source, since) && pair_keeps_nodes(mine, source, since) == (KEEPS == 1);

@@ -28,9 +28,6 @@ const float GAUSS_2[2] = float[](0.2113248654, 0.7886751346);
 const float GAUSS_4[4] = float[](0.0694318442, 0.3300094782, 0.6699905218, 0.9305681558);
 const float WEIGHT_4[4] = float[](0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226);
 
-// Leaves whose halves' normals differ from the mean by more than this cosine (2.5 degrees) are folded.
-const float FOLDED = 0.999;
-
 // Receivers larger than these shares of the distance are averaged over 2 x 2 and 4 x 4 points.
 const float RECEIVER_2 = 0.08;
 const float RECEIVER_4 = 0.35;

@@ -184,6 +184,7 @@ GI_STRUCT(gi_object_data) {
 #define GI_OBJECT_STATICS 16u /* no object: all static ones as one source */
 #define GI_OBJECT_LEAF_MATERIALS 32u /* leaves of one primitive may have materials of their own */
 #define GI_OBJECT_UNSEEN 8u /* hidden or destroyed: it keeps its place and takes part in nothing */
+#define GI_OBJECT_DEFORMS 64u /* its shape may change: pairs of its own leaves are cut by a shader of their own */
 
 /* A leaf: x node, y object slot, z material, w rank of its primitive. A material: rho, then exitance; exitance.w of
  * a translucent object's is what is added to its number for the one that pixels are lit by, which is black. */
@@ -219,7 +220,8 @@ GI_STRUCT(gi_material_data) {
  *          source, and that of the static objects as one, GI_NONE: there is none
  *
  *   statics: primitives of static objects, which are the first ones; 1 where links through mirrors and glass may bring
- *            what something emits; 1 where rows may sum to more than 1 (specular_rows.h); 0
+ *            what something emits; 1 where rows may sum to more than 1 (specular_rows.h); threads of the cuts of own
+ *            pairs, behind the cut threads
  *
  *   view_x, view_y, view_w: rows of the camera's matrix from the world to clip space, where GI_UPDATE_VIEWED
  *   view_eye: where it is; of a parallel projection the way to it, w 0

@@ -1,6 +1,6 @@
 // One lamp's light on what is seen. All lamps but the last add their irradiance up; the last one's pass makes radiance
 // of it, (rho * (H_direct + H_indirect) + E) / pi, and puts it where the host draws.
-#ifdef LAST
+#if defined(LAST) && !defined(ALBEDO)
 #define READ_MATERIALS
 #endif
 #include "buffers.glsl"
@@ -30,8 +30,7 @@ void main()
 		discard; // nothing is seen
 	if (!first)
 		irradiance += texelFetch(so_far, pixel, 0).xyz;
-	vec3 rho = load_material(s.material).rho.xyz;
-	result = vec4(s.own + rho * INVERSE_PI * irradiance, 1.0);
+	result = vec4(s.own + reflectance_of(s, pixel) * INVERSE_PI * irradiance, 1.0);
 	gl_FragDepth = depth;
 #else
 	result = vec4(irradiance, 0.0);

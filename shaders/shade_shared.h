@@ -35,6 +35,14 @@
 #define GI_UNIT_DEPTH (GI_TEXEL_UNIT + GI_BIND_COUNT)
 #define GI_UNIT_SO_FAR (GI_UNIT_DEPTH + 1)
 #define GI_UNIT_MASKS (GI_UNIT_DEPTH + 2)
+/* Textures of the host, while surfaces are drawn; the reflectance of pixels, where a uniform block has its place. */
+#define GI_UNIT_BASE_COLOR GI_UNIT_PLACE
+#define GI_UNIT_EMISSIVE GI_UNIT_LOOK
+#define GI_UNIT_ALBEDO (GI_TEXEL_UNIT + GI_BIND_FRAME)
+
+/* Which of them a surface has. */
+#define GI_HAS_BASE_COLOR 1u
+#define GI_HAS_EMISSIVE 2u
 
 /* One lamp, world space.
  *

@@ -3,6 +3,9 @@
 // Normals within 8 degrees of their mean: as good as flat, and its contour tells the form factor.
 const float FLAT_CONE = 0.99;
 
+// Leaves whose halves' normals differ from the mean by more than this cosine (2.5 degrees) are folded.
+const float FOLDED = 0.999;
+
 // Area of front sides, and of back sides, projected along `view` (unit, from the node to its observer); view_rest is
 // the same in the rest frame, moment and view share theirs.
 vec2 shown_area(gi_node_spread s, vec4 moment, vec3 view, vec3 view_rest)

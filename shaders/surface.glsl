@@ -17,3 +17,19 @@ surface surface_at(ivec2 pixel)
 	return surface(place.xyz, direction_from_octahedron(unpackSnorm2x16(look.w)), uintBitsToFloat(look.xyz),
 		       uint(place.w));
 }
+
+// Its reflectance to what lights pixels, for the last pass: which includes buffers.glsl with READ_MATERIALS before, or
+// defines ALBEDO in a scene with textures.
+#ifdef ALBEDO
+layout(binding = GI_UNIT_ALBEDO) uniform sampler2D albedos;
+
+vec3 reflectance_of(surface s, ivec2 pixel)
+{
+	return texelFetch(albedos, pixel, 0).xyz;
+}
+#elif defined(READ_MATERIALS)
+vec3 reflectance_of(surface s, ivec2 pixel)
+{
+	return load_material(s.material).rho.xyz;
+}
+#endif

@@ -29,7 +29,7 @@ typedef struct builder {
 } builder;
 
 typedef struct bin {
-	gi_box bounds;
+	gi_box bounds; /* where there is something in it */
 	uint32_t count;
 } bin;
 
@@ -46,9 +46,9 @@ static gi_box empty_box(void)
 }
 
 /* No box has a NaN; without that, compilers call fminf. */
-static void grow(gi_box *to, const gi_box *by)
+static void grow(gi_box *restrict to, const gi_box *restrict by)
 {
-	for (int axis = 0; axis < 3; axis++) {
+	for (int axis = 0; axis < 4; axis++) {
 		to->lower[axis] = by->lower[axis] < to->lower[axis] ? by->lower[axis] : to->lower[axis];
 		to->upper[axis] = by->upper[axis] > to->upper[axis] ? by->upper[axis] : to->upper[axis];
 	}
@@ -79,8 +79,9 @@ static gi_box bounds_of_centres(const builder *b, uint32_t begin, uint32_t end)
 	gi_box bounds = empty_box();
 	for (uint32_t i = begin; i < end; i++) {
 		const gi_box *item = &b->boxes[b->order[i]];
-		const gi_box point = {{centre(item, 0), centre(item, 1), centre(item, 2)},
-				      {centre(item, 0), centre(item, 1), centre(item, 2)}};
+		gi_box point = {0};
+		for (int axis = 0; axis < 3; axis++)
+			point.lower[axis] = point.upper[axis] = centre(item, axis);
 		grow(&bounds, &point);
 	}
 	return bounds;
@@ -97,43 +98,55 @@ static int bin_of(const gi_box *item, const gi_box *centres, int axis)
  * its own. */
 static split best_on_axis(const bin bins[BINS], int axis)
 {
-	float right_cost[BINS];
+	float right_cost[BINS], cost = INFINITY;
 	gi_box side = empty_box();
 	uint32_t count = 0;
 	for (int i = BINS - 1; i > 0; i--) {
-		grow(&side, &bins[i].bounds);
-		count += bins[i].count;
-		right_cost[i] = count > 0 ? half_area(&side) * (float)count : INFINITY;
+		if (bins[i].count > 0) {
+			grow(&side, &bins[i].bounds);
+			count += bins[i].count;
+			cost = half_area(&side) * (float)count;
+		}
+		right_cost[i] = cost;
 	}
 	split best = {-1, 0, INFINITY};
 	side = empty_box();
 	count = 0;
 	for (int i = 1; i < BINS; i++) {
+		if (bins[i - 1].count == 0)
+			continue; /* the cut before costs the same */
 		grow(&side, &bins[i - 1].bounds);
 		count += bins[i - 1].count;
-		const float cost = count > 0 ? half_area(&side) * (float)count + right_cost[i] : INFINITY;
+		cost = half_area(&side) * (float)count + right_cost[i];
 		if (cost < best.cost)
 			best = (split){axis, i, cost};
 	}
 	return best;
 }
 
+static void put_into(bin *into, const gi_box *item)
+{
+	if (into->count++ == 0)
+		into->bounds = *item;
+	else
+		grow(&into->bounds, item);
+}
+
 static split best_split(const builder *b, uint32_t begin, uint32_t end, const gi_box *centres)
 {
+	bin bins[3][BINS];
+	for (int axis = 0; axis < 3; axis++)
+		for (int i = 0; i < BINS; i++)
+			bins[axis][i].count = 0;
+	for (uint32_t i = begin; i < end; i++) {
+		const gi_box *item = &b->boxes[b->order[i]];
+		for (int axis = 0; axis < 3; axis++)
+			if (centres->upper[axis] > centres->lower[axis])
+				put_into(&bins[axis][bin_of(item, centres, axis)], item);
+	}
 	split best = {-1, 0, INFINITY};
 	for (int axis = 0; axis < 3; axis++) {
-		if (!(centres->upper[axis] > centres->lower[axis]))
-			continue;
-		bin bins[BINS];
-		for (int i = 0; i < BINS; i++)
-			bins[i] = (bin){empty_box(), 0};
-		for (uint32_t i = begin; i < end; i++) {
-			const gi_box *item = &b->boxes[b->order[i]];
-			bin *into = &bins[bin_of(item, centres, axis)];
-			grow(&into->bounds, item);
-			into->count++;
-		}
-		const split found = best_on_axis(bins, axis);
+		const split found = best_on_axis(bins[axis], axis);
 		if (found.cost < best.cost)
 			best = found;
 	}

@@ -19,7 +19,7 @@ typedef struct gi_bvh {
 bool gi_bvh_build(const gi_hierarchy *hierarchy, gi_bvh *out);
 
 typedef struct gi_box {
-	float lower[3], upper[3];
+	float lower[4], upper[4]; /* the fourth are 0: they make vectors of them */
 } gi_box;
 
 /* Of a hierarchy that deforms each leaf is a primitive, for what is flat may bend. The same tree as gi_bvh_build makes,

@@ -136,10 +136,21 @@ static void join_sides(gi_stencils *s, uint32_t vertex_count)
 		s->vertex[k] %= vertex_count;
 }
 
-static size_t largest_upload(const gi_hierarchy *h)
+static size_t largest_upload(uint32_t leaf_count)
 {
 	/* Quads of leaves are as large as primitives, of which there is one a leaf; and trees take less. */
-	return 4 * sizeof(gi_vec4) * (size_t)h->leaf_count;
+	return 4 * sizeof(gi_vec4) * (size_t)leaf_count;
+}
+
+/* What evaluations write besides the leaves' vertices by the shape set last. */
+static void allocate_work(gi_deform *d, uint32_t leaf_vertices, bool *enough)
+{
+	d->trial = allocate(leaf_vertices, sizeof *d->trial, enough);
+	d->cage = allocate(d->vertex_count, sizeof *d->cage, enough);
+	d->draw = allocate(d->draw_count, sizeof *d->draw, enough);
+	d->normals = allocate(d->draw_count, sizeof *d->normals, enough);
+	d->sums = allocate(d->node_count, sizeof *d->sums, enough);
+	d->scratch = allocate(largest_upload(d->leaf_count), 1, enough);
 }
 
 gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const gi_hierarchy *h)
@@ -152,6 +163,7 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 	d->joint_count = def->joints ? def->joint_count : 0;
 	d->draw_count = def->draw_index_count ? def->draw_vertex_count : 0;
 	d->leaf_count = h->leaf_count;
+	d->node_count = h->node_count;
 	d->two_sided = def->double_sided;
 	d->skin = copy_skin(def->joints, def->joint_weights, d->vertex_count, &enough);
 	if (d->draw_count)
@@ -166,14 +178,36 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 		d->faces[leaf] = refined->faces[h->leaf_face[leaf]] % def->face_count;
 	d->by_size = allocate(h->leaf_count, sizeof *d->by_size, &enough);
 	d->vertices = allocate(h->vertex_count, sizeof *d->vertices, &enough);
-	d->trial = allocate(h->vertex_count, sizeof *d->trial, &enough);
-	d->cage = allocate(d->vertex_count, sizeof *d->cage, &enough);
-	d->draw = allocate(d->draw_count, sizeof *d->draw, &enough);
-	d->normals = allocate(d->draw_count, sizeof *d->normals, &enough);
-	d->scratch = allocate(largest_upload(h), 1, &enough);
+	allocate_work(d, h->vertex_count, &enough);
 	if (enough)
 		return d;
-	gi_deform_free(d);
+	gi_deform_free(d, true);
+	return NULL;
+}
+
+static gi_shape duplicate_shape(const gi_deform *d, const gi_shape *from, bool *enough)
+{
+	gi_shape s = *from;
+	s.positions = copy(from->positions, 3 * (size_t)d->vertex_count, sizeof(float), enough);
+	s.joints = copy(from->joints, 16 * (size_t)d->joint_count, sizeof(float), enough);
+	s.draw_positions = copy(from->draw_positions, 3 * (size_t)d->draw_count, sizeof(float), enough);
+	return s;
+}
+
+gi_deform *gi_deform_copy(const gi_deform *from, uint32_t leaf_vertices)
+{
+	gi_deform *d = gi_malloc(sizeof *d);
+	if (!d)
+		return NULL;
+	bool enough = true;
+	*d = *from;
+	d->next = duplicate_shape(from, &from->next, &enough);
+	d->now = duplicate_shape(from, &from->now, &enough);
+	d->vertices = copy(from->vertices, leaf_vertices, sizeof *d->vertices, &enough);
+	allocate_work(d, leaf_vertices, &enough);
+	if (enough)
+		return d;
+	gi_deform_free(d, false);
 	return NULL;
 }
 
@@ -198,10 +232,8 @@ static void free_shape(gi_shape *s)
 	gi_free(s->draw_positions);
 }
 
-void gi_deform_free(gi_deform *d)
+static void free_common(gi_deform *d)
 {
-	if (!d)
-		return;
 	gi_free(d->skin.joints);
 	gi_free(d->skin.weights);
 	gi_free(d->draw_skin.joints);
@@ -210,15 +242,24 @@ void gi_deform_free(gi_deform *d)
 	gi_stencils_free(&d->drawn);
 	for (int k = 0; k < 2; k++)
 		gi_stencils_free(&d->tangents[k]);
-	free_shape(&d->next);
-	free_shape(&d->now);
 	gi_free(d->faces);
 	gi_free(d->by_size);
+}
+
+void gi_deform_free(gi_deform *d, bool last)
+{
+	if (!d)
+		return;
+	if (last)
+		free_common(d);
+	free_shape(&d->next);
+	free_shape(&d->now);
 	gi_free(d->vertices);
 	gi_free(d->trial);
 	gi_free(d->cage);
 	gi_free(d->draw);
 	gi_free(d->normals);
+	gi_free(d->sums);
 	gi_free(d->scratch);
 	gi_free(d);
 }

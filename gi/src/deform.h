@@ -33,7 +33,7 @@ typedef struct gi_deform {
 	gi_skin skin, draw_skin;
 	gi_stencils points;             /* of the leaves' vertices */
 	gi_stencils drawn, tangents[2]; /* of the vertices of what is drawn; none where that is the leaves' */
-	uint32_t leaf_count;
+	uint32_t leaf_count, node_count;
 	uint32_t *faces;   /* of each leaf: number of the definition's face */
 	uint32_t *by_size; /* the leaves in the order of their areas by the definition, the largest first (rank.h) */
 	bool two_sided;
@@ -42,6 +42,7 @@ typedef struct gi_deform {
 	double (*cage)[3];                /* the cage that was evaluated last */
 	double (*draw)[3], (*normals)[3]; /* likewise of a mesh that is drawn, and sums of its normals */
 	bool drawn_is_late;               /* what is drawn is not by `now` */
+	gi_node_sums *sums;               /* of the nodes, by `now` */
 	void *scratch;                    /* as large as any array that is uploaded (reshape.c) */
 } gi_deform;
 
@@ -63,6 +64,11 @@ void gi_deform_settle(gi_deform *deform, gi_hierarchy *hierarchy);
 /* Positions and normals of what is drawn, by the shape of now. */
 void gi_deform_draw(gi_deform *deform, const gi_hierarchy *hierarchy, gi_drawn_surface *drawn);
 
-void gi_deform_free(gi_deform *deform);
+/* Another one of the same shapes. What does not change, stencils and skins, it has in common with the first. NULL: out
+ * of memory. */
+gi_deform *gi_deform_copy(const gi_deform *deform, uint32_t leaf_vertices);
+
+/* `last`: no other has what is common. NULL is fine. */
+void gi_deform_free(gi_deform *deform, bool last);
 
 #endif

@@ -13,9 +13,10 @@ typedef struct drawn_builder {
 	gi_drawn_surface *out;
 	uint32_t *group; /* per corner: another corner of its group, or itself */
 	gi_hanging_list hanging;
-	uint32_t *first_drawn; /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
-	uint32_t *next_drawn;  /* per drawn vertex: the next one at the same place */
-	gi_draw_bond bond;     /* of the vertex that is added next, where there are any */
+	uint32_t *first_drawn;  /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
+	uint32_t *next_drawn;   /* per drawn vertex: the next one at the same place */
+	gi_draw_bond bond;      /* of the vertex that is added next, where there are any */
+	const gi_leaf_uvs *uvs; /* of the leaves; NULL: what is drawn has none */
 } drawn_builder;
 
 typedef struct quad {

@@ -208,6 +208,52 @@ static bool find_flat(const gi_hierarchy *h, const gi_refined *fine, const fine_
 	return all;
 }
 
+/* ---- texture coordinates ---- */
+
+/* Of the triangle that was added last: of three points of its face. */
+static void map_triangle(drawn_builder *s, const float (*uvs)[2], uint32_t a, uint32_t b, uint32_t c)
+{
+	const uint32_t points[3] = {a, b, c};
+	for (uint32_t k = 0; s->uvs && k < 3; k++)
+		memcpy(s->out->uvs[s->out->index_count - 3 + k], uvs[points[k]], sizeof *uvs);
+}
+
+/* Of the corners of a leaf that is drawn flat and, behind them, of its middle: coordinates are linear in the triangles
+ * a b c and a c d, in one of which that lies. */
+static void map_flat(const drawn_builder *s, uint32_t leaf, const quad *q, gi_vec3d middle, float uvs[5][2])
+{
+	static const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+	double best = -HUGE_VAL;
+	if (!s->uvs)
+		return;
+	memcpy(uvs, s->uvs[leaf].uvs, sizeof s->uvs[leaf].uvs);
+	for (uint32_t t = 0; t < q->count - 2; t++) {
+		const uint32_t *k = triangles[t];
+		const gi_vec3d c[3] = {vertex_position(s->h, q->v[k[0]]), vertex_position(s->h, q->v[k[1]]),
+				       vertex_position(s->h, q->v[k[2]])};
+		double w[3];
+		const double least = gi_vec3d_weights(c, middle, w);
+		if (!(least > best))
+			continue;
+		best = least;
+		for (int i = 0; i < 2; i++)
+			uvs[4][i] = (float)(w[0] * uvs[k[0]][i] + w[1] * uvs[k[1]][i] + w[2] * uvs[k[2]][i]);
+	}
+}
+
+/* Of the corners of a face that has these weights of its leaf's. */
+static void map_curved(const drawn_builder *s, const fine_face *face, float uvs[4][2])
+{
+	for (uint32_t k = 0; s->uvs && k < 4; k++)
+		for (uint32_t i = 0; i < 2; i++) {
+			uvs[k][i] = 0.0f;
+			for (uint32_t j = 0; j < 4; j++)
+				uvs[k][i] += face->weight[k][j] * s->uvs[face->leaf].uvs[j][i];
+		}
+}
+
+/* ---- the surface: triangles ---- */
+
 static uint32_t flat_corner(drawn_builder *s, uint32_t leaf, uint32_t vertex, uint32_t k)
 {
 	float weight[4] = {0};
@@ -224,13 +270,16 @@ static void draw_flat(drawn_builder *s, uint32_t leaf)
 {
 	const quad q = leaf_quad(s->h, leaf);
 	uint32_t drawn[4];
+	float uvs[5][2] = {{0}};
 	gi_vec3d centre = {0};
 	for (uint32_t k = 0; k < q.count; k++) {
 		drawn[k] = flat_corner(s, leaf, q.v[k], k);
 		centre = gi_vec3d_add(centre, gi_vec3d_scale(vertex_position(s->h, q.v[k]), 0.25));
 	}
+	map_flat(s, leaf, &q, centre, uvs);
 	if (q.count == 3) {
 		gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
+		map_triangle(s, uvs, 0, 1, 2);
 		return;
 	}
 	const float weight[4] = {0.25f, 0.25f, 0.25f, 0.25f};
@@ -240,8 +289,10 @@ static void draw_flat(drawn_builder *s, uint32_t leaf)
 	gi_drawn_set_light(s, leaf, weight, &v);
 	s->bond = (gi_draw_bond){GI_NONE, GI_NONE, GI_NONE};
 	const uint32_t middle = gi_drawn_add_vertex(s, &v);
-	for (uint32_t k = 0; k < 4; k++)
+	for (uint32_t k = 0; k < 4; k++) {
 		gi_drawn_add_triangle(s->out, drawn[k], drawn[(k + 1) % 4], middle);
+		map_triangle(s, uvs, k, (k + 1) % 4, 4);
+	}
 }
 
 /* Of a corner of a face of the surface that is drawn. */
@@ -257,6 +308,8 @@ static void draw_curved(drawn_builder *s, const gi_refined *fine, uint32_t numbe
 	const uint32_t *corners = fine->levels[fine->level_count - 1].corners[number];
 	const gi_vec3d normal = unit_or(fine_moment(fine, corners), leaf_normal(s->h, face->leaf));
 	uint32_t drawn[4];
+	float uvs[4][2];
+	map_curved(s, face, uvs);
 	for (uint32_t k = 0; k < corner_count(corners); k++) {
 		gi_draw_vertex v = {0};
 		gi_vec3d_store(v.position, fine_position(fine, corners, k));
@@ -266,8 +319,11 @@ static void draw_curved(drawn_builder *s, const gi_refined *fine, uint32_t numbe
 		drawn[k] = gi_drawn_share_vertex(s, corners[k], &v);
 	}
 	gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
-	if (corner_count(corners) == 4)
+	map_triangle(s, uvs, 0, 1, 2);
+	if (corner_count(corners) == 4) {
 		gi_drawn_add_triangle(s->out, drawn[0], drawn[2], drawn[3]);
+		map_triangle(s, uvs, 0, 2, 3);
+	}
 }
 
 static bool allocate_drawing(drawn_builder *s, const gi_refined *fine)
@@ -280,6 +336,8 @@ static bool allocate_drawing(drawn_builder *s, const gi_refined *fine)
 	s->next_drawn = gi_drawn_allocate(vertices, sizeof *s->next_drawn, &enough);
 	s->out->vertices = gi_drawn_allocate(vertices, sizeof *s->out->vertices, &enough);
 	s->out->indices = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->indices, &enough);
+	if (s->uvs)
+		s->out->uvs = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->uvs, &enough);
 	for (uint32_t i = 0; enough && i < places; i++)
 		s->first_drawn[i] = GI_NONE;
 	if (enough && s->h->deforms) {
@@ -337,12 +395,10 @@ static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t le
 	return enough;
 }
 
-/* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for, so the
- * caller's `extra` can be one too many. */
-bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			double least_cosine, gi_drawn_surface *out)
+/* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for. */
+bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			       const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out)
 {
-	(void)extra;
 	*out = (gi_drawn_surface){0};
 	if (!fine)
 		fine = coarse;
@@ -350,12 +406,20 @@ bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse,
 	if (fine->level_count < coarse->level_count ||
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
-	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .out = out};
+	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .uvs = uvs, .out = out};
 	const bool done = draw_from_cage(&s, fine, leaf_level, least_cosine);
 	gi_drawn_free_builder(&s);
 	if (!done)
 		gi_drawn_free(out);
 	return done;
+}
+
+/* The caller's `extra` can be one too many. */
+bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
+			double least_cosine, gi_drawn_surface *out)
+{
+	(void)extra;
+	return gi_drawn_from_mapped_cage(hierarchy, coarse, fine, NULL, least_cosine, out);
 }
 
 bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,

@@ -289,6 +289,7 @@ void gi_drawn_free(gi_drawn_surface *drawn)
 	gi_free(drawn->corner_light);
 	gi_free(drawn->vertices);
 	gi_free(drawn->indices);
+	gi_free(drawn->uvs);
 	gi_free(drawn->bonds);
 	gi_free(drawn->faces);
 	*drawn = (gi_drawn_surface){0};

@@ -12,6 +12,8 @@
 
 #include "hierarchy.h"
 
+#include "gi/gi.h"
+
 /* Light is not shared across an edge where the leaves' normals are farther apart than this: 40 degrees. */
 #define GI_LIGHT_EDGE_COSINE 0.766
 /* A simplified cage has edges that the scan it stands for has not: there only 70 degrees are taken for an edge of the
@@ -43,6 +45,7 @@ typedef struct gi_drawn_surface {
 	gi_draw_vertex *vertices;
 	uint32_t index_count; /* three a triangle, counter-clockwise */
 	uint32_t *indices;
+	float (*uvs)[2];      /* of each index, while an object with texture coordinates is built; NULL: none */
 	gi_draw_bond *bonds;  /* of each vertex; NULL: it stays as it is, or is a mesh's */
 	uint32_t (*faces)[4]; /* corners of the surface that is drawn, where there are bonds */
 } gi_drawn_surface;
@@ -53,6 +56,10 @@ typedef struct gi_drawn_surface {
  * normals. Light vertices are shared between leaves whose normals have at least the cosine `least_cosine`. */
 bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
 			double least_cosine, gi_drawn_surface *out);
+
+/* The same, with texture coordinates: of the leaves; NULL: none. */
+bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			       const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out);
 
 /* Draws nothing: light vertices alone, for hosts that draw for themselves. */
 bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,

@@ -461,6 +461,25 @@ static gi_result stale(const gi_context *gi, const char *function)
 		       "%s: the object was destroyed, was never created or is another context's", function);
 }
 
+gi_result gi_create_instance(gi_context *gi, gi_object of, gi_pose pose, gi_object *out)
+{
+	if (out)
+		*out = (gi_object){0};
+	if (!gi || !out)
+		return gi_fail_null(gi, "gi_create_instance: out");
+	const object_record *o = handles_find(gi, of);
+	if (!o)
+		return stale(gi, "gi_create_instance");
+	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
+		return GI_ERROR_INVALID_POSE;
+	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
+	const gi_result result = handles_create_instance(gi, o, &pose, out);
+	if (!result)
+		expect_motion(gi, *out);
+	gi_memory_from(before);
+	return result;
+}
+
 static gi_result no_material(const gi_context *gi, const object_record *o, uint32_t material)
 {
 	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "object '%s' has %u materials, there is no number %u",

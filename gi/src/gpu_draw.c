@@ -43,6 +43,15 @@ gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_a
 	return GI_OK;
 }
 
+void gpu_mesh_add_floats(const gpu *g, const gpu_mesh *mesh, uint32_t location, uint32_t components,
+			 const gpu_buffer *buffer)
+{
+	g->gl->VertexArrayVertexBuffer(mesh->array, 1, buffer->name, 0, (GLsizei)(sizeof(float) * components));
+	g->gl->VertexArrayAttribFormat(mesh->array, location, (GLint)components, GL_FLOAT, GL_FALSE, 0);
+	g->gl->VertexArrayAttribBinding(mesh->array, location, 1);
+	g->gl->EnableVertexArrayAttrib(mesh->array, location);
+}
+
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh)
 {
 	if (mesh->array && !g->lost)
@@ -179,19 +188,21 @@ static GLuint make_texture(const gpu *g, const char *label, GLenum format, const
 	return texture;
 }
 
-static void attach_textures(const gpu *g, gpu_target *t, const char *label, const gpu_format formats[2], bool depth)
+static void attach_textures(const gpu *g, gpu_target *t, const char *label, const gpu_format formats[GPU_TARGET_COLORS],
+			    bool depth)
 {
 	static const GLenum internal[] = {GL_NONE, GL_RGBA32F, GL_RGBA32UI};
-	const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, formats[1] ? GL_COLOR_ATTACHMENT1 : GL_NONE};
+	GLenum attached[GPU_TARGET_COLORS] = {GL_NONE};
 	const uint64_t pixels = (uint64_t)t->width * t->height;
 	g->gl->CreateFramebuffers(1, &t->framebuffer);
 	gpu_label(g, GL_FRAMEBUFFER, t->framebuffer, label);
-	for (GLuint k = 0; k < 2 && formats[k]; k++) {
+	for (GLuint k = 0; k < GPU_TARGET_COLORS && formats[k]; k++) {
+		attached[k] = GL_COLOR_ATTACHMENT0 + k;
 		t->color[k] = make_texture(g, label, internal[formats[k]], t);
 		g->gl->NamedFramebufferTexture(t->framebuffer, attached[k], t->color[k], 0);
 		t->bytes += 4 * sizeof(float) * pixels;
 	}
-	g->gl->NamedFramebufferDrawBuffers(t->framebuffer, 2, attached);
+	g->gl->NamedFramebufferDrawBuffers(t->framebuffer, GPU_TARGET_COLORS, attached);
 	if (!depth)
 		return;
 	t->depth = make_texture(g, label, GL_DEPTH_COMPONENT32F, t);
@@ -199,10 +210,18 @@ static void attach_textures(const gpu *g, gpu_target *t, const char *label, cons
 	t->bytes += sizeof(float) * pixels;
 }
 
-gi_result gpu_target_create(gpu *g, gpu_target *t, const char *label, const gpu_format formats[2], bool depth,
-			    uint32_t width, uint32_t height)
+static bool has_colors(const gpu_target *t, const gpu_format formats[GPU_TARGET_COLORS])
 {
-	if (t->framebuffer && t->width == width && t->height == height)
+	bool same = true;
+	for (int k = 0; k < GPU_TARGET_COLORS; k++)
+		same = same && (t->color[k] != 0) == (formats[k] != GPU_FORMAT_NONE);
+	return same;
+}
+
+gi_result gpu_target_create(gpu *g, gpu_target *t, const char *label, const gpu_format formats[GPU_TARGET_COLORS],
+			    bool depth, uint32_t width, uint32_t height)
+{
+	if (t->framebuffer && t->width == width && t->height == height && has_colors(t, formats))
 		return GI_OK;
 	gpu_target_free(g, t);
 	t->width = width;
@@ -219,9 +238,9 @@ gi_result gpu_target_create(gpu *g, gpu_target *t, const char *label, const gpu_
 
 void gpu_target_free(gpu *g, gpu_target *t)
 {
-	const GLuint textures[3] = {t->color[0], t->color[1], t->depth};
 	if (!g->lost) {
-		g->gl->DeleteTextures(3, textures); /* 0 is ignored */
+		g->gl->DeleteTextures(GPU_TARGET_COLORS, t->color); /* 0 is ignored */
+		g->gl->DeleteTextures(1, &t->depth);
 		g->gl->DeleteFramebuffers(1, &t->framebuffer);
 	}
 	g->buffer_bytes -= t->bytes;
@@ -238,6 +257,26 @@ void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture)
 {
 	g->gl->BindTextureUnit(unit, texture);
 	g->gl->BindSampler(unit, 0);
+}
+
+void gpu_bind_host_texture(const gpu *g, uint32_t unit, uint32_t texture, uint32_t sampler)
+{
+	g->gl->BindTextureUnit(unit, texture);
+	g->gl->BindSampler(unit, sampler);
+}
+
+bool gpu_is_host_texture(const gpu *g, uint32_t name)
+{
+	GLint target = 0;
+	if (!g->gl->IsTexture(name))
+		return false;
+	g->gl->GetTextureParameteriv(name, GL_TEXTURE_TARGET, &target);
+	return target == GL_TEXTURE_2D;
+}
+
+bool gpu_is_host_sampler(const gpu *g, uint32_t name)
+{
+	return g->gl->IsSampler(name) == GL_TRUE;
 }
 
 void gpu_bind_uniform_range(const gpu *g, uint32_t binding, const gpu_buffer *buffer, uint64_t offset, uint64_t bytes)

@@ -22,6 +22,9 @@ typedef struct gpu_attribute {
 gi_result gpu_mesh_create(gpu *g, gpu_mesh *mesh, const char *label, const gpu_attribute *attributes,
 			  uint32_t vertex_bytes, uint64_t vertex_count, const void *vertices, uint64_t index_count,
 			  const uint32_t *indices);
+/* One more attribute, floats one vertex after the other, of a buffer that stays the caller's. */
+void gpu_mesh_add_floats(const gpu *g, const gpu_mesh *mesh, uint32_t location, uint32_t components,
+			 const gpu_buffer *buffer);
 void gpu_mesh_free(gpu *g, gpu_mesh *mesh);
 void gpu_mesh_draw(const gpu *g, const gpu_mesh *mesh, uint32_t program);
 /* Draws the mesh `count` times; gl_InstanceID tells which. */
@@ -51,22 +54,29 @@ void gpu_depth_maps_begin_layer(const gpu *g, const gpu_depth_maps *maps, uint32
 /* Compared at `unit`, as plain values at the next. */
 void gpu_depth_maps_bind(const gpu *g, const gpu_depth_maps *maps, uint32_t unit);
 
-/* Textures of one size to draw into: up to two of four components, and a depth. */
+/* Textures of one size to draw into: up to three of four components, and a depth. */
 typedef enum gpu_format { GPU_FORMAT_NONE, GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED } gpu_format; /* of 32 bits */
+enum { GPU_TARGET_COLORS = 3 };
 
 typedef struct gpu_target {
-	uint32_t framebuffer, color[2], depth, width, height;
+	uint32_t framebuffer, color[GPU_TARGET_COLORS], depth, width, height;
 	uint64_t bytes;
 } gpu_target;
 
-/* Keeps what is there when it is the same size. */
-gi_result gpu_target_create(gpu *g, gpu_target *target, const char *label, const gpu_format formats[2], bool depth,
-			    uint32_t width, uint32_t height);
+/* Keeps what is there when it is the same size and has as many colours, which are those before the first NONE. */
+gi_result gpu_target_create(gpu *g, gpu_target *target, const char *label, const gpu_format formats[GPU_TARGET_COLORS],
+			    bool depth, uint32_t width, uint32_t height);
 void gpu_target_free(gpu *g, gpu_target *target);
 /* Clears the target's first colour to 0. */
 void gpu_target_clear(const gpu *g, const gpu_target *target);
 /* Read by texelFetch. */
 void gpu_bind_texture(const gpu *g, uint32_t unit, uint32_t texture);
+
+/* A texture of the host's, by one of its samplers; 0: as the texture itself says. */
+void gpu_bind_host_texture(const gpu *g, uint32_t unit, uint32_t texture, uint32_t sampler);
+/* Is there such an object? Of two dimensions, of one layer and one sample. */
+bool gpu_is_host_texture(const gpu *g, uint32_t name);
+bool gpu_is_host_sampler(const gpu *g, uint32_t name);
 
 /* ---- the host's state (gpu_state.c) ---- */
 

@@ -84,6 +84,18 @@ gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *ou
 	return result;
 }
 
+gi_result handles_create_instance(gi_context *gi, const object_record *of, const gi_pose *pose, gi_object *out)
+{
+	object_record made;
+	if (!object_share(of, &made))
+		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", of->name);
+	made.pose = *pose;
+	const gi_result result = take_place(gi, &made, out);
+	if (result)
+		object_free(&made);
+	return result;
+}
+
 gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepared_object **out)
 {
 	gi_prepared_object *made = gi_calloc(1, sizeof *made);

@@ -10,6 +10,8 @@ struct gi_prepared_object {
 };
 
 gi_result handles_create(gi_context *gi, const gi_object_def *def, gi_object *out);
+/* Of the shape of one that is alive; the pose is normalised. */
+gi_result handles_create_instance(gi_context *gi, const object_record *of, const gi_pose *pose, gi_object *out);
 /* On any thread. */
 gi_result handles_prepare(const gi_log *log, const gi_object_def *def, gi_prepared_object **out);
 /* Takes a prepared object; it is freed where all went well. */

@@ -433,13 +433,28 @@ bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *mess
 	return false;
 }
 
-void gi_hierarchy_refit(gi_hierarchy *h)
+/* Children come behind their parents. */
+static gi_node_sums sum_node(const gi_hierarchy *h, uint32_t node, const gi_node_sums *sums)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	gi_node_sums s = gi_node_no_sums();
+	if (range.w & GI_NODE_LEAF) {
+		const quad q = node_quad(h, node);
+		gi_node_add_quad(&s, &q);
+	}
+	for (uint32_t child = node + 1; child < range.x; child = h->topology[child].range.x)
+		gi_node_add_sums(&s, &sums[child]);
+	return s;
+}
+
+void gi_hierarchy_refit(gi_hierarchy *h, gi_node_sums *sums)
 {
 	const double area = h->area;
 	set_bounds(h);
-	for (uint32_t node = 0; node < h->node_count; node++) {
+	for (uint32_t node = h->node_count; node-- > 0;) {
 		h->topology[node].range.w &= GI_NODE_LEAF | GI_NODE_POLYGON;
-		gi_node_measure(h, node);
+		sums[node] = sum_node(h, node, sums);
+		gi_node_measure_by(h, node, &sums[node]);
 	}
 	set_totals(h);
 	h->area = area;

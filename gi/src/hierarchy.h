@@ -16,6 +16,14 @@
 #include "refine.h"
 
 #include "gi_shared.h"
+#include "vec3d.h"
+
+/* What adds up over the leaves of a node: areas times normals, areas, outer products of those by area, bounds. */
+typedef struct gi_node_sums {
+	gi_vec3d moment;
+	double area, outer[6]; /* xx yy zz xy yz zx */
+	gi_vec3d lower, upper;
+} gi_node_sums;
 
 typedef struct gi_hierarchy {
 	uint32_t vertex_count;
@@ -45,8 +53,9 @@ double gi_quad_area(const float a[3], const float b[3], const float c[3], const 
 bool gi_hierarchy_build(const gi_refined *refined, gi_hierarchy *out, char *message, size_t message_size);
 
 /* Of one that deforms, built of a gi_refined with stencils, whose vertices are others now: bounds, volume and all
- * measures of nodes anew, a function of the vertices alone. Which leaf hangs below which node stays. */
-void gi_hierarchy_refit(gi_hierarchy *hierarchy);
+ * measures of nodes anew, a function of the vertices alone. Which leaf hangs below which node stays. sums: room for
+ * node_count. */
+void gi_hierarchy_refit(gi_hierarchy *hierarchy, gi_node_sums *sums);
 
 void gi_hierarchy_free(gi_hierarchy *hierarchy);
 

@@ -24,42 +24,16 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 
 /* ---- building ---- */
 
-void object_free(object_record *o)
-{
-	gi_free(o->name);
-	gi_free(o->materials);
-	gi_free(o->specular);
-	gi_free(o->emission);
-	gi_free(o->leaf_uvs);
-	gi_hierarchy_free(&o->hierarchy);
-	gi_subsurface_free(&o->subsurface);
-	gi_bvh_free(&o->bvh);
-	gi_free(o->by_size);
-	gi_drawn_free(&o->drawn);
-	gi_deform_free(o->deform);
-	*o = (object_record){.generation = o->generation,
-			     .leaf_id = o->leaf_id,
-			     .node_id = o->node_id,
-			     .leaf_ids = o->leaf_ids,
-			     .node_ids = o->node_ids};
-}
-
-static char *duplicate_text(const char *text)
-{
-	const size_t size = strlen(text) + 1;
-	char *copy = gi_malloc(size);
-	if (copy)
-		memcpy(copy, text, size);
-	return copy;
-}
-
 static bool copy_values(object_record *o, const gi_object_def *def, const char *name)
 {
 	o->material_count = def->material_count ? def->material_count : 1;
 	o->materials = gi_malloc(sizeof(gi_material) * o->material_count);
-	o->name = duplicate_text(name);
+	o->name = object_copy_name(name);
 	o->specular = def->specular ? gi_malloc(sizeof(gi_specular) * o->material_count) : NULL;
-	if (!o->materials || !o->name || (def->specular && !o->specular))
+	o->sharers = gi_malloc(sizeof *o->sharers);
+	if (o->sharers)
+		*o->sharers = 1;
+	if (!o->materials || !o->name || (def->specular && !o->specular) || !o->sharers)
 		return false;
 	if (def->specular)
 		memcpy(o->specular, def->specular, sizeof(gi_specular) * o->material_count);
@@ -101,7 +75,8 @@ static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *ca
 	char message[256];
 	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, extra, least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, &fine, def->uvs ? o->leaf_uvs : NULL,
+						  least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
@@ -128,7 +103,8 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
 		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, 0, least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, coarse, def->uvs ? o->leaf_uvs : NULL,
+						  least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, coarse, false);
 	return ok;
@@ -304,7 +280,7 @@ static gi_result build_on_hierarchy(const gi_log *log, const gi_unique_faces *un
 	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 	if (!o->by_size || !copy_values(o, def, name) ||
 	    (mapped && !object_map_leaves(def, cage, unique->origin, refined, o)) ||
-	    !build_drawn(def, cage, refined, refined->level_count - 1, o))
+	    !build_drawn(def, cage, refined, refined->level_count - 1, o) || !object_chart_drawn(def, refined, o))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	if (o->deform)
 		object_note_sizes(o);

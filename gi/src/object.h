@@ -8,6 +8,7 @@
 #include "gpu.h"
 #include "hierarchy.h"
 #include "material.h"
+#include "drawn_chart.h"
 #include "drawn_surface.h"
 #include "subsurface.h"
 
@@ -34,6 +35,8 @@ typedef struct object_record {
 	bool was_grouped; /* before the last commit */
 	/* Numbers of the row updates that last saw it so (gi_rows). */
 	uint32_t moved_update, relit_update, reshaped_update;
+	/* How many objects have its arrays, but for those that are each one's own (object_share.c). */
+	uint32_t *sharers;
 	char *name;
 	gi_pose pose;
 	float scale[3]; /* of the definition: the hierarchy has it applied */
@@ -47,8 +50,10 @@ typedef struct object_record {
 	gi_hierarchy hierarchy;
 	gi_bvh bvh;
 	gi_drawn_surface drawn;
-	uint32_t *by_size; /* numbers of its primitives (rank.h) */
-	gi_deform *deform; /* NULL: its shape does not change */
+	gi_drawn_chart chart;  /* of one with texture coordinates; its materials are those of the definition */
+	gi_textures *textures; /* of each of these; NULL: none has any */
+	uint32_t *by_size;     /* numbers of its primitives (rank.h) */
+	gi_deform *deform;     /* NULL: its shape does not change */
 
 	/* Place in the uploaded scene. */
 	uint32_t lowest_rank, highest_rank; /* of its primitives (rank.h) */
@@ -75,6 +80,9 @@ typedef struct object_builder {
 } object_builder;
 
 gi_result object_build(const object_builder *builder, const gi_object_def *def, object_record *out);
+/* Another one of the same shape, scale and materials, in no place: what does not change of the two is there once, until
+ * both are freed. False: out of memory; *out is as object_free leaves it. */
+bool object_share(const object_record *object, object_record *out);
 void object_free(object_record *object);
 /* Lengths and places of objects, metres, are at most this: area times B, and the products of three lengths that rays
  * take, stay in the range of floats. */
@@ -110,6 +118,8 @@ void object_leave_trail(object_record *object); /* before it is placed elsewhere
 void object_include_box(const object_record *object, gi_vec4 *lower, gi_vec4 *upper); /* its own and its trail */
 bool object_is_smooth(const object_record *object); /* something of it is a mirror or glass */
 bool object_has_glass(const object_record *object);
+/* Has this material of its definition textures to be drawn with? */
+bool object_is_textured(const object_record *object, uint32_t material);
 bool object_is_translucent(const object_record *object);
 /* As shaders see them: of a translucent object each twice, and pixels are lit by the second, which is black. */
 uint32_t object_material_slots(const object_record *object);

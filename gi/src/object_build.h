@@ -38,6 +38,9 @@ bool object_own_materials(object_record *o);
 /* Faces and texture coordinates of the leaves; origin as in gi_unique_faces. False: out of memory. */
 bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, const uint32_t *origin,
 		       const gi_refined *refined, object_record *o);
+/* Where in a texture what is drawn lies; nothing without texture coordinates. False: out of memory. */
+bool object_chart_drawn(const gi_object_def *def, const gi_refined *refined, object_record *o);
+char *object_copy_name(const char *name); /* NULL: out of memory */
 /* All of a definition but its pose; messages call it `name`. */
 gi_result object_check_named(const gi_log *log, const gi_object_def *def, const char *name);
 

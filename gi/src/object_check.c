@@ -82,8 +82,12 @@ static const char *broken_geometry(const gi_object_def *def)
 		if (!def->leaf_cuts || def->leaf_cuts[k].face >= def->face_count ||
 		    !all_finite(def->leaf_cuts[k].from, 3) || !all_finite(def->leaf_cuts[k].to, 3))
 			return "a leaf cut is on a face that is not there, or not finite";
-	if (def->uvs && !all_finite(def->uvs, 2 * (size_t)def->index_count))
+	if ((def->uvs && !all_finite(def->uvs, 2 * (size_t)def->index_count)) ||
+	    (def->draw_uvs && !all_finite(def->draw_uvs, 2 * (size_t)def->draw_index_count)))
 		return "a texture coordinate is not finite";
+	for (uint32_t k = 0; def->draw_face_materials && k < def->draw_index_count / 3; k++)
+		if (def->draw_face_materials[k] >= (def->material_count ? def->material_count : 1))
+			return "a material number of the draw mesh is not below material_count";
 	for (uint32_t k = 0; def->leaf_sizes && k < def->face_count; k++)
 		if (!(def->leaf_sizes[k] >= 0.0f && isfinite(def->leaf_sizes[k])))
 			return "a face's leaf size is negative or not finite";

@@ -1,4 +1,5 @@
-/* Leaves by themselves: materials of their own, and where in a texture each lies. Of objects that ask for either. */
+/* Leaves by themselves: materials of their own, and where in a texture each lies, and what is drawn of it. Of objects
+ * that ask for either. */
 #include "object_build.h"
 
 #include "faces.h"
@@ -59,20 +60,6 @@ static gi_vec3d corner_of(const gi_object_def *def, uint32_t corner)
 	return (gi_vec3d){(double)(p[0] * scale[0]), (double)(p[1] * scale[1]), (double)(p[2] * scale[2])};
 }
 
-/* Weights of a triangle's corners at p, or at what of its plane is below p; returns the least. */
-static double weights_at(const gi_vec3d c[3], gi_vec3d p, double out[3])
-{
-	const gi_vec3d n = gi_vec3d_cross(gi_vec3d_sub(c[1], c[0]), gi_vec3d_sub(c[2], c[0]));
-	const double size = gi_vec3d_dot(n, n);
-	double least = HUGE_VAL;
-	for (int k = 0; k < 3; k++) {
-		const gi_vec3d from = c[(k + 1) % 3], to = c[(k + 2) % 3];
-		out[k] = gi_vec3d_dot(n, gi_vec3d_cross(gi_vec3d_sub(to, from), gi_vec3d_sub(p, from))) / size;
-		least = fmin(least, out[k]);
-	}
-	return size > 0 ? least : -HUGE_VAL;
-}
-
 /* At a point of a flat face: in the triangle of its fan that it lies in. */
 static void map_point(const mapping *m, uint32_t face, gi_vec3d p, float out[2])
 {
@@ -83,7 +70,7 @@ static void map_point(const mapping *m, uint32_t face, gi_vec3d p, float out[2])
 		const gi_vec3d c[3] = {corner_of(m->def, corners[0]), corner_of(m->def, corners[1]),
 				       corner_of(m->def, corners[2])};
 		double weights[3];
-		const double least = weights_at(c, p, weights);
+		const double least = gi_vec3d_weights(c, p, weights);
 		if (!(least > best))
 			continue;
 		best = least;
@@ -171,4 +158,33 @@ bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, con
 	gi_refined_free(&chart);
 	gi_free(m.first);
 	return ready;
+}
+
+/* Of each triangle of a cage's surface: the material of the face that it lies on. */
+static uint32_t *triangle_materials(const gi_refined *refined, const object_record *o)
+{
+	const gi_drawn_surface *drawn = &o->drawn;
+	const uint32_t *of_face = refined->levels[refined->level_count - 1].material;
+	uint32_t *materials = gi_malloc(sizeof *materials * (drawn->index_count / 3 + 1));
+	for (uint32_t t = 0; materials && t < drawn->index_count / 3; t++)
+		materials[t] = of_face[o->hierarchy.leaf_face[drawn->vertices[drawn->indices[3 * t]].leaf]];
+	return materials;
+}
+
+bool object_chart_drawn(const gi_object_def *def, const gi_refined *refined, object_record *o)
+{
+	const uint32_t count = def->material_count ? def->material_count : 1;
+	const bool mesh = def->draw_index_count > 0;
+	const void *mesh_uvs = def->draw_uvs;
+	if (def->undrawn || !(mesh ? mesh_uvs : def->uvs))
+		return true;
+	if (mesh)
+		return gi_drawn_chart_build(&o->drawn, mesh_uvs, def->draw_face_materials, count, &o->chart);
+	uint32_t *materials = triangle_materials(refined, o);
+	const bool made =
+	    materials && gi_drawn_chart_build(&o->drawn, (const float(*)[2])o->drawn.uvs, materials, count, &o->chart);
+	gi_free(materials);
+	gi_free(o->drawn.uvs);
+	o->drawn.uvs = NULL;
+	return made;
 }

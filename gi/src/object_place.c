@@ -19,7 +19,7 @@ bool object_is_seen(const object_record *o)
 uint32_t object_flags(const object_record *o)
 {
 	return (o->plane && !o->overlaps ? GI_OBJECT_FLAT : 0) | (object_is_seen(o) ? 0 : GI_OBJECT_UNSEEN) |
-	       (o->leaf_materials ? GI_OBJECT_LEAF_MATERIALS : 0);
+	       (o->leaf_materials ? GI_OBJECT_LEAF_MATERIALS : 0) | (o->deform ? GI_OBJECT_DEFORMS : 0);
 }
 
 /* ---- materials ---- */
@@ -160,6 +160,11 @@ bool object_is_smooth(const object_record *o)
 	for (uint32_t m = 0; o->specular && m < o->material_count && !smooth; m++)
 		smooth = material_is_smooth(&o->specular[m]);
 	return smooth;
+}
+
+bool object_is_textured(const object_record *o, uint32_t material)
+{
+	return o->textures && (o->textures[material].base_color || o->textures[material].emissive);
 }
 
 bool object_has_glass(const object_record *o)

@@ -59,7 +59,7 @@ gi_result object_try_shape(const gi_log *log, object_record *o, const char *name
 static void refit_hierarchy(object_record *o)
 {
 	gi_deform_settle(o->deform, &o->hierarchy);
-	gi_hierarchy_refit(&o->hierarchy);
+	gi_hierarchy_refit(&o->hierarchy, o->deform->sums);
 	if (o->deform->two_sided)
 		object_hide_backs(&o->hierarchy);
 }

@@ -59,7 +59,7 @@ static gi_result wait_for(gi_context *gi, const bool wanted[ROWS_SETS])
 gi_result programs_for_commit(gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
-	uint32_t moving = 0, still = 0, ever_still = 0;
+	uint32_t moving = 0, still = 0, ever_still = 0, deforming = 0;
 	for (uint32_t k = 0; k < s->object_count; k++) {
 		const object_record *o = &s->objects[k];
 		if (!object_is_alive(o))
@@ -67,22 +67,26 @@ gi_result programs_for_commit(gi_context *gi)
 		moving += o->mobility != GI_MOBILITY_STATIC;
 		still += o->mobility != GI_MOBILITY_MOVABLE;
 		ever_still += o->mobility == GI_MOBILITY_STATIC;
+		deforming += o->deform != NULL;
 	}
 	const bool keeps = s->ever_committed && gi->rows.fitted && !gi->rows.rebuild;
 	const bool moves = moving || keeps, statics = ever_still > 1 || still >= GI_AUTOMATIC_OBJECTS;
-	const bool wanted[ROWS_SETS] = {[ROWS_ALWAYS] = true,
-					[ROWS_MOTION] = moves,
-					[ROWS_STATICS] = statics,
-					[ROWS_STATICS_MOTION] = moves && statics,
-					[ROWS_KEPT] = keeps};
+	const bool wanted[ROWS_SETS] = {[ROWS_ALWAYS] = true,     [ROWS_MOTION] = moves,
+					[ROWS_STATICS] = statics, [ROWS_STATICS_MOTION] = moves && statics,
+					[ROWS_KEPT] = keeps,      [ROWS_DEFORMING] = deforming};
 	return wait_for(gi, wanted);
 }
 
 gi_result programs_for_rows(gi_context *gi)
 {
 	const bool moves = !gi->rows.rebuild, statics = gi->scene.statics_slot != GI_NONE;
-	const bool wanted[ROWS_SETS] = {
-	    [ROWS_MOTION] = moves, [ROWS_STATICS] = statics, [ROWS_STATICS_MOTION] = moves && statics};
+	bool deforming = false;
+	for (uint32_t k = 0; k < gi->scene.object_count; k++)
+		deforming = deforming || gi->scene.objects[k].deform;
+	const bool wanted[ROWS_SETS] = {[ROWS_MOTION] = moves,
+					[ROWS_STATICS] = statics,
+					[ROWS_STATICS_MOTION] = moves && statics,
+					[ROWS_DEFORMING] = deforming};
 	return wait_for(gi, wanted);
 }
 

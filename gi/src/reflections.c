@@ -88,7 +88,7 @@ static gi_result prepare_splats(gi_context *gi, gi_reflections *r)
 
 gi_result reflections_prepare(gi_context *gi, gi_reflections *r, const gi_view *view)
 {
-	static const gpu_format formats[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
+	static const gpu_format formats[GPU_TARGET_COLORS] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED};
 	const int which = which_trace(gi);
 	gi_result result = gpu_program_want(&gi->gpu, "screen.vert", TRACES[which], &r->trace_program[which]);
 	if (!result && sky_shows_image(gi))

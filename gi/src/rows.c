@@ -52,7 +52,8 @@ uint32_t rows_programs(gi_rows *r, rows_set set, gpu_program_file list[ROWS_PROG
 			{ROWS_STATICS, {"trace_tops.comp", &r->tops_program}},
 			{ROWS_STATICS_MOTION, {"cut_kept.comp", &r->kept_program}},
 			{ROWS_STATICS_MOTION, {"covered.comp", &r->covered_program}},
-			{ROWS_KEPT, {"renumber.comp", &r->renumber_program}}};
+			{ROWS_KEPT, {"renumber.comp", &r->renumber_program}},
+			{ROWS_DEFORMING, {"cut_own.comp", &r->own_program}}};
 	uint32_t count = 0;
 	for (size_t k = 0; k < sizeof programs / sizeof *programs; k++)
 		if (programs[k].set == set)
@@ -321,6 +322,10 @@ static void cut(gi_context *gi, const rows_plan *p)
 	cut_by(gi, p, r->cut_program);
 	if (!r->rebuild && statics != GI_NONE && rows_slot_moved(gi, statics))
 		cut_by(gi, p, r->kept_program);
+	if (p->part && p->deforms)
+		gpu_dispatch_indirect(&gi->gpu, r->own_program, &gi->state, STATE_OFFSET(chosen));
+	else if (p->own_threads)
+		gpu_dispatch(&gi->gpu, r->own_program, p->own_threads);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_CUT]);
 }
 

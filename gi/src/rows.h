@@ -28,7 +28,7 @@ typedef struct gi_rows {
 	gi_slot_list object_list; /* of the last update */
 	uint32_t pose_program, cut_program, factor_program, flag_program, trace_program, close_program, recycle_program,
 	    prepare_program, renumber_program, tops_program, concern_program, changed_program, unmark_program,
-	    kept_program, covered_program;
+	    kept_program, covered_program, own_program;
 } gi_rows;
 
 /* Programs by what takes them: a scene that does without a set compiles none of it (programs.c). */
@@ -38,6 +38,7 @@ typedef enum rows_set {
 	ROWS_STATICS,        /* static objects under common nodes */
 	ROWS_STATICS_MOTION, /* both */
 	ROWS_KEPT,           /* commits that keep rows */
+	ROWS_DEFORMING,      /* objects whose shape may change */
 	ROWS_SETS
 } rows_set;
 enum { ROWS_PROGRAMS = 8 }; /* of a set at most */

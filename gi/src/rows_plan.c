@@ -128,6 +128,11 @@ static bool plan_poses(gi_context *gi, rows_plan *p)
 	return true;
 }
 
+static bool slot_deforms(const gi_context *gi, uint32_t slot)
+{
+	return gi->scene.object_data[slot].bvh.z & GI_OBJECT_DEFORMS;
+}
+
 static bool plan_cuts(gi_context *gi, rows_plan *p)
 {
 	const gi_scene *s = &gi->scene;
@@ -136,13 +141,32 @@ static bool plan_cuts(gi_context *gi, rows_plan *p)
 		if (nodes.w == nodes.z || !scene_has_rows(s, receiver))
 			continue;
 		for (uint32_t source = s->first_source; source < s->slot_count; source++) {
-			if (!pair_is_dirty(gi, receiver, source))
+			if (!pair_is_dirty(gi, receiver, source) || (receiver == source && slot_deforms(gi, source)))
 				continue;
 			const gi_uvec4 run = {(uint32_t)p->cut_threads, receiver, source, nodes.z};
 			if (!add_run(&gi->rows, p->pose_runs + p->cut_runs++, run))
 				return false;
 			p->cut_threads += nodes.w - nodes.z;
 		}
+	}
+	return true;
+}
+
+/* Of objects that deform the pairs of their own leaves (cut_own.comp), behind all others. */
+static bool plan_own_cuts(gi_context *gi, rows_plan *p)
+{
+	const gi_scene *s = &gi->scene;
+	for (uint32_t slot = s->first_source; slot < s->slot_count; slot++) {
+		const gi_uvec4 nodes = s->object_data[slot].nodes;
+		if (!slot_deforms(gi, slot))
+			continue;
+		p->deforms = true;
+		if (p->part || !pair_is_dirty(gi, slot, slot))
+			continue;
+		const gi_uvec4 run = {(uint32_t)(p->cut_threads + p->own_threads), slot, slot, nodes.z};
+		if (!add_run(&gi->rows, p->pose_runs + p->cut_runs++, run))
+			return false;
+		p->own_threads += nodes.w - nodes.z;
 	}
 	return true;
 }
@@ -341,9 +365,9 @@ gi_result rows_plan_make(gi_context *gi, const gi_budget *budget, rows_plan *p)
 	r->rebuild = r->rebuild || flagging_would_end_early(gi);
 	p->part = p->part && !r->rebuild;
 	number_changes(gi);
-	if (!plan_poses(gi, p) || (!p->part && !plan_cuts(gi, p)))
+	if (!plan_poses(gi, p) || (!p->part && !plan_cuts(gi, p)) || !plan_own_cuts(gi, p))
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	if (p->cut_threads > UINT32_MAX / 2)
+	if (p->cut_threads + p->own_threads > UINT32_MAX / 2)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "%u leaves times %u objects are too many pairs",
 			       scene_row_count(&gi->scene), gi->scene.slot_count);
 	result = specular_rows_prepare(gi, p->part);
@@ -430,7 +454,8 @@ void rows_plan_upload_frame(gi_context *gi, const rows_plan *p, const gi_budget 
 	    .inner = {s->tlas_inner_first, s->tlas_inner_end, lit ? GI_NONE : s->sky_slot, p->several},
 	    .ceiling = ceiling_of(gi),
 	    .swept = {p->first_swept, p->swept, s->first_source, s->statics_slot},
-	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), specular_rows_are_heavy(gi), 0},
+	    .statics = {static_primitives(s), specular_rows_bring_exitance(gi), specular_rows_are_heavy(gi),
+			(uint32_t)p->own_threads},
 	};
 	gi->frame.update = (gi_uvec4){gi->rows.update, 0, p->movers, gi->rows.rebuild ? GI_UPDATE_REBUILD : 0};
 	gi->frame.update.w |= materials_changed(gi) || gi->rows.kept ? GI_UPDATE_MATERIAL : 0;

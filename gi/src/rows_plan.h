@@ -11,8 +11,9 @@ typedef struct rows_plan {
 	uint32_t pose_runs, pose_threads, cut_runs, movers;
 	uint32_t first_emitter, end_emitter; /* in the lists of objects */
 	uint32_t first_swept, swept;         /* likewise, in fours of words */
-	uint64_t cut_threads;
-	loans loans; /* in part alone */
+	uint64_t cut_threads, own_threads;   /* the latter of objects that deform, for themselves */
+	bool deforms;                        /* there are such objects */
+	loans loans;                         /* in part alone */
 } rows_plan;
 
 /* Uploads what moved, the runs and the lists of objects. */

@@ -3,13 +3,11 @@
  *   surfaces   what is seen: place, normal, material, light through the leaves    draw.vert surface.frag
  *   lamps      one pass over the picture each; the last one's goes to the host    screen.vert light_*.frag
  *
+ * In a scene with textures surfaces also have the reflectance of each pixel (textured.h), which the last pass takes
+ * instead of the material's.
+ *
  * Surfaces first, so that what is expensive is done once a pixel: on a software renderer a triangle of a few pixels
  * costs whole blocks of 4 x 4.
- *
- * One mesh holds the drawn surfaces of all objects, small objects first: what they hide of the walls behind them is not
- * shaded.
- *
- *   position 3 | normal 3, sink 1 | leaf | light vertices 4 | weights 4        64 bytes a vertex
  */
 #include "shade.h"
 
@@ -21,56 +19,55 @@
 #include "reflections.h"
 #include "shadow.h"
 #include "specular.h"
-#include "vec3d.h"
+#include "textured.h"
 #include "view.h"
 
 #include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* Where the drawn surface lies below the leaves' planes, it is taken this much higher when it looks for its shadows. */
-static const double SINK_FACTOR = 1.1;
-
-typedef struct draw_vertex {
-	float position[3];
-	float normal[3];
-	float sink;
-	uint32_t leaf;
-	uint32_t light[4];
-	float weight[4];
-} draw_vertex;
 
 /* Of a lamp: where nothing can hide it, and next to that where something may. */
 typedef enum program {
 	PROGRAM_OWN,
+	PROGRAM_OWN_TEXTURED,
 	PROGRAM_SURFACE,
 	PROGRAM_SURFACE_TRANSLUCENT, /* the same in a scene with translucent objects */
+	/* In a scene with textures: of what has none, and of what has some. */
+	PROGRAM_SURFACE_ALBEDO,
+	PROGRAM_SURFACE_ALBEDO_TRANSLUCENT,
+	PROGRAM_SURFACE_TEXTURED,
 	PROGRAM_MORE,
 	PROGRAM_MORE_SHADOWS,
 	PROGRAM_LAST,
 	PROGRAM_LAST_SHADOWS,
 	PROGRAM_SURFACE_LAST, /* no lamp at all */
-	PROGRAM_PUNCTUAL,     /* a light without a surface */
+	PROGRAM_LAST_ALBEDO,  /* these three in a scene with textures */
+	PROGRAM_LAST_ALBEDO_SHADOWS,
+	PROGRAM_SURFACE_LAST_ALBEDO,
+	PROGRAM_PUNCTUAL, /* a light without a surface */
 	PROGRAM_COUNT
 } program;
-static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {{"draw.vert", "draw_none.frag"},
-							    {"draw.vert", "surface.frag"},
-							    {"draw_translucent.vert", "surface.frag"},
-							    {"screen.vert", "light_more.frag"},
-							    {"screen.vert", "light_more_shadows.frag"},
-							    {"screen.vert", "light_last.frag"},
-							    {"screen.vert", "light_last_shadows.frag"},
-							    {"screen.vert", "surface_last.frag"},
-							    {"screen.vert", "light_punctual.frag"}};
+static const char *const PROGRAM_FILES[PROGRAM_COUNT][2] = {
+    [PROGRAM_OWN] = {"draw.vert", "draw_none.frag"},
+    [PROGRAM_OWN_TEXTURED] = {"draw_textured.vert", "own_textured.frag"},
+    [PROGRAM_SURFACE] = {"draw.vert", "surface.frag"},
+    [PROGRAM_SURFACE_TRANSLUCENT] = {"draw_translucent.vert", "surface.frag"},
+    [PROGRAM_SURFACE_ALBEDO] = {"draw.vert", "surface_albedo.frag"},
+    [PROGRAM_SURFACE_ALBEDO_TRANSLUCENT] = {"draw_translucent.vert", "surface_albedo.frag"},
+    [PROGRAM_SURFACE_TEXTURED] = {"draw_textured.vert", "surface_textured.frag"},
+    [PROGRAM_MORE] = {"screen.vert", "light_more.frag"},
+    [PROGRAM_MORE_SHADOWS] = {"screen.vert", "light_more_shadows.frag"},
+    [PROGRAM_LAST] = {"screen.vert", "light_last.frag"},
+    [PROGRAM_LAST_SHADOWS] = {"screen.vert", "light_last_shadows.frag"},
+    [PROGRAM_SURFACE_LAST] = {"screen.vert", "surface_last.frag"},
+    [PROGRAM_LAST_ALBEDO] = {"screen.vert", "light_last_albedo.frag"},
+    [PROGRAM_LAST_ALBEDO_SHADOWS] = {"screen.vert", "light_last_albedo_shadows.frag"},
+    [PROGRAM_SURFACE_LAST_ALBEDO] = {"screen.vert", "surface_last_albedo.frag"},
+    [PROGRAM_PUNCTUAL] = {"screen.vert", "light_punctual.frag"},
+};
 
 struct gi_shade {
-	bool built;                       /* for the scene as committed */
 	uint32_t programs[PROGRAM_COUNT]; /* made when wanted */
-	gpu_mesh mesh, screen;
-	uint32_t *first_vertex;      /* of the mesh, by slot; GI_NONE: it is not drawn */
-	struct draw_vertex *staging; /* of a shape that changed */
-	uint32_t staging_room;
+	gi_surfaces objects;
+	gpu_mesh screen;
 	bool others;                 /* so_far has light of others than the last lamp, of the picture that is drawn */
 	gpu_target surfaces, so_far; /* of the last view's size */
 	gi_shadow shadow;
@@ -79,126 +76,13 @@ struct gi_shade {
 	gi_reflections reflections;
 };
 
-/* ---- the mesh ---- */
-
-static float sink_of(const gi_hierarchy *h, const gi_draw_vertex *v)
-{
-	const uint32_t node = h->leaf_node[v->leaf];
-	const gi_vec3d normal = gi_vec3d_from(h->geometry[node].axis);
-	const uint32_t *corners = &h->topology[node].corners.x;
-	double plane = 0;
-	for (int k = 0; k < 4; k++)
-		plane += 0.25 * gi_vec3d_dot(normal, gi_vec3d_from(h->vertices[corners[k]]));
-	const double height = gi_vec3d_dot(normal, (gi_vec3d){v->position[0], v->position[1], v->position[2]}) - plane;
-	return height < 0 ? (float)(-SINK_FACTOR * height) : 0.0f;
-}
-
-static void fill_drawn(const object_record *o, draw_vertex *vertices)
-{
-	for (uint32_t k = 0; k < o->drawn.vertex_count; k++) {
-		const gi_draw_vertex *from = &o->drawn.vertices[k];
-		draw_vertex *to = &vertices[k];
-		memcpy(to->position, from->position, sizeof to->position);
-		memcpy(to->normal, from->normal, sizeof to->normal);
-		memcpy(to->weight, from->weight, sizeof to->weight);
-		to->sink = sink_of(&o->hierarchy, from);
-		to->leaf = o->leaf_base + from->leaf;
-		for (int i = 0; i < 4; i++)
-			to->light[i] = o->light_base + from->light[i];
-	}
-}
-
-static void add_drawn(const object_record *o, draw_vertex *vertices, uint32_t first_vertex, uint32_t *indices)
-{
-	fill_drawn(o, vertices + first_vertex);
-	for (uint32_t k = 0; k < o->drawn.index_count; k++)
-		indices[k] = first_vertex + o->drawn.indices[k];
-}
-
-typedef struct sized {
-	double size;
-	uint32_t slot;
-} sized;
-
-static int by_size(const void *a, const void *b)
-{
-	const sized *x = a, *y = b;
-	return x->size < y->size ? -1 : x->size > y->size ? 1 : (x->slot > y->slot) - (x->slot < y->slot);
-}
-
-/* Slots of the objects, small ones first; the sky is none. */
-static uint32_t order_slots(const gi_scene *s, sized *order)
-{
-	uint32_t count = 0;
-	for (uint32_t slot = 0; slot < s->slot_count; slot++)
-		if (scene_slot_is_seen(s, slot))
-			order[count++] = (sized){s->object_data[slot].sphere.w, slot};
-	qsort(order, count, sizeof *order, by_size);
-	return count;
-}
-
-static gi_result build_mesh(gi_context *gi, gi_shade *shade)
-{
-	const gi_scene *s = &gi->scene;
-	sized *order = gi_calloc(s->slot_count + 1, sizeof *order);
-	size_t vertex_count = 0, index_count = 0;
-	const uint32_t count = order ? order_slots(s, order) : 0;
-	for (uint32_t k = 0; k < count; k++) {
-		vertex_count += s->objects[s->slots[order[k].slot]].drawn.vertex_count;
-		index_count += s->objects[s->slots[order[k].slot]].drawn.index_count;
-	}
-	draw_vertex *vertices = gi_malloc(sizeof *vertices * (vertex_count + 1));
-	uint32_t *indices = gi_malloc(sizeof *indices * (index_count + 1));
-	gi_result result = GI_OK;
-	shade->first_vertex = gi_malloc(sizeof *shade->first_vertex * (s->slot_count + 1));
-	if (!order || !vertices || !indices || !shade->first_vertex)
-		result = gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
-	for (uint32_t slot = 0; !result && slot < s->slot_count; slot++)
-		shade->first_vertex[slot] = GI_NONE;
-	vertex_count = index_count = 0;
-	for (uint32_t k = 0; !result && k < count; k++) {
-		const object_record *o = &s->objects[s->slots[order[k].slot]];
-		add_drawn(o, vertices, (uint32_t)vertex_count, indices + index_count);
-		shade->first_vertex[order[k].slot] = (uint32_t)vertex_count;
-		vertex_count += o->drawn.vertex_count;
-		index_count += o->drawn.index_count;
-	}
-	static const gpu_attribute attributes[] = {{3, false, 0},
-						   {4, false, offsetof(draw_vertex, normal)},
-						   {1, true, offsetof(draw_vertex, leaf)},
-						   {4, true, offsetof(draw_vertex, light)},
-						   {4, false, offsetof(draw_vertex, weight)},
-						   {0}};
-	if (!result)
-		result = gpu_mesh_create(&gi->gpu, &shade->mesh, "drawn surfaces", attributes, sizeof *vertices,
-					 vertex_count, vertices, index_count, indices);
-	gi_free(order);
-	gi_free(vertices);
-	gi_free(indices);
-	return result;
-}
-
 /* ---- life ---- */
 
-/* What is drawn of an object has another shape: so has it in the mesh. */
 static bool redraw_object(gi_context *gi, gi_shade *shade, uint32_t slot)
 {
-	const object_record *o = scene_object_in(&gi->scene, slot);
-	const uint32_t first = shade->first_vertex[slot], count = o->drawn.vertex_count;
-	if (count > shade->staging_room) {
-		draw_vertex *grown = gi_realloc(shade->staging, sizeof *grown * count);
-		if (!grown)
-			return false;
-		shade->staging = grown;
-		shade->staging_room = count;
-	}
 	overlay_invalidate(gi, &shade->overlays);
-	if (first != GI_NONE) {
-		fill_drawn(o, shade->staging);
-		gpu_buffer_upload(&gi->gpu, &shade->mesh.vertices, sizeof(draw_vertex) * first,
-				  sizeof(draw_vertex) * count, shade->staging);
-	}
-	return shadow_reshape(gi, &shade->shadow, slot);
+	return (!shade->objects.built || surfaces_redraw(gi, &shade->objects, slot)) &&
+	       shadow_reshape(gi, &shade->shadow, slot);
 }
 
 /* Shapes that changed, which nobody looked at so far. */
@@ -207,7 +91,7 @@ static gi_result refit_drawn(gi_context *gi, gi_shade *shade)
 	bool ok = true;
 	for (uint32_t slot = 0; ok && slot < gi->scene.slot_count; slot++) {
 		object_record *o = scene_object_in(&gi->scene, slot);
-		if (o && object_refit_drawn(o) && shade->built)
+		if (o && object_refit_drawn(o))
 			ok = redraw_object(gi, shade, slot);
 	}
 	if (ok)
@@ -224,27 +108,25 @@ static gi_result prepare(gi_context *gi)
 	if (!shade)
 		return gi_fail(&gi->gpu.log, GI_ERROR_OUT_OF_MEMORY, "out of memory");
 	gi_result result = refit_drawn(gi, shade);
-	if (result || shade->built)
-		return result;
-	result = build_mesh(gi, shade);
-	if (result)
-		shade_invalidate(gi);
-	else
-		shade->built = true;
-	return result;
+	if (!result && !shade->objects.built)
+		result = surfaces_build(gi, &shade->objects);
+	return result ? result : textured_check(gi, &shade->objects);
+}
+
+void shade_invalidate_textures(gi_context *gi)
+{
+	if (gi->shade)
+		surfaces_invalidate(gi, &gi->shade->objects);
 }
 
 void shade_invalidate(gi_context *gi)
 {
 	if (!gi->shade)
 		return;
-	gpu_mesh_free(&gi->gpu, &gi->shade->mesh);
-	gi_free(gi->shade->first_vertex);
-	gi->shade->first_vertex = NULL;
+	surfaces_invalidate(gi, &gi->shade->objects);
 	shadow_invalidate(gi, &gi->shade->shadow);
 	punctual_shadow_invalidate(&gi->shade->punctual);
 	overlay_invalidate(gi, &gi->shade->overlays);
-	gi->shade->built = false;
 }
 
 void shade_free(gi_context *gi)
@@ -252,6 +134,7 @@ void shade_free(gi_context *gi)
 	if (!gi->shade)
 		return;
 	shade_invalidate(gi);
+	surfaces_free(gi, &gi->shade->objects);
 	shadow_free(gi, &gi->shade->shadow);
 	punctual_shadow_free(gi, &gi->shade->punctual);
 	overlay_free(gi, &gi->shade->overlays);
@@ -259,7 +142,6 @@ void shade_free(gi_context *gi)
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
 	gpu_target_free(&gi->gpu, &gi->shade->so_far);
-	gi_free(gi->shade->staging);
 	for (int k = 0; k < PROGRAM_COUNT; k++)
 		gpu_program_free(&gi->gpu, &gi->shade->programs[k]);
 	gi_free(gi->shade);
@@ -273,9 +155,27 @@ static bool is_heat_map(const gi_view *view)
 	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
 }
 
+/* Some object that is drawn has textures. */
+static bool is_textured(const gi_context *gi)
+{
+	return gi->shade->objects.part_count > 0;
+}
+
+/* Of what has no textures. */
 static program surface_program(const gi_context *gi)
 {
-	return gi->scene.translucent_leaves ? PROGRAM_SURFACE_TRANSLUCENT : PROGRAM_SURFACE;
+	const bool translucent = gi->scene.translucent_leaves > 0;
+	if (is_textured(gi))
+		return translucent ? PROGRAM_SURFACE_ALBEDO_TRANSLUCENT : PROGRAM_SURFACE_ALBEDO;
+	return translucent ? PROGRAM_SURFACE_TRANSLUCENT : PROGRAM_SURFACE;
+}
+
+/* The last pass of a picture that lamps light, or of one that none does. */
+static program last_program(const gi_context *gi, bool lit)
+{
+	if (is_textured(gi))
+		return lit ? PROGRAM_LAST_ALBEDO : PROGRAM_SURFACE_LAST_ALBEDO;
+	return lit ? PROGRAM_LAST : PROGRAM_SURFACE_LAST;
 }
 
 static gi_result want_program(gi_context *gi, program which)
@@ -284,13 +184,19 @@ static gi_result want_program(gi_context *gi, program which)
 	return gpu_program_want(&gi->gpu, PROGRAM_FILES[which][0], PROGRAM_FILES[which][1], program);
 }
 
-static void draw_surfaces(const gi_context *gi, program which, const gi_view *view, const float clip_from_world[16])
+static void draw_surfaces(const gi_context *gi, program plain, program textured, const gi_view *view,
+			  const float clip_from_world[16])
 {
 	const gi_shade *shade = gi->shade;
-	const uint32_t program = shade->programs[which];
-	gpu_set_matrices(&gi->gpu, program, 0, 1, clip_from_world);
-	gpu_set_uint(&gi->gpu, program, 1, (uint32_t)view->mode);
-	gpu_mesh_draw(&gi->gpu, &shade->mesh, program);
+	const program drawn[2] = {plain, textured};
+	for (int k = 0; k < (is_textured(gi) ? 2 : 1); k++) {
+		gpu_set_matrices(&gi->gpu, shade->programs[drawn[k]], 0, 1, clip_from_world);
+		gpu_set_uint(&gi->gpu, shade->programs[drawn[k]], 1, (uint32_t)view->mode);
+	}
+	if (is_textured(gi))
+		textured_draw(gi, &shade->objects, shade->programs[plain], shade->programs[textured]);
+	else
+		gpu_mesh_draw(&gi->gpu, &shade->objects.mesh, shade->programs[plain]);
 }
 
 /* A pass over a rectangle of the picture, whose corner is where the framebuffer has it. */
@@ -303,7 +209,7 @@ static void draw_rect(const gi_context *gi, program which, float farthest, const
 	const uint32_t program = shade->programs[which];
 	const int lower[2] = {corner[0] + x0, corner[1] + y0}, upper[2] = {corner[0] + x1, corner[1] + y1};
 	gpu_set_corner(&gi->gpu, program, 0, corner);
-	if (which >= PROGRAM_LAST && which <= PROGRAM_SURFACE_LAST) {
+	if (which >= PROGRAM_LAST && which <= PROGRAM_SURFACE_LAST_ALBEDO) {
 		gpu_set_uint(&gi->gpu, program, 1, !shade->others);
 		gpu_set_floats(&gi->gpu, program, 2, 1, 1, &farthest);
 	}
@@ -340,6 +246,8 @@ static void bind_surfaces(gi_context *gi, const gpu_target *surfaces)
 	gpu_depth_maps_bind(&gi->gpu, &shade->shadow.maps, GI_UNIT_MAPS);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_PLACE, surfaces->color[0]);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_LOOK, surfaces->color[1]);
+	if (is_textured(gi))
+		gpu_bind_texture(&gi->gpu, GI_UNIT_ALBEDO, shade->surfaces.color[2]);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_DEPTH, shade->surfaces.depth);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_SO_FAR, shade->so_far.color[0]);
 	gpu_bind_texture(&gi->gpu, GI_UNIT_MASKS, shade->shadow.mask_words.texture);
@@ -424,23 +332,33 @@ static void draw_reflections(gi_context *gi, uint32_t lamps, uint32_t lights, co
 		draw_part(gi, &r->parts[k], lamps, lights, view, state, corner);
 }
 
+static gi_result want_programs(gi_context *gi, uint32_t lamps, uint32_t lights, bool more)
+{
+	const program last = last_program(gi, lamps > 0);
+	gi_result result = want_program(gi, surface_program(gi));
+	if (!result && is_textured(gi))
+		result = want_program(gi, PROGRAM_SURFACE_TEXTURED);
+	if (!result && lights)
+		result = want_program(gi, PROGRAM_PUNCTUAL);
+	for (program k = PROGRAM_MORE; !result && lamps && more && k <= PROGRAM_MORE_SHADOWS; k++)
+		result = want_program(gi, k);
+	for (program k = last; !result && k <= last + (lamps > 0); k++)
+		result = want_program(gi, k);
+	return result;
+}
+
 static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lamps, uint32_t lights)
 {
-	static const gpu_format surfaces[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED},
-				so_far[2] = {GPU_FORMAT_FLOAT, GPU_FORMAT_NONE};
+	const gpu_format surfaces[GPU_TARGET_COLORS] = {GPU_FORMAT_FLOAT, GPU_FORMAT_UNSIGNED,
+							is_textured(gi) ? GPU_FORMAT_FLOAT : GPU_FORMAT_NONE};
+	static const gpu_format so_far[GPU_TARGET_COLORS] = {GPU_FORMAT_FLOAT};
 	static const gpu_attribute attributes[] = {{2, false, 0}, {0}};
 	static const float corners[3][2] = {{-1, -1}, {3, -1}, {-1, 3}};
 	static const uint32_t indices[3] = {0, 1, 2};
 	gi_shade *shade = gi->shade;
 	gpu *g = &gi->gpu;
 	const bool more = lamps > 1 || lights || specular_is_ready(gi);
-	gi_result result = want_program(gi, surface_program(gi));
-	if (!result && !lamps)
-		result = want_program(gi, PROGRAM_SURFACE_LAST);
-	if (!result && lights)
-		result = want_program(gi, PROGRAM_PUNCTUAL);
-	for (program k = more ? PROGRAM_MORE : PROGRAM_LAST; !result && lamps && k <= PROGRAM_LAST_SHADOWS; k++)
-		result = want_program(gi, k);
+	gi_result result = want_programs(gi, lamps, lights, more);
 	if (!result && !shade->screen.array)
 		result = gpu_mesh_create(g, &shade->screen, "whole picture", attributes, sizeof *corners, 3, corners, 3,
 					 indices);
@@ -454,9 +372,11 @@ static gi_result prepare_lamps(gi_context *gi, const gi_view *view, uint32_t lam
 /* In a scene without lamps and lights and without mirrors and glass: straight into the host's framebuffer. */
 static gi_result draw_own(gi_context *gi, const gi_view *view, const float clip_from_world[16])
 {
-	const gi_result result = want_program(gi, PROGRAM_OWN);
+	gi_result result = want_program(gi, PROGRAM_OWN);
+	if (!result && is_textured(gi))
+		result = want_program(gi, PROGRAM_OWN_TEXTURED);
 	if (!result)
-		draw_surfaces(gi, PROGRAM_OWN, view, clip_from_world);
+		draw_surfaces(gi, PROGRAM_OWN, PROGRAM_OWN_TEXTURED, view, clip_from_world);
 	return result;
 }
 
@@ -475,14 +395,14 @@ static gi_result draw_lit(gi_context *gi, const gi_view *view, const gpu_draw_st
 		return result;
 	const int corner[2] = {(int)floorf(state->viewport[0]), (int)floorf(state->viewport[1])};
 	gpu_draw_to_target(&gi->gpu, &shade->surfaces, view_convention(view));
-	draw_surfaces(gi, surface_program(gi), view, clip_from_world);
+	draw_surfaces(gi, surface_program(gi), PROGRAM_SURFACE_TEXTURED, view, clip_from_world);
 	bind_surfaces(gi, &shade->surfaces);
 	add_others(gi, lamps, lights, view, clip_from_world);
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (lamps)
-		draw_lamp(gi, PROGRAM_LAST, lamps - 1, view, corner);
+		draw_lamp(gi, last_program(gi, true), lamps - 1, view, corner);
 	else
-		draw_rect(gi, PROGRAM_SURFACE_LAST, view_farthest(view), corner, 0, 0, (int)view->width,
+		draw_rect(gi, last_program(gi, false), view_farthest(view), corner, 0, 0, (int)view->width,
 			  (int)view->height);
 	gpu_draw_unscissored(&gi->gpu);
 	if (specular_is_ready(gi))

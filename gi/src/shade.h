@@ -8,6 +8,8 @@ typedef struct gi_shade gi_shade; /* all that pictures take */
 
 /* Drops what was made of the committed scene. */
 void shade_invalidate(gi_context *gi);
+/* Other objects or materials than before have textures. */
+void shade_invalidate_textures(gi_context *gi);
 void shade_free(gi_context *gi);
 
 #endif

@@ -82,4 +82,18 @@ static inline gi_vec3d gi_vec3d_triangle(gi_vec3d a, gi_vec3d b, gi_vec3d c)
 	return gi_vec3d_scale(gi_vec3d_cross(gi_vec3d_sub(b, a), gi_vec3d_sub(c, a)), 0.5);
 }
 
+/* Weights of a triangle's corners at p, or at what of its plane is below p; returns the least. */
+static inline double gi_vec3d_weights(const gi_vec3d c[3], gi_vec3d p, double out[3])
+{
+	const gi_vec3d n = gi_vec3d_cross(gi_vec3d_sub(c[1], c[0]), gi_vec3d_sub(c[2], c[0]));
+	const double size = gi_vec3d_dot(n, n);
+	double least = HUGE_VAL;
+	for (int k = 0; k < 3; k++) {
+		const gi_vec3d from = c[(k + 1) % 3], to = c[(k + 2) % 3];
+		out[k] = gi_vec3d_dot(n, gi_vec3d_cross(gi_vec3d_sub(to, from), gi_vec3d_sub(p, from))) / size;
+		least = fmin(least, out[k]);
+	}
+	return size > 0 ? least : -HUGE_VAL;
+}
+
 #endif

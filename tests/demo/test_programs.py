@@ -521,7 +521,7 @@ class Programs(unittest.TestCase):
             self.assertEqual(running.returncode, -number, told)
             self.assertIn(b"gi_play: stopped before the frame was done", told)
             self.assertEqual(os.listdir(out), [])
-            self.assertLess(took, 10) # a second, on a machine that does nothing else
+            self.assertLess(took, 60) # a second, on a machine that does nothing else; the light takes minutes
 
     def test_full_standard_output(self):
         if not os.path.exists("/dev/full"):

@@ -242,6 +242,37 @@ class SceneFiles(unittest.TestCase):
         self.assertAlmostEqual(there[0], here[0], delta=1e-3)
         self.assertAlmostEqual(there[1], here[1], delta=0.005 * here[1])
 
+    def linear(self, row):
+        """A row of the picture's radiances, from below: r g b of each pixel."""
+        import struct
+        with open(self.path("l0.pfm"), "rb") as file:
+            width = int([file.readline() for _ in range(3)][1].split()[0])
+            file.seek(12 * width * row, os.SEEK_CUR)
+            values = struct.unpack("<%df" % (3 * width), file.read(12 * width))
+        return [values[3 * x:3 * x + 3] for x in range(width)]
+
+    def test_textures_are_drawn(self):
+        """Checks, bricks and holes come and go along rows of the picture, finer than leaves are."""
+        make = os.path.join(SOURCE, "demos", "scenes", "make_textured_room.py")
+        scene = self.path("room.gltf", subprocess.run([sys.executable, make], capture_output=True, text=True,
+                                                      check=True).stdout)
+        self.play(scene, "--size", "256x256", "--leaves", "600", "--cage-faces", "100", "--linear",
+                  self.path("l%d.pfm"))
+
+        def turns(row, columns, of):
+            kinds = [of(*pixel) for pixel in self.linear(row)[columns[0]:columns[1]]]
+            return sum(a != b for a, b in zip(kinds, kinds[1:]))
+
+        found = {"globe": turns(100, (66, 122), lambda r, g, b: g > 0.4 * r),
+                 "bricks": turns(170, (45, 215), lambda r, g, b: g > 0.6 * r),
+                 "floor": turns(20, (10, 246), lambda r, g, b: r > 2.2 * b),
+                 "sheet": turns(90, (155, 232), lambda r, g, b: g > r)}
+        print(found)
+        self.assertGreaterEqual(found["globe"], 4)
+        self.assertGreaterEqual(found["bricks"], 12)
+        self.assertGreaterEqual(found["floor"], 8)
+        self.assertEqual(found["sheet"], 8)
+
     # What each file says, and how much of it there is: area of an object, m2, and B, W/m2, where the file is about it.
     CASES = {
         "g_texture_white_factor.gltf": ("", None), "g_scale_zero.gltf": ("scale is 0", 2),

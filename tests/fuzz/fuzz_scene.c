@@ -55,6 +55,13 @@ void fuzz_write(const char *name, const uint8_t *bytes, size_t size)
 		exit(EXIT_FAILURE);
 }
 
+const char *fuzz_path(const char *name)
+{
+	static char path[512];
+	path_of(name, path);
+	return path;
+}
+
 static void require(bool holds, const char *what)
 {
 	if (holds)
@@ -67,6 +74,7 @@ static void check_material(const engine_scene_material *material)
 {
 	for (int c = 0; material->used && c < 3; c++) {
 		require(material->rho[c] >= 0 && material->rho[c] < 1, "rho in [0, 1)");
+		require(material->rho_factor[c] >= 0 && material->radiance_factor[c] >= 0, "factors are 0 and above");
 		require(material->radiance[c] >= 0 && material->radiance[c] < 1e31f, "radiance in [0, 1e30]");
 	}
 }
@@ -85,6 +93,10 @@ static void check_mesh(const engine_scene *scene, const engine_mesh *mesh)
 		require(mesh->indices[i] < mesh->vertex_count, "a corner is a vertex");
 	for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; i++)
 		require(isfinite(mesh->positions[i]), "positions are finite");
+	for (size_t i = 0; mesh->uvs && i < 2 * (size_t)mesh->index_count; i++)
+		require(isfinite(mesh->uvs[i]), "texture coordinates are finite");
+	for (size_t i = 0; mesh->colors && i < 4 * (size_t)mesh->index_count; i++)
+		require(mesh->colors[i] == ENGINE_NO_COLOR || mesh->colors[i] >= 0, "colours are 0 and above, or none");
 }
 
 static void check_pose(const engine_pose *pose)
@@ -117,6 +129,8 @@ static void check_scene(const engine_scene *scene)
 	engine_mesh merged;
 	char message[256];
 	require(!strchr(scene->warning, '\n'), "a warning is one line");
+	for (size_t i = 0; scene->sky.radiance && i < 3 * (size_t)scene->sky.width * scene->sky.height; i++)
+		require(scene->sky.radiance[i] >= 0 && scene->sky.radiance[i] <= 3e11f, "the sky is radiance");
 	for (uint32_t m = 0; m < scene->material_count; m++)
 		check_material(&scene->materials[m]);
 	for (uint32_t o = 0; o < scene->object_count; o++)

@@ -12,6 +12,9 @@
 /* Writes a file of that name into the folder; size 0 removes it. */
 void fuzz_write(const char *name, const uint8_t *bytes, size_t size);
 
+/* Where the file of that name is; until the next call. */
+const char *fuzz_path(const char *name);
+
 /* Loads the file of that name as a scene. Fails where it is refused without a line of its own, or where what loads is
  * not what engine/import_file.h promises.
  */

@@ -780,14 +780,14 @@ static void rows_that_do_not_fit(void **state)
 	(void)state;
 	gi_context_def def = harness_def();
 	def.row_tolerance = 2e-5f;
-	def.max_buffer_mib = 128;
+	def.max_buffer_mib = 32;
 	gi_context *gi = harness_context(&def);
 	for (int k = 0; k < 2; k++) {
 		engine_mesh mesh;
 		const float a[3] = {1, 0, 0}, b[3] = {0, 0, 1};
 		assert_true(shape_quad((float[]){0, (float)k, 0}, k ? a : b, k ? b : a, 1, 1, &mesh));
 		harness_add(
-		    gi, &(harness_object){.name = "square", .levels = 7, .rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}},
+		    gi, &(harness_object){.name = "square", .levels = 6, .rho = {.5f, .5f, .5f}, .exitance = {1, 1, 1}},
 		    &mesh);
 	}
 	assert_gi(gi_commit(gi));

@@ -93,6 +93,7 @@ static void expect_all_refused(const home *h)
 	expect_refused(gi_finish(h->gi));
 	expect_refused(gi_get_report(h->gi, &report));
 	expect_refused(gi_draw(h->gi, &view));
+	expect_refused(gi_set_textures(h->gi, h->floor, 0, NULL));
 	expect_refused(gi_read_leaves(h->gi, leaves, LEAVES, &count));
 	assert_int_equal(count, 0);
 	expect_refused(gi_read_entries(h->gi, NULL, 0, &many));

@@ -1,10 +1,8 @@
 /* The picture: direct light against closed forms, shadows, modes that add up, nothing drawn twice. */
-#include "harness.h"
+#include "target.h"
 
 #include "scenes/body.h"
 #include "scenes/shapes.h"
-
-#include <glad/gl.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -14,35 +12,6 @@
 static const double PI = 3.14159265358979;
 
 enum { SIZE = 64 };
-
-/* A float target, so that what is read is what was computed. */
-typedef struct target {
-	GLuint framebuffer, colour, depth;
-	float *pixels; /* SIZE * SIZE * 4, bottom row first */
-} target;
-
-static target make_target(void)
-{
-	target t;
-	glCreateTextures(GL_TEXTURE_2D, 1, &t.colour);
-	glTextureStorage2D(t.colour, 1, GL_RGBA32F, SIZE, SIZE);
-	glCreateRenderbuffers(1, &t.depth);
-	glNamedRenderbufferStorage(t.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &t.framebuffer);
-	glNamedFramebufferTexture(t.framebuffer, GL_COLOR_ATTACHMENT0, t.colour, 0);
-	glNamedFramebufferRenderbuffer(t.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, t.depth);
-	t.pixels = calloc(SIZE * SIZE, 4 * sizeof(float));
-	assert_non_null(t.pixels);
-	return t;
-}
-
-static void free_target(target *t)
-{
-	glDeleteFramebuffers(1, &t->framebuffer);
-	glDeleteTextures(1, &t->colour);
-	glDeleteRenderbuffers(1, &t->depth);
-	free(t->pixels);
-}
 
 /* Looks straight down, parallel, at [-half, half] x [-half, half] of the plane y = 0: pixel (i, j) sees x to the right
  * and -z up. */
@@ -60,18 +29,7 @@ static gi_view look_down(float half, float height)
 
 static void draw(gi_context *gi, target *t, const gi_view *view)
 {
-	const float black[4] = {0, 0, 0, 0}, far = 1;
-	glBindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glDepthMask(GL_TRUE);
-	glClearBufferfv(GL_COLOR, 0, black);
-	glClearBufferfv(GL_DEPTH, 0, &far);
-	assert_gi(gi_draw(gi, view));
-	GLint bound = 0;
-	glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
-	assert_int_equal(bound, t->framebuffer);
-	assert_int_equal(glGetError(), GL_NO_ERROR);
-	glGetTextureImage(t->colour, 0, GL_RGBA, GL_FLOAT, SIZE * SIZE * 4 * sizeof(float), t->pixels);
+	target_draw(t, gi, *view);
 }
 
 static const float *pixel(const target *t, int x, int y)
@@ -156,7 +114,7 @@ static void check_open_floor(uint32_t faces)
 	const float exitance = 10, rho = 0.8f;
 	gi_context *gi = lit_floor(rho, exitance, faces);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	view.mode = GI_MODE_DIRECT;
 	draw(gi, &t, &view);
@@ -174,7 +132,7 @@ static void check_open_floor(uint32_t faces)
 			assert_float_equal(got[2], 0, 0);
 			assert_float_equal(got[3], 1, 0);
 		}
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -200,7 +158,7 @@ static void test_shadow_is_black(void **state)
 	gi_context *gi = lit_floor(0.8f, 10, 2);
 	gi_object box = add_box(gi, 0.2f, 1.0f, 0.1f, 0.8f);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	view.mode = GI_MODE_DIRECT;
 	draw(gi, &t, &view);
@@ -220,7 +178,7 @@ static void test_shadow_is_black(void **state)
 	harness_update(gi);
 	draw(gi, &t, &view);
 	assert_true(pixel(&t, (int)((0.2 + 2) / 4 * SIZE), (int)((2 - 0.1) / 4 * SIZE))[0] > 0.1f);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -265,7 +223,7 @@ static void draw_soft_shadow(uint32_t map_size, double *rms, double *most)
 	assert_true(shape_box((const float[]){-0.5f, 1, -0.5f}, (const float[]){0.5f, 1.001f, 0.5f}, 2, false, &mesh));
 	harness_add(gi, &(harness_object){.name = "plate"}, &mesh);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	view.mode = GI_MODE_DIRECT;
 	view.clip_from_view[10] = -1 / 0.5f; /* from under the plate */
@@ -273,7 +231,7 @@ static void draw_soft_shadow(uint32_t map_size, double *rms, double *most)
 	check_soft_shadow(10, &t, rms, most);
 	printf("soft shadow, maps of %u texels: off by %.4f of the brightest pixel (RMS), %.4f at most\n", map_size,
 	       *rms, *most);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -308,7 +266,7 @@ static target ball_shadow(uint32_t levels, bool fine_shadows)
 		.name = "ball", .scheme = GI_SCHEME_CATMULL_CLARK, .levels = levels, .position = {0.2f, 0.8f, 0.1f}},
 	    &mesh);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	view.mode = GI_MODE_DIRECT;
 	draw(gi, &t, &view);
@@ -339,9 +297,9 @@ static void test_fine_shadows(void **state)
 	       "%.4f\n",
 	       by_leaves, by_drawn);
 	assert_true(by_leaves > 0 && by_drawn < 0.5 * by_leaves);
-	free_target(&exact);
-	free_target(&leaves);
-	free_target(&drawn);
+	target_free(&exact);
+	target_free(&leaves);
+	target_free(&drawn);
 }
 
 static void add_scene(gi_context *gi)
@@ -359,7 +317,7 @@ static void test_modes_add_up(void **state)
 	gi_context *gi = harness_context(&def);
 	add_scene(gi);
 	commit(gi);
-	target global = make_target(), direct = make_target(), indirect = make_target();
+	target global = target_make(SIZE), direct = target_make(SIZE), indirect = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	draw(gi, &global, &view);
 	view.mode = GI_MODE_DIRECT;
@@ -374,9 +332,9 @@ static void test_modes_add_up(void **state)
 		brightest = fmaxf(brightest, indirect.pixels[k]);
 	}
 	assert_true(brightest > 1e-3f);
-	free_target(&global);
-	free_target(&direct);
-	free_target(&indirect);
+	target_free(&global);
+	target_free(&direct);
+	target_free(&indirect);
 	gi_context_destroy(gi);
 }
 
@@ -389,11 +347,11 @@ static void test_empty_scene(void **state)
 	gi_view view = look_down(2, 5);
 	assert_int_equal(gi_draw(gi, &view), GI_ERROR_NOT_COMMITTED);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	draw(gi, &t, &view);
 	for (int k = 0; k < SIZE * SIZE * 4; k++)
 		assert_float_equal(t.pixels[k], 0, 0);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -440,7 +398,7 @@ static void test_fine_shadow(void **state)
 {
 	(void)state;
 	harness_require_context();
-	target t = make_target();
+	target t = target_make(SIZE);
 	float *leaves = calloc(SIZE * SIZE, 4 * sizeof *leaves);
 	assert_non_null(leaves);
 	draw_ball_shadow(0.5f, 6, 0.5f, &t);
@@ -458,7 +416,7 @@ static void test_fine_shadow(void **state)
 		assert_true(rms < 0.005 * brightest);
 	}
 	free(leaves);
-	free_target(&t);
+	target_free(&t);
 }
 
 static void test_rest_draws_no_shadows(void **state)
@@ -469,7 +427,7 @@ static void test_rest_draws_no_shadows(void **state)
 	gi_context *gi = harness_context(&def);
 	add_scene(gi);
 	commit(gi);
-	target first = make_target(), second = make_target();
+	target first = target_make(SIZE), second = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	gi_report report;
 	draw(gi, &first, &view);
@@ -482,8 +440,8 @@ static void test_rest_draws_no_shadows(void **state)
 	assert_float_equal(report.pass_ms[GI_PASS_SHADOW], 0, 0);
 	assert_true(report.pass_ms[GI_PASS_DRAW] > 0);
 	assert_memory_equal(first.pixels, second.pixels, sizeof(float) * SIZE * SIZE * 4);
-	free_target(&first);
-	free_target(&second);
+	target_free(&first);
+	target_free(&second);
 	gi_context_destroy(gi);
 }
 
@@ -504,7 +462,7 @@ static void test_lamps_beyond_the_cap(void **state)
 		harness_add(gi, &(harness_object){.name = "lamp", .exitance = {1, 1, 1}}, &mesh);
 	}
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	draw(gi, &t, &view);
 	/* The floor's leaves are an eighth of a metre wide and their rows as coarse as the defaults: a few per cent. */
@@ -521,7 +479,7 @@ static void test_lamps_beyond_the_cap(void **state)
 			if (fabs(got - expected) > 0.03 * expected)
 				fail_msg("pixel %d %d: %g, expected %g", x, y, got, expected);
 		}
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -533,7 +491,7 @@ static void test_overlays(void **state)
 	gi_context *gi = harness_context(&def);
 	add_scene(gi);
 	commit(gi);
-	target plain = make_target(), over = make_target();
+	target plain = target_make(SIZE), over = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	draw(gi, &plain, &view);
 	view.overlay = GI_OVERLAY_WIREFRAME;
@@ -556,8 +514,8 @@ static void test_overlays(void **state)
 		for (int k = 0; k < SIZE * SIZE * 4; k++)
 			assert_true(over.pixels[k] >= 0 && over.pixels[k] <= 1);
 	}
-	free_target(&plain);
-	free_target(&over);
+	target_free(&plain);
+	target_free(&over);
 	gi_context_destroy(gi);
 }
 
@@ -619,7 +577,7 @@ static void test_row_overlays(void **state)
 	(void)state;
 	harness_require_context();
 	gi_context *gi = half_lit_floor();
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	view.clip_from_view[10] = -1 / 0.5f; /* from under the plate */
 	assert_gi(gi_pick_leaf(gi, OVER_FLOOR, (const float[]){0, -1, 0}, &view.overlay_leaf));
@@ -635,7 +593,7 @@ static void test_row_overlays(void **state)
 	draw(gi, &t, &view);
 	for (int k = 0; k < SIZE * SIZE; k++)
 		assert_false(is_picked(t.pixels + 4 * k));
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -675,7 +633,7 @@ static void test_mirror(void **state)
 	assert_gi(gi_set_specular(gi, floor, 0, (gi_specular){.reflectance = {.8f, .8f, .8f}}));
 	add_lamp(gi, 100, 2);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	const gi_view view = look_down(2, 3);
 	draw(gi, &t, &view);
 	check_seen(&t, 100, .8, LAMP_LOWER, LAMP_UPPER);
@@ -684,7 +642,7 @@ static void test_mirror(void **state)
 	harness_update(gi);
 	draw(gi, &t, &view);
 	check_seen(&t, 0, 0, LAMP_LOWER, LAMP_UPPER);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -703,7 +661,7 @@ static void test_glass(void **state)
 	const gi_object slab = harness_add(gi, &(harness_object){.name = "slab"}, &mesh);
 	assert_gi(gi_set_specular(gi, slab, 0, (gi_specular){.transmittance = {1, 1, 1}, .index = 1.5f}));
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	const gi_view view = look_down(2, 3);
 	draw(gi, &t, &view);
 	check_seen(&t, 100, .96 * .96, LOWER, UPPER);
@@ -714,7 +672,7 @@ static void test_glass(void **state)
 	commit(gi);
 	draw(gi, &t, &view);
 	check_seen(&t, 100, .25 * .96 * .96 * .96 * .96, LOWER, UPPER);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -791,7 +749,7 @@ static void test_closed_door_keeps_light_out(void **state)
 	gi_context *gi = harness_context(&def);
 	add_rooms(gi);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_into_the_dark();
 	draw(gi, &t, &view);
 	check_black(&t, 0, SIZE * SIZE / 2);
@@ -802,7 +760,7 @@ static void test_closed_door_keeps_light_out(void **state)
 	draw(gi, &t, &view);
 	check_black(&t, SIZE / 2 + 2, SIZE * SIZE / 8);
 	assert_true(pixel(&t, SIZE / 4, SIZE / 2)[0] > 0.05f);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 
@@ -825,7 +783,7 @@ static void test_translucent(void **state)
 	engine_mesh_free(&mesh);
 	add_lamp(gi, 10, 1);
 	commit(gi);
-	target t = make_target();
+	target t = target_make(SIZE);
 	gi_view view = look_down(2, 5);
 	draw(gi, &t, &view);
 	for (int y = 6; y < SIZE - 6; y += 7)
@@ -839,7 +797,7 @@ static void test_translucent(void **state)
 	view.mode = GI_MODE_DIRECT;
 	draw(gi, &t, &view);
 	assert_float_equal(pixel(&t, SIZE / 2, SIZE / 2)[0], 0, 0);
-	free_target(&t);
+	target_free(&t);
 	gi_context_destroy(gi);
 }
 

@@ -29,6 +29,7 @@ typedef enum feature {
 	ESTIMATE,
 	PIXEL_LAMPS,
 	PICTURE,
+	TEXTURES,
 	RECEIVERS,
 	HARMONICS,
 	PROBES,
@@ -59,14 +60,16 @@ static const struct {
     [ESTIMATE] = {"no estimate", {"estimate"}},
     [PIXEL_LAMPS] = {"no lamps per pixel",
 		     {"light_more", "light_last", "shadow.frag", "shadow casters", "lamps", "occluder masks"}},
-    [PICTURE] = {"no drawing", {"surface.frag", "drawn surfaces", "surfaces", "whole picture"}},
+    [PICTURE] = {"no drawing", {"surface", "drawn surfaces", "surfaces", "whole picture"}},
+    [TEXTURES] = {"no textures in pictures",
+		  {"surface_textured.frag", "surface_albedo.frag", "light_last_albedo", "texture coordinates"}},
     [RECEIVERS] = {"no receivers", {"receive", "light of receivers"}},
     [HARMONICS] = {"no harmonics", {"receive_harmonics", "trace_round.comp", "factor_round.comp"}},
     [PROBES] = {"no probes", {"probe_planes", "planes about probes"}},
     [LIGHTS] = {"no lights but emitters",
 		{"punctual_", "emitted_specular_punctual", "receive_punctual", "light_punctual.frag",
 		 "lights without a surface", "lights: ", "lights of pictures"}},
-    [DEFORMING] = {"nothing deforms", {NULL}},
+    [DEFORMING] = {"nothing deforms", {"cut_own.comp"}},
 };
 
 /* ---- OpenGL's objects by name ---- */
@@ -172,6 +175,25 @@ static void make_square(float x, float y, float half, bool up, uint32_t cells, e
 			       cells, out));
 }
 
+/* The same place of the texture everywhere. */
+static const float no_place[2 * 4 * 8 * 8];
+static GLuint texture;
+
+static void set_texture(const scene *s)
+{
+	static const float grey[4] = {.5f, .5f, .5f, 1};
+	gi_textures t = gi_textures_default();
+	if (!has(s, TEXTURES))
+		return;
+	if (!texture) {
+		glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+		glTextureStorage2D(texture, 1, GL_RGBA32F, 1, 1);
+		glTextureSubImage2D(texture, 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, grey);
+	}
+	t.base_color = texture;
+	assert_gi(gi_set_textures(s->gi, s->floor, 0, &t));
+}
+
 static void make_objects(scene *s)
 {
 	static const gi_material lamp = {.exitance = {20, 20, 20}}, grey = {.rho = {.5f, .5f, .5f}};
@@ -183,7 +205,10 @@ static void make_objects(scene *s)
 	def.materials = &grey;
 	def.material_count = 1;
 	make_square(0, 0, 2, true, 8, &mesh);
+	def.uvs = has(s, TEXTURES) ? no_place : NULL;
 	s->floor = add(s, "floor", &mesh, still, def);
+	def.uvs = NULL;
+	set_texture(s);
 	make_square(-1, 1.5f, .4f, true, 3, &mesh);
 	def.double_sided = has(s, TWO_SIDES);
 	add(s, "sheet", &mesh, still, def);
@@ -354,7 +379,7 @@ static uint32_t without(feature f)
 	static const uint32_t takes[FEATURES] = {[MOTION] = OF(KEPT_ROWS) | OF(DEFORMING),
 						 [SKY] = OF(SKY_IMAGE),
 						 [SPECULAR] = OF(CAUSTICS),
-						 [PICTURE] = OF(PIXEL_LAMPS),
+						 [PICTURE] = OF(PIXEL_LAMPS) | OF(TEXTURES),
 						 [RECEIVERS] = OF(HARMONICS) | OF(PROBES),
 						 [HARMONICS] = OF(PROBES)};
 	return ALL & ~OF(f) & ~takes[f];
@@ -398,6 +423,7 @@ static void what_is_not_used_is_not_there(void **state)
 	expect_absent(&bare, OF(STATICS), "none of these");
 	glDeleteFramebuffers(1, &framebuffer);
 	glDeleteRenderbuffers(2, parts);
+	glDeleteTextures(1, &texture);
 }
 
 int main(void)

@@ -1,10 +1,9 @@
 /* Lights without a surface in pictures, pixel by pixel: against closed forms with shadows, who shows them, and no light
  * where walls are. */
 #include "pieces.h"
+#include "target.h"
 
 #include "scenes/shapes.h"
-
-#include <glad/gl.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,47 +13,22 @@ static const double PI = 3.14159265358979;
 
 enum { SIZE = 128 };
 
-typedef struct target {
-	GLuint framebuffer, color, depth;
-	float pixels[SIZE][SIZE][4];
-} target;
-
-static void make_target(target *t)
-{
-	glCreateTextures(GL_TEXTURE_2D, 1, &t->color);
-	glTextureStorage2D(t->color, 1, GL_RGBA32F, SIZE, SIZE);
-	glCreateRenderbuffers(1, &t->depth);
-	glNamedRenderbufferStorage(t->depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &t->framebuffer);
-	glNamedFramebufferTexture(t->framebuffer, GL_COLOR_ATTACHMENT0, t->color, 0);
-	glNamedFramebufferRenderbuffer(t->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, t->depth);
-}
-
-static void free_target(target *t)
-{
-	glDeleteFramebuffers(1, &t->framebuffer);
-	glDeleteRenderbuffers(1, &t->depth);
-	glDeleteTextures(1, &t->color);
-}
-
 /* From above, straight down, parallel: pixel x, y is the floor's x, -z, from -half to half. Nothing above `top` is
  * seen. */
 static void look(gi_context *gi, target *t, float half, float top, gi_mode mode)
 {
-	static const float clear[4] = {0}, far[1] = {1};
 	gi_view view = gi_view_default();
 	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, -top, 1};
 	const float clip[16] = {1 / half, 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, -2 / (top + 1), 0, 0, 0, -1, 1};
 	memcpy(view.view_from_world, world, sizeof world);
 	memcpy(view.clip_from_view, clip, sizeof clip);
-	view.width = view.height = SIZE;
 	view.mode = mode;
-	glBindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glClearBufferfv(GL_COLOR, 0, clear);
-	glClearBufferfv(GL_DEPTH, 0, far);
-	assert_gi(gi_draw(gi, &view));
-	glGetTextureImage(t->color, 0, GL_RGBA, GL_FLOAT, sizeof t->pixels, t->pixels);
+	target_draw(t, gi, view);
+}
+
+static float red_at(const target *t, int x, int y)
+{
+	return t->pixels[4 * (y * SIZE + x)];
 }
 
 /* Where a pixel's middle is on the floor. */
@@ -78,6 +52,16 @@ static gi_object add_square(gi_context *gi, float y, float side, uint32_t cells,
 			       cells, &mesh));
 	const harness_object like = {.name = "square", .rho = {.5f, .5f, .5f}, .double_sided = both};
 	return harness_add(gi, &like, &mesh);
+}
+
+/* A floor, and a square of two sides at some height above it; sides, metres, and cells. */
+static gi_context *open_floor(float side, uint32_t cells, float height, float above, uint32_t above_cells)
+{
+	gi_context *gi = open_scene();
+	add_square(gi, 0, side, cells, false);
+	add_square(gi, height, above, above_cells, true);
+	assert_gi(gi_commit(gi));
+	return gi;
 }
 
 static gi_light add_light(gi_context *gi, const gi_light_def *def)
@@ -128,7 +112,7 @@ static void expect_shadow(const target *t, double half, const gi_light_def *d, d
 			place_of(x, y, half, at);
 			const double wanted = light_at(d, at[0], at[1], above) * .5 / PI;
 			const double inside = .3 - fmax(fabs(above[0]), fabs(above[1]));
-			const double found = t->pixels[y][x][0], due = inside > 0 ? 0 : wanted;
+			const double found = red_at(t, x, y), due = inside > 0 ? 0 : wanted;
 			if (fabs(inside) < blur)
 				continue;
 			lit += inside < 0 && wanted > 0;
@@ -143,12 +127,8 @@ static void expect_shadow(const target *t, double half, const gi_light_def *d, d
 static void test_shadows(void **state)
 {
 	(void)state;
-	static target t;
-	make_target(&t);
-	gi_context *gi = open_scene();
-	add_square(gi, 0, 4, 4, false);
-	add_square(gi, 1, .6f, 1, true);
-	assert_gi(gi_commit(gi));
+	target t = target_make(SIZE);
+	gi_context *gi = open_floor(4, 4, 1, .6f, 1);
 	gi_light_def def = def_of(GI_LIGHT_POINT, 40);
 	const gi_light light = add_light(gi, &def);
 	for (int soft = 0; soft < 2; soft++)
@@ -173,19 +153,15 @@ static void test_shadows(void **state)
 	look(gi, &t, .9f, .9f, GI_MODE_DIRECT);
 	expect_shadow(&t, .9, &def, .012);
 	gi_context_destroy(gi);
-	free_target(&t);
+	target_free(&t);
 }
 
 /* Half way through a penumbra half of the light arrives, and it is as wide as it should be. */
 static void test_penumbra(void **state)
 {
 	(void)state;
-	static target t;
-	make_target(&t);
-	gi_context *gi = open_scene();
-	add_square(gi, 0, 4, 4, false);
-	add_square(gi, 1, .6f, 1, true);
-	assert_gi(gi_commit(gi));
+	target t = target_make(SIZE);
+	gi_context *gi = open_floor(4, 4, 1, .6f, 1);
 	gi_light_def def = def_of(GI_LIGHT_DIRECTIONAL, 10);
 	memcpy(def.direction, (float[]){0, -1, 0}, sizeof def.direction);
 	def.angular_radius = .04f;
@@ -198,12 +174,12 @@ static void test_penumbra(void **state)
 		place_of(x, SIZE / 2, .4, at);
 		const double u = fmin(fmax((at[0] - .3) / tan(.04), -1), 1);
 		const double share = .5 + (u * sqrt(1 - u * u) + asin(u)) / PI;
-		const double found = t.pixels[SIZE / 2][x][0] / (10 * .5 / PI);
+		const double found = red_at(&t, x, SIZE / 2) / (10 * .5 / PI);
 		if (at[0] > 0 && !(fabs(found - share) < .08))
 			fail_msg("x %.3f: %.3f of the light, not %.3f", at[0], found, share);
 	}
 	gi_context_destroy(gi);
-	free_target(&t);
+	target_free(&t);
 }
 
 static double mean_of(const target *t)
@@ -211,19 +187,15 @@ static double mean_of(const target *t)
 	double sum = 0;
 	for (int y = 0; y < SIZE; y++)
 		for (int x = 0; x < SIZE; x++)
-			sum += t->pixels[y][x][0];
+			sum += red_at(t, x, y);
 	return sum / (SIZE * SIZE);
 }
 
 static void test_who_shows_it(void **state)
 {
 	(void)state;
-	static target t;
-	make_target(&t);
-	gi_context *gi = open_scene();
-	add_square(gi, 0, 2, 16, false);
-	add_square(gi, .5f, .3f, 2, true);
-	assert_gi(gi_commit(gi));
+	target t = target_make(SIZE);
+	gi_context *gi = open_floor(2, 16, .5f, .3f, 2);
 	gi_light_def def = def_of(GI_LIGHT_POINT, 10);
 	const gi_light light = add_light(gi, &def);
 	double mean[3][3];
@@ -258,15 +230,14 @@ static void test_who_shows_it(void **state)
 	look(gi, &t, .9f, .4f, GI_MODE_GLOBAL);
 	assert_true(mean_of(&t) == 0);
 	gi_context_destroy(gi);
-	free_target(&t);
+	target_free(&t);
 }
 
 /* A room whose walls have no thickness is dark inside, to the last pixel of its floor, whatever shines on it. */
 static void test_walls_keep_light_out(void **state)
 {
 	(void)state;
-	static target t;
-	make_target(&t);
+	target t = target_make(SIZE);
 	gi_context *gi = open_scene();
 	engine_mesh mesh;
 	assert_true(shape_box((float[]){-1, 0, -1}, (float[]){1, 2, 1}, 4, true, &mesh));
@@ -286,11 +257,11 @@ static void test_walls_keep_light_out(void **state)
 		look(gi, &t, .9999f, 1.9f, GI_MODE_GLOBAL);
 		for (int y = 0; y < SIZE; y++)
 			for (int x = 0; x < SIZE; x++)
-				if (t.pixels[y][x][0] > 0)
-					fail_msg("sun %d, pixel %d %d: %g", k, x, y, (double)t.pixels[y][x][0]);
+				if (red_at(&t, x, y) > 0)
+					fail_msg("sun %d, pixel %d %d: %g", k, x, y, (double)red_at(&t, x, y));
 	}
 	gi_context_destroy(gi);
-	free_target(&t);
+	target_free(&t);
 }
 
 int main(void)

@@ -6,6 +6,7 @@
 
 #include "scenes/body.h"
 #include "scenes/shapes.h"
+#include "target.h"
 
 #include <glad/gl.h>
 
@@ -35,7 +36,7 @@ static void hear(gi_result result, const char *message, void *user)
 typedef struct loaded {
 	gi_context *gi;
 	gi_object ball;
-	GLuint framebuffer, colour, depth;
+	target target;
 	float shift; /* of the ball */
 } loaded;
 
@@ -79,21 +80,13 @@ static loaded load(bool coarse)
 	add_quad(l.gi, "light", 2, 10, 1);
 	l.ball = add_ball(l.gi, 0);
 	assert_gi(gi_commit(l.gi));
-	glCreateTextures(GL_TEXTURE_2D, 1, &l.colour);
-	glTextureStorage2D(l.colour, 1, GL_RGBA32F, SIZE, SIZE);
-	glCreateRenderbuffers(1, &l.depth);
-	glNamedRenderbufferStorage(l.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &l.framebuffer);
-	glNamedFramebufferTexture(l.framebuffer, GL_COLOR_ATTACHMENT0, l.colour, 0);
-	glNamedFramebufferRenderbuffer(l.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, l.depth);
+	l.target = target_make(SIZE);
 	return l;
 }
 
 static void unload(loaded *l)
 {
-	glDeleteFramebuffers(1, &l->framebuffer);
-	glDeleteTextures(1, &l->colour);
-	glDeleteRenderbuffers(1, &l->depth);
+	target_free(&l->target);
 	gi_context_destroy(l->gi);
 	const faults_memory left = faults_memory_now();
 	if (left.blocks || left.bytes)
@@ -112,17 +105,11 @@ static gi_result draw(loaded *l, gi_overlay overlay)
 {
 	gi_view view = gi_view_default();
 	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1},
-		    clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.2f, 0, 0, 0, 0, 1}, black[4] = {0}, far = 1;
+		    clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.2f, 0, 0, 0, 0, 1};
 	memcpy(view.view_from_world, world, sizeof world);
 	memcpy(view.clip_from_view, clip, sizeof clip);
-	view.width = view.height = SIZE;
 	view.overlay = overlay;
-	glBindFramebuffer(GL_FRAMEBUFFER, l->framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glDepthMask(GL_TRUE);
-	glClearBufferfv(GL_COLOR, 0, black);
-	glClearBufferfv(GL_DEPTH, 0, &far);
-	return gi_draw(l->gi, &view);
+	return target_try(&l->target, l->gi, view);
 }
 
 static look *look_at(loaded *l)
@@ -130,7 +117,7 @@ static look *look_at(loaded *l)
 	look *seen = calloc(1, sizeof *seen);
 	assert_non_null(seen);
 	assert_gi(draw(l, GI_OVERLAY_NONE));
-	glGetTextureImage(l->colour, 0, GL_RGBA, GL_FLOAT, sizeof seen->pixels, seen->pixels);
+	memcpy(seen->pixels, l->target.pixels, sizeof seen->pixels);
 	seen->rows = snapshot_take(l->gi);
 	return seen;
 }
@@ -245,6 +232,37 @@ static gi_result try_create_skin_by_size(loaded *l)
 	gi_object_def def = skin_def();
 	def.leaf_size = .4f;
 	return create(l, &def);
+}
+
+static gi_result create_instance(loaded *l, gi_object of)
+{
+	gi_object object;
+	const gi_result result = gi_create_instance(l->gi, of, gi_pose_identity(), &object);
+	assert_true((result == GI_OK) == (object.index1 != 0));
+	if (!result)
+		assert_gi(gi_destroy_object(l->gi, object));
+	return result;
+}
+
+static gi_result try_instance(loaded *l)
+{
+	return create_instance(l, l->ball);
+}
+
+/* What put_up_a_skin made; it waits for a commit. */
+static gi_object skin;
+
+static void put_up_a_skin(loaded *l)
+{
+	gi_object_def def = skin_def();
+	def.scheme = GI_SCHEME_CATMULL_CLARK;
+	def.levels = 1;
+	assert_gi(gi_create_object(l->gi, &def, &skin));
+}
+
+static gi_result try_instance_of_skin(loaded *l)
+{
+	return create_instance(l, skin);
 }
 
 /* With an allocator that is not the context's, which then has blocks of both. */
@@ -436,6 +454,9 @@ static void objects(void **state)
 	in_every_way(&(trial){"gi_create_object with a drawn mesh", .try = try_create_drawn});
 	in_every_way(&(trial){"gi_create_object that deforms", .try = try_create_skin});
 	in_every_way(&(trial){"gi_create_object that deforms, by a leaf size", .try = try_create_skin_by_size});
+	in_every_way(&(trial){"gi_create_instance", .try = try_instance});
+	in_every_way(
+	    &(trial){"gi_create_instance of one that deforms", .try = try_instance_of_skin, .prepare = put_up_a_skin});
 	in_every_way(&(trial){"gi_prepare_object", .try = try_prepare});
 	in_every_way(&(trial){"gi_choose_leaves", .try = try_choose});
 }
@@ -584,17 +605,13 @@ static void contexts(void **state)
 }
 
 /* A mover goes back and forth: what it takes is there after the first time. */
-static void check_steady_frames(bool mirror, bool skin)
+static void check_steady_frames(bool mirror, bool deforms)
 {
 	loaded l = load(false);
-	gi_object sheet = {0};
 	if (mirror)
 		put_up_a_mirror(&l);
-	if (skin) {
-		gi_object_def def = skin_def();
-		def.scheme = GI_SCHEME_CATMULL_CLARK;
-		def.levels = 1;
-		assert_gi(gi_create_object(l.gi, &def, &sheet));
+	if (deforms) {
+		put_up_a_skin(&l);
 		assert_gi(gi_commit(l.gi));
 	}
 	const faults_memory scene = faults_memory_now();
@@ -605,8 +622,8 @@ static void check_steady_frames(bool mirror, bool skin)
 			warm = faults_memory_now();
 		const gi_pose pose = {{frame % 2 ? .125f : 0, .5f, 0}, {0, 0, 0, 1}};
 		assert_gi(gi_set_pose(l.gi, l.ball, pose));
-		if (skin)
-			assert_gi(gi_set_scale(l.gi, sheet, (float[]){1, frame % 2 ? 1.1f : 1, 1}));
+		if (deforms)
+			assert_gi(gi_set_scale(l.gi, skin, (float[]){1, frame % 2 ? 1.1f : 1, 1}));
 		assert_gi(gi_update(l.gi, frame % 4 < 2 ? NULL : &(gi_budget){.rays = 100}));
 		assert_gi(draw(&l, GI_OVERLAY_NONE));
 		gi_report report;

@@ -6,6 +6,7 @@
 #include "scenes/body.h"
 #include "scenes/look_at.h"
 #include "scenes/shapes.h"
+#include "target.h"
 
 #include <glad/gl.h>
 
@@ -138,45 +139,14 @@ static void joints_that_are_poses(void **state)
 
 /* ---- pictures ---- */
 
-typedef struct target {
-	GLuint framebuffer, colour, depth;
-} target;
-
-static target make_target(void)
+static void draw(gi_context *gi, target *t, gi_overlay overlay, float pixels[SIZE * SIZE * 4])
 {
-	target t;
-	glCreateTextures(GL_TEXTURE_2D, 1, &t.colour);
-	glTextureStorage2D(t.colour, 1, GL_RGBA32F, SIZE, SIZE);
-	glCreateRenderbuffers(1, &t.depth);
-	glNamedRenderbufferStorage(t.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &t.framebuffer);
-	glNamedFramebufferTexture(t.framebuffer, GL_COLOR_ATTACHMENT0, t.colour, 0);
-	glNamedFramebufferRenderbuffer(t.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, t.depth);
-	return t;
-}
-
-static void free_target(target *t)
-{
-	glDeleteFramebuffers(1, &t->framebuffer);
-	glDeleteTextures(1, &t->colour);
-	glDeleteRenderbuffers(1, &t->depth);
-}
-
-static void draw(gi_context *gi, const target *t, gi_overlay overlay, float pixels[SIZE * SIZE * 4])
-{
-	const float black[4] = {0, 0, 0, 0}, far = 1;
 	gi_view view = gi_view_default();
 	look_at((const float[]){1.9f, 2.2f, 1.9f}, (const float[]){-.2f, .9f, -.1f}, 75, 1, view.view_from_world,
 		view.clip_from_view);
-	view.width = view.height = SIZE;
 	view.overlay = overlay;
-	glBindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glDepthMask(GL_TRUE);
-	glClearBufferfv(GL_COLOR, 0, black);
-	glClearBufferfv(GL_DEPTH, 0, &far);
-	assert_gi(gi_draw(gi, &view));
-	glGetTextureImage(t->colour, 0, GL_RGBA, GL_FLOAT, SIZE * SIZE * 4 * sizeof(float), pixels);
+	target_draw(t, gi, view);
+	memcpy(pixels, t->pixels, SIZE * SIZE * 4 * sizeof(float));
 }
 
 /* A picture shows the shape of the last update, not the one that was set since; and it is that of a context which knew
@@ -185,7 +155,7 @@ static void pictures_follow(void **state)
 {
 	(void)state;
 	static float before[SIZE * SIZE * 4], waiting[SIZE * SIZE * 4], after[SIZE * SIZE * 4], fresh[SIZE * SIZE * 4];
-	target t = make_target();
+	target t = target_make(SIZE);
 	deforming_scene s;
 	deforming_scene_make(&s);
 	s.gi = open_context();
@@ -221,7 +191,7 @@ static void pictures_follow(void **state)
 	gi_context_destroy(other.gi);
 	gi_context_destroy(s.gi);
 	deforming_scene_free(&s);
-	free_target(&t);
+	target_free(&t);
 }
 
 /* A ball whose cage is drawn as a finer mesh, all of it on one joint. */
@@ -258,7 +228,7 @@ static void lift(const engine_mesh *m, float out[3 * 512])
 enum { BY_POSE, BY_POSITIONS, BY_JOINTS, WAYS };
 
 /* Its picture once it was lifted. */
-static void draw_lifted(drawn_ball *b, gi_object_def def, int way, const target *t, float pixels[SIZE * SIZE * 4])
+static void draw_lifted(drawn_ball *b, gi_object_def def, int way, target *t, float pixels[SIZE * SIZE * 4])
 {
 	static const float lifted[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, .75f, 0, 1};
 	static float positions[3 * 512];
@@ -296,7 +266,7 @@ static void a_mesh_that_is_drawn(void **state)
 	(void)state;
 	static float pixels[WAYS][SIZE * SIZE * 4];
 	static drawn_ball ball;
-	target t = make_target();
+	target t = target_make(SIZE);
 	const gi_object_def def = make_drawn_ball(&ball);
 	for (int way = 0; way < WAYS; way++)
 		draw_lifted(&ball, def, way, &t, pixels[way]);
@@ -311,7 +281,7 @@ static void a_mesh_that_is_drawn(void **state)
 	}
 	/* Rows within the object have rays of their own, and a contour may fall a pixel aside. */
 	assert_true(lit > 100 && off < .02 * all);
-	free_target(&t);
+	target_free(&t);
 	engine_mesh_free(&ball.cage);
 	engine_mesh_free(&ball.fine);
 }
@@ -518,7 +488,7 @@ static void a_hundred_lives(void **state)
 	(void)state;
 	static float pixels[SIZE * SIZE * 4];
 	enum { LIVES = 100 };
-	target t = make_target();
+	target t = target_make(SIZE);
 	const uint32_t before = count_gl_objects();
 	deforming_scene s;
 	deforming_scene_make(&s);
@@ -556,7 +526,7 @@ static void a_hundred_lives(void **state)
 	gi_context_destroy(s.gi);
 	assert_int_equal(count_gl_objects(), before);
 	deforming_scene_free(&s);
-	free_target(&t);
+	target_free(&t);
 }
 
 int main(void)

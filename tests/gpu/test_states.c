@@ -177,7 +177,11 @@ static void expect_values(const subject *s, const char *name)
 	expect(gi_set_pose(s->gi, s->object, pose), handle);
 	expect(gi_get_pose(s->gi, s->object, &pose), handle);
 	expect(gi_set_material(s->gi, s->object, 0, material), handle);
-	expect(gi_set_material(s->gi, s->object, 1, material), s->alive ? GI_ERROR_INVALID_ARGUMENT : handle);
+	const gi_result argument = s->alive ? GI_ERROR_INVALID_ARGUMENT : handle;
+	expect(gi_set_material(s->gi, s->object, 1, material), argument);
+	gi_textures textures = gi_textures_default(); /* without coordinates */
+	expect(gi_set_textures(s->gi, s->object, 0, &textures), argument);
+	expect(gi_get_textures(s->gi, s->object, 0, &textures), argument);
 }
 
 static void expect_reading(const subject *s, const char *name)

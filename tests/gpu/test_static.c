@@ -398,6 +398,49 @@ static void a_file_of_many_things(void **state)
 	furnished_file_remove(folder);
 }
 
+/* Objects that were refined. */
+static void count_built(const char *what, uint32_t done, uint32_t total, void *user)
+{
+	(void)done;
+	(void)total;
+	*(uint32_t *)user += strncmp(what, "building object", 15) == 0;
+}
+
+/* Nodes of one mesh and one scale, which nothing cuts apart, are refined once. */
+static void a_shape_of_a_file_is_refined_once(void **state)
+{
+	(void)state;
+	harness_require_context();
+	char folder[] = "/tmp/relume-furnished-XXXXXX", path[256], message[1024] = "";
+	assert_non_null(mkdtemp(folder));
+	assert_true(furnished_file_write(folder, path, sizeof path));
+	/* All of them simplified: a leaf a face, and no cuts where they come near the floor. */
+	file_scene scene = {.program = "test_static", .cage_faces = 11};
+	if (!file_scene_load(&scene, path, message, sizeof message))
+		fail_msg("%s", message);
+	gi_context_def def = harness_def();
+	uint32_t built = 0;
+	def.progress = count_built;
+	def.user = &built;
+	gi_context *gi = harness_context(&def);
+	if (!file_scene_create(&scene, gi, message, sizeof message))
+		fail_msg("%s: %s", message, harness_last_message());
+	printf("  %u objects, %u of them refined\n", scene.scene.object_count, built);
+	/* The hall, the lamp, what rolls, things of 5 widths and 11 heights. */
+	assert_int_equal(built, 3 + 5 * 11);
+	for (uint32_t k = 0; k < scene.scene.object_count; k++) {
+		gi_pose pose;
+		gi_mobility mobility;
+		assert_gi(gi_get_pose(gi, scene.handles[k], &pose));
+		assert_gi(gi_get_mobility(gi, scene.handles[k], &mobility));
+		assert_memory_equal(pose.position, scene.scene.objects[k].rest.translation, sizeof pose.position);
+		assert_int_equal(mobility == GI_MOBILITY_MOVABLE, scene.scene.objects[k].animated);
+	}
+	gi_context_destroy(gi);
+	file_scene_free(&scene);
+	furnished_file_remove(folder);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -409,6 +452,7 @@ int main(void)
 	    cmocka_unit_test(automatic_until_it_moves),
 	    cmocka_unit_test(form_factors_of_static_things),
 	    cmocka_unit_test(a_file_of_many_things),
+	    cmocka_unit_test(a_shape_of_a_file_is_refined_once),
 	};
 	return cmocka_run_group_tests_name("static objects", tests, harness_open, harness_close);
 }

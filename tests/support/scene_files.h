@@ -96,6 +96,30 @@ SOME_TESTS static void check_floats(const float *values, const float *expected, 
 
 #define CHECK3(values, x, y, z) check_floats(values, (const float[3]){x, y, z}, 3, 1e-5f)
 
+/* What a face with colours reflects: the mean of its corners times its material's factor. */
+SOME_TESTS static void face_rho(const engine_scene *scene, uint32_t object, uint32_t face, float rho[3])
+{
+	const engine_mesh *mesh = &scene->objects[object].mesh;
+	const engine_scene_material *m = &scene->materials[mesh->face_materials[face]];
+	size_t first = 0;
+	for (uint32_t f = 0; f < face; f++)
+		first += mesh->face_counts[f];
+	assert_non_null(mesh->colors);
+	for (int c = 0; c < 3; c++) {
+		rho[c] = 0;
+		for (uint32_t k = 0; k < mesh->face_counts[face]; k++)
+			rho[c] += m->rho_factor[c] * mesh->colors[4 * (first + k) + (size_t)c];
+		rho[c] /= (float)mesh->face_counts[face];
+	}
+}
+
+#define CHECK_FACE(scene, face, x, y, z)                                                                               \
+	do {                                                                                                           \
+		float rho_of_face[3];                                                                                  \
+		face_rho(scene, 0, face, rho_of_face);                                                                 \
+		CHECK3(rho_of_face, x, y, z);                                                                          \
+	} while (0)
+
 /* Sum of the areas of an object's faces. */
 SOME_TESTS static double area_of(const engine_scene_object *object)
 {

@@ -627,9 +627,31 @@ static void meshes_far_from_their_own_zero(void **state)
 	"2wBDAAIBAQEBAQIBAQECAgICAgQDAgICAgUEBAMEBgUGBgYFBgYGBwkIBgcJBwYGCAsICQoKCgoKBggLDA"                           \
 	"sKDAkKCgr/wAALCAAIAAgBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAACP/EABQQAQAAAAAAAAAAAAAAAAAAAAD/2gAIAQEAAD8AeD//2Q=="
 
+/* 188 of 255 in grey, however it is stored; the last two PNG say other gammas and a palette. */
+#define GREY_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mPYAwAAvgC9frpVRgAAAABJRU5ErkJggg=="
+#define GREY_ALPHA_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mPYkwIAAd8BISgeu2EAAAAASUVORK5CYII="
+#define RGB_16_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAIAAADA54+dAAAAC0lEQVR42mPYAwYAD3MEaWmKYZsAAAAASUVORK5CYII="
+#define RGBA_16_PNG "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAYAAABPhRjKAAAADUlEQVR42mPYAwacnAAYYAR7UpQlyAAAAABJRU5ErkJggg=="
+#define LINEAR_PNG                                                                                                     \
+	"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAABGdBTUEAAYagMeiWXwAAAAxJREFUeNpj2LNnDwAEbAI1XRHvIAAAAABJRU5E" \
+	"rkJggg=="
+#define PALETTE_PNG                                                                                                    \
+	"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAMAAAAoyzS7AAAABlBMVEUAAAC8vLzjhKCoAAAAAnRSTlMAKEMmZcIAAAAKSURBVHjaY2AEAAAD" \
+	"AALmfadnAAAAAElFTkSuQmCC"
+#define PROGRESSIVE_JPEG                                                                                               \
+	"/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAMCAgICAgMCAgIDAwMDBAYEBAQEBAgGBgUGCQgKCgkICQkKDA8MCgsOCwkJDRENDg8Q"         \
+	"EBEQCgwSExIQEw8QEBD/wgALCAAIAAgBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAB//aAAgBAQAAAAFQ/8QAFBABAAAAAAAAAAAA"         \
+	"AAAAAAAAAP/aAAgBAQABBQJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/aAAgBAQAGPwJ//8QAFBABAAAAAAAAAAAAAAAAAAAAAP/a"         \
+	"AAgBAQABPyF//9oACAEBAAAAEH//xAAUEAEAAAAAAAAAAAAAAAAAAAAA/9oACAEBAAE/EH//2Q=="
+#define CMYK_JPEG                                                                                                      \
+	"/9j/7gAOQWRvYmUAZAAAAAAC/9sAQwACAQEBAQECAQEBAgICAgIEAwICAgIFBAQDBAYFBgYGBQYGBgcJCAYHCQcGBggLCAkKCgoK"         \
+	"CgYICwwLCgwJCgoK/9sAQwECAgICAgIFAwMFCgcGBwoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoK"         \
+	"CgoKCgoK/8AAFAgACAAIBAERAAIRAQMRAQQRAP/EABUAAQEAAAAAAAAAAAAAAAAAAAgK/8QAFBABAAAAAAAAAAAAAAAAAAAAAP/E"         \
+	"ABQBAQAAAAAAAAAAAAAAAAAAAAD/xAAUEQEAAAAAAAAAAAAAAAAAAAAA/9oADgQBAAIRAxEEAAA/AJ/wPB//2Q=="
+
 static void check_emits(const char *image, float expected, const char *words)
 {
-	char members[2048];
+	char members[4096];
 	begin();
 	snprintf(
 	    members, sizeof members,
@@ -651,6 +673,14 @@ static void emissive_textures_are_read(void **state)
 	check_emits("data:image/png;base64," BLACK, 0, "");
 	check_emits("data:image/png;base64," HALF_WHITE, 2, "");
 	check_emits("data:image/jpeg;base64," GREY_188, 2.01f, "");
+	check_emits("data:image/png;base64," GREY_PNG, 2.01f, "");
+	check_emits("data:image/png;base64," GREY_ALPHA_PNG, 2.01f, "");
+	check_emits("data:image/png;base64," RGB_16_PNG, 2.01f, "");
+	check_emits("data:image/png;base64," RGBA_16_PNG, 2.01f, "");
+	check_emits("data:image/png;base64," LINEAR_PNG, 2.01f, "");
+	check_emits("data:image/png;base64," PALETTE_PNG, 2.01f, "");
+	check_emits("data:image/jpeg;base64," PROGRESSIVE_JPEG, 2.01f, "");
+	check_emits("data:image/jpeg;base64," CMYK_JPEG, 2.01f, "");
 	check_emits("data:image/webp;base64,UklGRgAAAABXRUJQ", 4, "it is neither PNG nor JPEG");
 	check_emits("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg", 4, "cut off");
 	check_emits("../../../../etc/passwd", 4, "emissive textures are left out: lies outside");
@@ -764,6 +794,9 @@ static void what_is_not_read_is_told(void **state)
 	check_kind(PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.1,0.2,0.3,1]"
 			   "}}"),
 		   2, "");
+	check_kind(
+	    PAINTED(",\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"specularFactor\":[0.9,0.5,0.5]}}"), 2,
+	    "specular colours of the specular-glossiness model are not read");
 	check_kind(PAINTED(",\"normalTexture\":{\"index\":0}"), 2, "textures of roughness, metal and normals");
 	check_kind(
 	    PAINTED(",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"extensions\":{"
@@ -795,7 +828,7 @@ static void white_is_told_once(void **state)
 	engine_scene_free(&scene);
 }
 
-/* Red at three corners, green at the fourth: the triangle of red ones is red. */
+/* Red at three corners, green at the fourth: the triangle of red ones is red. A primitive without colours has none. */
 static void colours_of_vertices_are_read(void **state)
 {
 	(void)state;
@@ -804,16 +837,42 @@ static void colours_of_vertices_are_read(void **state)
 	add(colors, sizeof colors, UNSIGNED_BYTE, 4, "VEC4", ",\"normalized\":true");
 	engine_scene scene = load_kind("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
 				       "\"POSITION\":0,\"COLOR_0\":4},\"indices\":1,"
-				       "\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{"
+				       "\"material\":0},{\"attributes\":{\"POSITION\":2},\"material\":0}]}],"
+				       "\"materials\":[{\"pbrMetallicRoughness\":{"
 				       "\"metallicFactor\":0,\"baseColorFactor\":[0.8,0.8,0.8,1]}}]");
 	const engine_mesh *mesh = &scene.objects[0].mesh;
-	CHECK3(scene.materials[mesh->face_materials[0]].rho, 0.8f, 0, 0);
-	const float *mixed = scene.materials[mesh->face_materials[1]].rho;
-	printf("two corners of red, one of green: rho %g %g %g\n", (double)mixed[0], (double)mixed[1],
-	       (double)mixed[2]);
-	check_floats(mixed, (const float[3]){0.5333f, 0.2667f, 0}, 3, 0.02f); /* steps of 1/31 of the root */
+	CHECK_FACE(&scene, 0, 0.8f, 0, 0);
+	CHECK_FACE(&scene, 1, 0.8f * 2 / 3, 0.8f / 3, 0);
 	check_tells(&scene, "");
+	assert_true(mesh->face_count == 4 && mesh->colors[4 * 6] < 0);
 	engine_scene_free(&scene);
+}
+
+/* Where the file gives no factor, colours are times 1; alpha of vertices counts as that of pictures does. */
+static void colours_of_vertices_without_a_factor(void **state)
+{
+	(void)state;
+	static const float colors[4][4] = {{.5f, .25f, 0, .4f}, {.5f, .25f, 0, .4f}, {.5f, .25f, 0, .6f}, {1, 1, 1, 1}};
+	static const char *const modes[] = {"", ",\"alphaMode\":\"MASK\"",
+					    ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.45"};
+	static const uint32_t faces[] = {2, 1, 2};
+	for (int k = 0; k < 3; k++) {
+		char text[512];
+		begin();
+		ADD_FLOATS(colors, 4, "VEC4");
+		snprintf(text, sizeof text,
+			 "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+			 "\"COLOR_0\":4},\"indices\":1,\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{"
+			 "\"metallicFactor\":0}%s}]",
+			 modes[k]);
+		engine_scene scene = load_kind(text);
+		assert_int_equal(scene.objects[0].mesh.face_count, faces[k]);
+		if (faces[k] == 2)
+			CHECK_FACE(&scene, 0, .5f, .25f, 0);
+		else
+			CHECK_FACE(&scene, 0, 2.0f / 3, .5f, 1.0f / 3);
+		engine_scene_free(&scene);
+	}
 }
 
 /* ---- files that mean harm ---------------------------------------------------------------------------------------- */
@@ -992,6 +1051,7 @@ int main(void)
 	    cmocka_unit_test(what_is_not_read_is_told),
 	    cmocka_unit_test(white_is_told_once),
 	    cmocka_unit_test(colours_of_vertices_are_read),
+	    cmocka_unit_test(colours_of_vertices_without_a_factor),
 	    cmocka_unit_test(long_chains),
 	    cmocka_unit_test(copies_without_end_are_refused),
 	    cmocka_unit_test(buffers_stay_in_the_folder),

@@ -238,7 +238,7 @@ static void what_matt_surfaces_cannot_show_is_told(void **state)
 		       "transparency (d, Tr) is taken as opaque (\"m\")");
 	check_material("newmtl m\nKd 0.5 0.5 0.5\nd -halo 0.9\n", 0.5f, 0,
 		       "transparency (d, Tr) is taken as opaque (\"m\")");
-	check_material("newmtl m\nmap_Kd wall.png\n", 0.6f, 0, "textures of Kd are not read");
+	check_material("newmtl m\nmap_Kd -t 1 1 1 wall.png\n", 0.6f, 0, "options -t, -mm and -cc of textures");
 }
 
 static void broken_libraries_cost_no_file(void **state)
@@ -296,22 +296,27 @@ static void several_libraries(void **state)
 }
 
 /* sRGB 0.5 reflects 0.214. */
-static void colours_of_vertices_become_materials(void **state)
+static void colours_of_vertices_are_read(void **state)
 {
 	(void)state;
 	engine_scene scene =
 	    load_obj("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nv 0 1 0 .5 .5 .5\nf 1 2 3 4\nf 1 2 3\n"
 		     "usemtl m\nf 1 2 4\n");
-	const engine_mesh *mesh = &scene.objects[0].mesh;
-	CHECK3(scene.materials[mesh->face_materials[0]].rho, 0.8035103f, 0.0535103f, 0.0535103f);
-	/* A material of no library says less than the colours, one of a library more. */
-	CHECK3(scene.materials[mesh->face_materials[2]].rho, 0.738014f, 0.071347f, 0.071347f);
+	CHECK_FACE(&scene, 0, 0.8035103f, 0.0535103f, 0.0535103f);
+	/* A material of no library says less than the colours. */
+	CHECK_FACE(&scene, 2, 0.738014f, 0.071347f, 0.071347f);
 	assert_null(strstr(scene.warning, "in no library"));
 	engine_scene_free(&scene);
-	write_text("m.mtl", "newmtl m\nKd .3 .3 .3\n");
-	scene = load_obj("mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nusemtl m\nf 1 2 3\n");
-	CHECK3(scene.materials[scene.objects[0].mesh.face_materials[0]].rho, 0.3f, 0.3f, 0.3f);
-	assert_string_equal(scene.warning, "colours of vertices are not read on faces that have a material");
+	/* One of a library is times them. */
+	write_text("m.mtl", "newmtl m\nKd .3 .4 .5\nnewmtl plain\nd 1\n");
+	scene = load_obj("mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 1 0\nv 1 1 0 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"
+			 "f 1 3 4\nusemtl plain\nf 1 2 3\nf 3 2 1\n");
+	const engine_mesh *mesh = &scene.objects[0].mesh;
+	CHECK_FACE(&scene, 0, 0.3f, 0.4f / 3, 0);
+	CHECK_FACE(&scene, 2, 1, 1.0f / 3, 0); /* without Kd */
+	CHECK3(scene.materials[mesh->face_materials[1]].rho, 0.3f, 0.4f, 0.5f);
+	assert_true(mesh->colors[4 * 3] < 0); /* a corner of the second face has no colour */
+	assert_non_null(strstr(scene.warning, "get 0.98"));
 	engine_scene_free(&scene);
 }
 
@@ -444,7 +449,7 @@ int main(void)
 	    cmocka_unit_test(missing_libraries_are_told),
 	    cmocka_unit_test(libraries_lie_below_the_scene),
 	    cmocka_unit_test(several_libraries),
-	    cmocka_unit_test(colours_of_vertices_become_materials),
+	    cmocka_unit_test(colours_of_vertices_are_read),
 	    cmocka_unit_test(far_scenes_are_moved_in_double),
 	    cmocka_unit_test(large_files_take_linear_time),
 	    cmocka_unit_test(damaged_files_never_crash),

@@ -172,7 +172,9 @@ static void place(gi_hierarchy *h, const gi_refined *r, const double (*cage)[3])
 		gi_stencils_evaluate(&r->points, k, cage, at);
 		h->vertices[k] = (gi_vec4){(float)at[0], (float)at[1], (float)at[2], 0};
 	}
-	gi_hierarchy_refit(h);
+	static gi_node_sums sums[8192];
+	assert_true(h->node_count <= 8192);
+	gi_hierarchy_refit(h, sums);
 }
 
 static void expect_boxes_hold(const gi_bvh *bvh)

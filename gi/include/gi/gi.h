@@ -450,8 +450,14 @@ typedef struct gi_object_def {
 	 * in the mean. Takes some 100 bytes a leaf; default false. */
 	bool leaf_materials;
 	/* 2 * index_count: texture coordinates u v of the corners of faces, in the order of indices, for
-	 * gi_get_leaf_uvs; default NULL. The library looks at no texture. */
+	 * gi_get_leaf_uvs and, without a draw mesh, gi_set_textures; default NULL. Takes 20 bytes a triangle and 8 a
+	 * vertex of what is drawn */
 	const float *uvs;
+	/* The same of the mesh that is drawn, 2 * draw_index_count: of the corners of its triangles, in the order of
+	 * draw_indices, for gi_set_textures; and of each triangle the material whose textures it has, draw_index_count
+	 * / 3 numbers below material_count. Default NULL: no coordinates; all 0 */
+	const float *draw_uvs;
+	const uint32_t *draw_face_materials;
 
 	uint32_t internal;
 } gi_object_def;
@@ -462,6 +468,18 @@ GI_API gi_object_def gi_object_def_default(void);
  * corners of an earlier one in the same order round, wherever their list begins, are left out, with a warning that
  * counts them: by position, or by number where there are creases. */
 GI_API gi_result gi_create_object(gi_context *gi, const gi_object_def *def, gi_object *out);
+
+/* Another object of the shape, scale, materials, textures, mobility and name that `of` has at present, at `pose` and
+ * not hidden: the chairs of a hall. It takes a microsecond or two and 1 KB of host memory: refinement, hierarchy,
+ * trees, subsurface links and drawn surface are there once for all that came of one object; the last one destroyed
+ * frees them, either may go first. All else is as if gi_create_object had made it, to the bit: it takes part after the
+ * next gi_commit, on the GPU it takes what any object takes, and pose, materials, textures, mobility may be set for
+ * each.
+ *
+ * With leaf_materials each has values of its own, 40 bytes a leaf. One of an object that deforms begins with its shape
+ * of now, that was set last, and goes its own way: some 1.3 KB a leaf for what a shape takes. A scale is part of the
+ * shape: another one takes gi_create_object, or gi_set_scale on what deforms. On failure *out is zero. */
+GI_API gi_result gi_create_instance(gi_context *gi, gi_object of, gi_pose pose, gi_object *out);
 
 /* An object built ahead, without a context: what takes time of a creation, refinement, hierarchy, trees and what is
  * drawn (1.2 s for a cage of 100,000 triangles), behind the host's back. */
@@ -557,6 +575,50 @@ GI_API gi_result gi_get_leaf_uvs(const gi_context *gi, gi_object object, gi_leaf
  * Nothing is set where one value is out of range. */
 GI_API gi_result gi_set_leaf_materials(gi_context *gi, gi_object object, uint32_t first, uint32_t count,
 				       const gi_material *values);
+
+/* ---- textures in the picture ------------------------------------------------------------------------------------- */
+
+/* Light goes from leaf to leaf, and what leaves reflect and emit their materials say: means over a texture, where the
+ * host sets them (gi_object_def.leaf_materials). gi_draw shows such means too, unless it is given the textures: then
+ * each pixel has the texel's own reflectance and exitance, lit by the same light,
+ *
+ *     L = (E + rho H) / pi,    rho = factor * base colour,    E = factor * emissive
+ *
+ * H that of the leaves and of what lights per pixel. The light does not change by it, and a scene without textures pays
+ * nothing. One with some draws a part for each material that has some, and keeps 16 bytes more a pixel. What lies
+ * behind: what is seen in mirrors and through glass, shadows, and the light of a surface that shines are those of the
+ * leaves, in their means; heat maps (gi_overlay) show leaves whole. */
+typedef struct gi_textures {
+	/* OpenGL names of textures with the target GL_TEXTURE_2D, complete, with floats or normalised integers: sRGB
+	 * where they hold sRGB, for shaders see what is sampled. 0: none, that is the material's. */
+	uint32_t base_color; /* rgb rho, taken to [0, 1]; a coverage, for alpha_cutoff */
+	uint32_t emissive;   /* rgb E, taken as 0 below it */
+	/* Names of sampler objects; 0: filters and wrapping are the texture's own */
+	uint32_t base_color_sampler, emissive_sampler;
+	float base_color_factor[4]; /* each in [0, 1]; default 1 */
+	float emissive_factor[3];   /* W/m2, each in 0..1e12; default 1. Of a glTF radiance L it is pi L */
+	/* u and v in the texture = rows times (u, v, 1) of the object's coordinates; default 1 0 0, 0 1 0. OpenGL's
+	 * (0, 0) is the first texel that was uploaded, as glTF has it of rows from the top */
+	float base_color_transform[2][3], emissive_transform[2][3];
+	/* > 0: what has less coverage is not drawn: glTF's alphaCutoff. It casts shadows and takes light as if it were.
+	 * Default 0: all is drawn */
+	float alpha_cutoff;
+	uint32_t internal;
+} gi_textures;
+
+GI_API gi_textures gi_textures_default(void);
+
+/* Of a material of the object's definition, by face_materials, or draw_face_materials of its draw mesh: leaf_materials
+ * or not. NULL, or names of 0: none again. The next gi_draw shows it, no gi_commit and no gi_update are needed; other
+ * values are free to come every frame, first textures and none again cost that gi_draw the upload of what is drawn.
+ *
+ * The textures stay the host's: what it writes into them is seen. One that it deletes is taken back first: gi_draw says
+ * GI_ERROR_INVALID_ARGUMENT and draws nothing while one is missing. GI_ERROR_INVALID_ARGUMENT: a value is out of its
+ * range, a name is none of this OpenGL context, the object has no coordinates (gi_object_def.uvs, draw_uvs) or
+ * gi_subsurface, or fewer materials. */
+GI_API gi_result gi_set_textures(gi_context *gi, gi_object object, uint32_t material, const gi_textures *textures);
+/* What is set; the defaults where there are none. */
+GI_API gi_result gi_get_textures(const gi_context *gi, gi_object object, uint32_t material, gi_textures *out);
 
 /* ---- moving skin ------------------------------------------------------------------------------------------------- */
 
@@ -885,8 +947,9 @@ GI_API gi_view gi_view_default(void);
  *
  * At most gi_context_def.pixel_lamps polygons emit per pixel (an emitting object is cut into as few as tile it);
  * objects beyond that, the weakest, light through the leaves. Each costs a pass over the picture. Shadow maps are
- * drawn again only after something moved. Surfaces go through textures of the viewport's size before they reach the
- * framebuffer: one that is multisampled gets the same value in all samples of a pixel. */
+ * drawn again only after something moved. Reflectance and exitance are those of the leaves, or of textures
+ * (gi_set_textures). Surfaces go through pictures of the viewport's size before they reach the framebuffer: one that is
+ * multisampled gets the same value in all samples of a pixel. */
 GI_API gi_result gi_draw(gi_context *gi, const gi_view *view);
 
 /* No leaf. */
