@@ -685,8 +685,8 @@ int main(void)
 	    cmocka_unit_test(test_light_is_kept),         cmocka_unit_test(test_sun_through_a_window),
 	    cmocka_unit_test(test_what_changes_cost),     cmocka_unit_test(test_what_moves_cost),
 	    cmocka_unit_test(test_moves_equal_a_rebuild), cmocka_unit_test(test_bounds_are_certified),
-	    cmocka_unit_test(test_lights_are_no_rows),
-	    cmocka_unit_test(test_hundred_rounds),        cmocka_unit_test(test_what_is_refused),
+	    cmocka_unit_test(test_lights_are_no_rows),    cmocka_unit_test(test_hundred_rounds),
+	    cmocka_unit_test(test_what_is_refused),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }
