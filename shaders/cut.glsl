@@ -31,6 +31,7 @@
 #include "changed.glsl"
 #include "chosen.glsl"
 #include "facing.glsl"
+#include "fineness.glsl"
 #include "spread.glsl"
 #define POOL entry_pool
 #include "pool.glsl"
@@ -66,14 +67,15 @@ gi_node_geometry geometry_of(uint node, bool same)
 	return load_world(node);
 }
 
-uint classify_sky(shape p, gi_node_geometry g, uint flags)
+uint classify_sky(shape p, gi_node_geometry g, uint flags, float refinement)
 {
 	float height = dot(p.axis, g.sphere.xyz) + g.sphere.w + (p.cone < 0.0 ? 1.0 : sine_of(p.cone));
 	if (height <= 0.0)
 		return CUT_SKIP;
 	float estimate = g.moment.w * min(1.0, height) / PI;
 	// Down to what is small and bright, however little it subtends.
-	bool refine = estimate > frame.tolerance.z || (flags & (GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
+	bool refine = refinement * estimate > frame.tolerance.z ||
+		      (flags & (GI_NODE_FINER_MOST << GI_NODE_FINER_SHIFT)) != 0u;
 	return (flags & GI_NODE_LEAF) == 0u && refine ? CUT_REFINE : CUT_TAKE;
 }
 
@@ -94,19 +96,22 @@ bool is_other_side(shape p, gi_node_geometry g)
 	       abs(p.radius - g.sphere.w) <= slack;
 }
 
-float tolerance_of(uint flags)
+// Emitters are fine enough for finer rows as they are.
+float tolerance_of(uint flags, float refinement)
 {
 	uint finer = (flags >> GI_NODE_FINER_SHIFT) & GI_NODE_FINER_MOST;
-	return max(frame.tolerance.x / float(1u << finer), frame.tolerance.y);
+	return max(frame.tolerance.x / max(float(1u << finer), refinement),
+		   min(frame.tolerance.y, frame.tolerance.x / refinement));
 }
 
 // shown: the area that is seen of a node that is taken.
-uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, uint source, bool same, out float shown)
+uint classify(uint leaf, shape p, float refinement, gi_node_geometry g, uvec4 range, uint node, uint source, bool same,
+	      out float shown)
 {
 	uint flags = range.w;
 	shown = g.moment.w;
 	if ((flags & GI_NODE_SKY) != 0u)
-		return classify_sky(p, g, flags);
+		return classify_sky(p, g, flags, refinement);
 	facing f = facing_of(p, g, flags);
 	if (f.unseen)
 		return CUT_SKIP;
@@ -134,7 +139,7 @@ uint classify(uint leaf, shape p, gi_node_geometry g, uvec4 range, uint node, ui
 		return CUT_REFINE;
 	float most = near ? max(shown, ALONG * g.moment.w) : shown;
 	float estimate = most * min(1.0, f.height / d) / (PI * d * d + most);
-	return estimate > tolerance_of(flags) ? CUT_REFINE : CUT_TAKE;
+	return estimate > tolerance_of(flags, refinement) ? CUT_REFINE : CUT_TAKE;
 }
 
 #if OWN
@@ -168,7 +173,7 @@ bool is_negligible(shape p, gi_node_geometry g, uint flags, float shown)
 	height = mean_above(height, fold + (polygon ? g.sphere.w * apart : 0.0));
 	faced = mean_above(faced, d * sine_of(g.axis.w) + p.radius * apart);
 	shown *= polygon && (flags & GI_NODE_BACK) == 0u ? min(faced / d, 1.0) : 1.0;
-	return shown * min(height / d, 1.0) <= NEGLIGIBLE * tolerance_of(flags) * (PI * d * d + shown);
+	return shown * min(height / d, 1.0) <= NEGLIGIBLE * tolerance_of(flags, 1.0) * (PI * d * d + shown);
 }
 #endif
 
@@ -208,7 +213,8 @@ struct cut_size {
 // Writes the first `room` nodes of the cut at entry `at`. Of what is in `old` it takes over what is below nodes that
 // are not fresh: a row that has something of such a node has its whole cut. With `at` not behind old.next nothing is
 // overwritten before it is read. Fresh ones are queued from `queued` on, where the row keeps some.
-cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint room, old_part old, uint queued)
+cut_size write_cut(shape p, float refinement, uint leaf, uint source, bool same, uint at, uint room, old_part old,
+		   uint queued)
 {
 	uvec4 nodes = object_nodes(source);
 	cut_size size = cut_size(0u, 0u);
@@ -233,7 +239,7 @@ cut_size write_cut(shape p, uint leaf, uint source, bool same, uint at, uint roo
 		}
 		gi_node_geometry g = geometry_of(n, same);
 		float shown;
-		uint verdict = classify(leaf, p, g, range, n, source, same, shown);
+		uint verdict = classify(leaf, p, refinement, g, range, n, source, same, shown);
 #if OWN
 		if (verdict == CUT_TAKE && is_negligible(p, g, range.w, shown))
 			verdict = CUT_SKIP;
@@ -307,6 +313,7 @@ struct cut {
 	uint leaf, source;
 	bool same, unseen;
 	shape receiver;
+	float refinement;
 	uint segment;
 	uvec2 block;    // of entries
 	uint old_count; // how many the segment had
@@ -324,6 +331,7 @@ cut begin_cut(uint leaf, uint source, uvec4 receiver, uint since)
 	c.same = receiver.y == source;
 	c.unseen = ((object_bvh(receiver.y).z | object_bvh(source).z) & GI_OBJECT_UNSEEN) != 0u;
 	c.receiver = shape_of(geometry_of(receiver.x, c.same), topology_range(receiver.x).w);
+	c.refinement = fineness_of(leaf).refinement;
 	c.segment = segment_of(leaf, source);
 	c.block = load_segment(c.segment).xy;
 	c.old_count = c.block.y & GI_BLOCK_COUNT_MASK;
@@ -361,7 +369,8 @@ bool make_cut(inout cut c)
 		bool has = c.block.y >> 24u != GI_BLOCK_NO_CLASS;
 		uint room = has && !counts ? GI_BLOCK_SMALLEST << (c.block.y >> 24u) : 0u;
 		if (!c.unseen)
-			c.size = write_cut(c.receiver, c.leaf, c.source, c.same, c.block.x, room, c.old, c.queued);
+			c.size = write_cut(c.receiver, c.refinement, c.leaf, c.source, c.same, c.block.x, room, c.old,
+					   c.queued);
 		if (c.keeps && !counts)
 			break;
 		if (counts && c.size.fresh == 0u && c.size.nodes == c.old_count)

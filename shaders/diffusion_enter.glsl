@@ -1,6 +1,6 @@
 // What arrives at the leaves of translucent objects and enters: sum over links of weight * R_node and weight *
-// v_node in a sweep, in double precision, or before the first one the irradiance by exitance. One thread a leaf of
-// theirs.
+// v_node in a sweep, in double precision, or before the first one the irradiance by exitance, and what the row sums to.
+// One thread a leaf of theirs.
 #define READ_FRAME
 #define READ_ROWS
 #define READ_LINKS
@@ -24,6 +24,7 @@ void main()
 	if (k >= leaves)
 		return;
 	uint leaf = load_diffusion_row(k).z;
-	diffusion_values[k] =
-	    emitted != 0u ? vec4(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz, 0.0) : to_single(gather(leaf).sum);
+	diffusion_values[k] = emitted != 0u ? vec4(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz,
+						   1.0 - load_leaf_part(GI_LEAF_B, leaf).w)
+					    : to_single(gather(leaf).sum);
 }

@@ -31,7 +31,7 @@ layout(location = 0) uniform uint leaves;
 // into it.
 const double SUMMED = 1e-8lf, LOST = 16777216.0lf;
 
-swept work_out(diffused d, dvec4 source, vec4 before, vec3 ceiling)
+swept work_out(diffused d, dvec3 rho, double lacks, dvec4 source, vec4 before, vec3 ceiling)
 {
 	swept s;
 	s.before = dvec4(before);
@@ -41,10 +41,7 @@ swept work_out(diffused d, dvec4 source, vec4 before, vec3 ceiling)
 	s.arrived_doubt = (4.0lf * ROUNDING + SUMMED) * s.arrived + lost;
 	s.doubt = s.arrived_doubt + 4.0lf * ROUNDING_OF_REAL * s.image + lost;
 	s.doubt.xyz += (6.0lf * ROUNDING + SUMMED) * source.xyz;
-	// Shares of clusters, as floats, may sum to a little more than 1.
-	s.row_sum = d.weight * (1.0lf + 1e-6lf);
-	// What arrives may be of rows that sum to up to 2.
-	s.row_sum *= frame.statics.z != 0u ? 2.0lf : 1.0lf;
+	s.row_sum = rho * (1.0lf - lacks) * (1.0lf + 4.0lf * ROUNDING_OF_REAL);
 	s.gap = max(1.0lf - s.row_sum, dvec3(0.0lf));
 	return s;
 }
@@ -58,11 +55,12 @@ void leave(uvec4 row, uint action)
 		leaf_radiosity[GI_LEAF_KEPT * frame.counts.x + leaf] = before;
 	vec3 ceiling = uintBitsToFloat(state_before.emitted.ceiling_bits.xyz);
 	dvec4 source = dvec4(dvec3(m.rho.xyz) * dvec3(load_leaf_part(GI_LEAF_EMITTED, leaf).xyz), 1.0lf);
-	swept s = work_out(diffuse(row), source, before, ceiling);
+	float lacks = load_leaf_part(GI_LEAF_B, leaf).w;
+	swept s = work_out(diffuse(row), dvec3(m.rho.xyz), double(lacks), source, before, ceiling);
 	// Drawn is rho times that, and no lamp besides.
 	vec3 drawn = vec3(s.image.xyz / max(dvec3(m.rho.xyz), dvec3(1e-30lf)));
 	leaf_indirect[leaf] = vec4(drawn, 0.0);
-	finish(leaf, s, source, before, ceiling, m.exitance.xyz, load_leaf_part(GI_LEAF_B, leaf).w);
+	finish(leaf, s, source, before, ceiling, m.exitance.xyz, lacks);
 }
 
 void main()

@@ -51,6 +51,10 @@ typedef struct gi_uvec4 {
 #define GI_NODE_PICTURE 8192u /* a patch of a sky with a picture; where GI_NODE_FINER is set, one of much light */
 #define GI_NODE_FINER_SHIFT 8u
 #define GI_NODE_FINER_MOST 15u
+/* Of receivers, which are nobody's source: GI_NODE_FINER is how much finer their rows are cut, and in place of
+ * GI_NODE_SMOOTH and _PICTURE stands how many rays an entry at the tolerance has, less one. */
+#define GI_NODE_SAMPLES_SHIFT 12u
+#define GI_NODE_SAMPLES_MOST 15u
 #define GI_NODE_THICKNESS_SHIFT 16u
 #define GI_NODE_THICKNESS_STEPS 65535u
 

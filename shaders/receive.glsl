@@ -2,10 +2,10 @@
 // `count` how many there are. Light through mirrors and glass is all in the links here: photons fall on leaves.
 //
 // HARMONICS: of receivers without a normal, whose rows look all round: a link's weight w is a share of the sphere, and
-// its light comes from radiance B / pi in a cone of solid angle 4 pi w about the way to its node. Radiance is projected
-// to real spherical harmonics Y_lm, and each band is multiplied by what a cosine lobe leaves of it, A_l = pi, 2 pi / 3,
-// pi / 4 (Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001), so that
-// E(n) = sum of c_lm Y_lm(n).
+// its light comes from radiance B / pi in a cone of solid angle 4 pi w about the mean way to its node. Radiance is
+// projected to real spherical harmonics Y_lm, and each band is multiplied by what a cosine lobe leaves of it, A_l = pi,
+// 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan, An Efficient Representation for Irradiance Environment Maps, 2001), so
+// that E(n) = sum of c_lm Y_lm(n).
 //
 // PUNCTUAL: there are lights without a surface (punctual_trace.comp).
 #define READ_FRAME
@@ -17,6 +17,7 @@
 #ifdef HARMONICS
 #define READ_TOPOLOGY
 #define READ_WORLD
+#define READ_VERTICES_WORLD
 #endif
 #ifdef PUNCTUAL
 #ifdef HARMONICS
@@ -65,11 +66,36 @@ void add(inout vec3 sum[COEFFICIENTS], vec3 light, vec3 d, float w)
 	sum[8] += two * (d.x * d.x - d.y * d.y);
 }
 
-// Of the node that a link leads to: a leaf, or a patch of sky.
-vec3 way_to(uint node, vec3 from)
+// The mean direction of what a link of a larger share of the sphere brings is not that to the middle of its leaf: what
+// is near of it counts most.
+const float LARGE_SHARE = 1.0 / 256.0;
+
+// Part of it by one edge of the contour.
+vec3 of_edge(vec3 u, vec3 v)
 {
-	vec3 centre = world_sphere(node).xyz;
-	vec3 d = (topology_range(node).w & GI_NODE_SKY) != 0u ? centre : centre - from;
+	vec3 w = cross(u, v);
+	float s = length(w);
+	return s > 0.0 ? w * (atan(s, dot(u, v)) / s) : vec3(0.0);
+}
+
+// The sum of all directions to a leaf's points, by solid angle: half the sum over its edges of the angle that each
+// spans, along the normal of the plane through it (Lambert). Only its line counts: of two sides either may be seen.
+vec3 directions_to(uint node, vec3 from, vec3 middle)
+{
+	uvec4 corners = topology_corners(node);
+	vec3 a = load_world_vertex(corners.x).xyz - from, b = load_world_vertex(corners.y).xyz - from,
+	     c = load_world_vertex(corners.z).xyz - from, d = load_world_vertex(corners.w).xyz - from;
+	vec3 sum = of_edge(a, b) + of_edge(b, c) + of_edge(c, d) + of_edge(d, a);
+	return dot(sum, middle) < 0.0 ? -sum : sum;
+}
+
+// Of the node that a link of weight w leads to: a leaf, or a patch of sky.
+vec3 way_to(uint node, float w, vec3 from)
+{
+	bool sky = (topology_range(node).w & GI_NODE_SKY) != 0u;
+	vec3 centre = world_sphere(node).xyz, d = sky ? centre : centre - from;
+	if (w > LARGE_SHARE && !sky)
+		d = directions_to(node, from, d);
 	return d * inversesqrt(max(dot(d, d), 1e-30));
 }
 
@@ -111,8 +137,8 @@ void receive(uvec4 row, vec3 from, uint at, uint coefficients, uint receiver)
 			continue;
 		}
 		float a = uintBitsToFloat(two.y), b = uintBitsToFloat(two.w);
-		add(sum, a * load_radiosity(two.x).xyz, way_to(two.x, from), a);
-		add(sum, b * load_radiosity(two.z).xyz, way_to(two.z, from), b);
+		add(sum, a * load_radiosity(two.x).xyz, way_to(two.x, a, from), a);
+		add(sum, b * load_radiosity(two.z).xyz, way_to(two.z, b, from), b);
 	}
 	for (uint k = 0u; k < coefficients; k++)
 		received[at + k] = vec4(SCALE[k] * sum[k], k == 0u ? uintBitsToFloat(row.w & ~GI_ROW_OPEN) : 0.0);

@@ -1,4 +1,5 @@
 // Which segments an entry's samples are: how many there are, in which order they are taken, and what each goes between.
+#include "fineness.glsl"
 
 // So many that agree are enough. Of hidden ones more: in shadow the little that comes in is all the light there is, and
 // would come in at one go where the first of four is no longer hidden.
@@ -109,12 +110,20 @@ bool is_bright(uint flags)
 // Rays go where much light may come from: to emitters, and to what is so near that even a leaf is more than the
 // tolerance. Stopping early sharpens penumbrae a little; only emitters, cut so fine that it does not show, have so many
 // rays to save. Black sky is not seen at all.
-sampling sampling_of(float factor, uint flags)
+sampling sampling_of(uvec4 entry, uint flags)
 {
+	uint leaf = entry.w & GI_ENTRY_LEAF_MASK;
+	row_fineness row = fineness_of(leaf);
+	float factor = uintBitsToFloat(entry.y);
+#ifdef ROUND
+	factor *= is_round(leaf) ? 4.0 : 1.0; // as if the source were before a normal
+#endif
 	bool emitter = is_bright(flags);
 	bool dark_sky = (flags & GI_NODE_SKY) != 0u && frame.misc.w == 0u;
 	float most = float(frame.limits.z) * clamp(factor / LARGE, 1.0, MOST_LARGE);
-	uint near = uint(clamp(factor / frame.tolerance.x, 1.0, min(most, MOST_SAMPLES)));
+	float wished = float(row.samples);
+	most = max(wished, min(most, MOST_SAMPLES));
+	uint near = uint(clamp(wished * row.refinement * factor / frame.tolerance.x, 1.0, most));
 	uint dark = max((near + 3u) / 4u, uint(clamp(factor / COARSE_SKY, 1.0, float(PROBES))));
 	uint wanted = emitter ? frame.limits.w : dark_sky ? dark : near;
 	uint probes = emitter ? min(wanted, PROBES) : dark_sky ? min(wanted, SKY_PROBES) : wanted;

@@ -137,7 +137,7 @@ void main()
 		return;
 	pair p = load_pair(entry);
 	bool emitter = is_bright(source.w);
-	sampling rays = sampling_of(uintBitsToFloat(entry.y), source.w);
+	sampling rays = sampling_of(entry, source.w);
 	uint k = sample_of(sample_taken(p, entry), is_reordered(rays, emitter, p.sky)), count;
 	path_end end = follow(ray_of(p, entry, k, emitter), p.ids, k, count);
 	uvec3 bits = uvec3(clamp(end.throughput, 0.0, 1.0) * 1023.0 + 0.5);

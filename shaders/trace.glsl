@@ -144,12 +144,7 @@ void main()
 	if (((source.w & GI_NODE_TOP) != 0u) != (TOPS == 1))
 		return;
 	float factor = uintBitsToFloat(entry.y);
-#ifdef ROUND
-	// As many rays as if the source were before a normal.
-	sampling rays = sampling_of(is_round(entry.w & GI_ENTRY_LEAF_MASK) ? 4.0 * factor : factor, source.w);
-#else
-	sampling rays = sampling_of(factor, source.w);
-#endif
+	sampling rays = sampling_of(entry, source.w);
 	bool is_new = t < state.counts.new_entries, none = factor <= 0.0;
 	if (none || (is_new && is_behind_face(entry.w & GI_ENTRY_LEAF_MASK, source))) {
 		// However small, a bright lamp may be behind it.

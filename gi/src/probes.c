@@ -100,12 +100,14 @@ void probes_free(gi_context *gi)
 
 gi_probes_def gi_probes_def_default(void)
 {
-	return (gi_probes_def){.harmonics = 2, .internal = PROBES_COOKIE};
+	return (gi_probes_def){
+	    .harmonics = 2, .refinement = RECEIVER_REFINEMENT, .samples = RECEIVER_SAMPLES, .internal = PROBES_COOKIE};
 }
 
 static bool is_valid(const gi_probes_def *def)
 {
-	bool right = def->spacing > 0 && def->harmonics >= 1 && def->harmonics <= 2;
+	bool right = def->spacing > 0 && def->harmonics >= 1 && def->harmonics <= 2 &&
+		     receiver_fineness_is_valid(def->refinement, def->samples);
 	double count = 1;
 	for (int k = 0; k < 3; k++) {
 		count *= def->count[k];
@@ -137,13 +139,19 @@ gi_result gi_create_probes(gi_context *gi, const gi_probes_def *def, gi_receiver
 	if (def->internal != PROBES_COOKIE)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_DEF, "start from gi_probes_def_default()");
 	if (!is_valid(def))
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
-			       "probes: spacing above 0, counts above 0 and harmonics 1 or 2 are needed, within 1e9 m");
+		return gi_fail(
+		    &gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
+		    "probes: spacing and counts above 0 within 1e9 m, harmonics 1 or 2, refinement from 1 to "
+		    "1024 and samples from 1 to 16 are needed");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const uint32_t count = def->count[0] * def->count[1] * def->count[2];
 	float *positions = place_probes(def, count);
-	gi_receivers_def points = {.positions = positions, .count = count, .harmonics = def->harmonics};
-	points.pose.rotation[3] = 1;
+	const gi_receivers_def points = {.positions = positions,
+					 .count = count,
+					 .harmonics = def->harmonics,
+					 .refinement = def->refinement,
+					 .samples = def->samples,
+					 .pose.rotation[3] = 1};
 	const receiver_grid grid = {
 	    {def->lower[0], def->lower[1], def->lower[2]}, def->spacing, {def->count[0], def->count[1], def->count[2]}};
 	const gi_result result = positions ? receiver_sets_create(gi, &points, &grid, out)

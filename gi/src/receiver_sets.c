@@ -19,6 +19,14 @@ static const float RHO = 0.5f;
 
 enum { CORNERS = GI_RECEIVER_CORNERS };
 
+/* More is beyond what entries can be cut to: 1e-6 of a hemisphere, at the default tolerance. */
+static const float MOST_REFINEMENT = 1024;
+
+bool receiver_fineness_is_valid(float refinement, uint32_t samples)
+{
+	return refinement >= 1 && refinement <= MOST_REFINEMENT && samples >= 1 && samples <= GI_NODE_SAMPLES_MOST + 1;
+}
+
 /* ---- the list ---- */
 
 bool receiver_set_is_alive(const receiver_set *set)
@@ -111,7 +119,9 @@ gi_result receiver_sets_create(gi_context *gi, const gi_receivers_def *def, cons
 			    .count = def->count,
 			    .coefficients = (def->harmonics + 1) * (def->harmonics + 1),
 			    .size = def->size,
-			    .offset = def->offset};
+			    .offset = def->offset,
+			    .finer = (uint32_t)ceilf(log2f(def->refinement)),
+			    .samples = def->samples};
 	if (grid)
 		set.grid = *grid;
 	set.points = gi_calloc(def->count, sizeof *set.points);
@@ -277,13 +287,15 @@ static void gather_set(const gi_context *gi, gi_scene *next, uint32_t number, co
 	const receiver_set *set = set_of(gi, place);
 	const uint32_t slot = next->slot_count + number, leaf = next->leaf_count + place->first,
 		       node = next->node_count + place->first, vertex = next->vertex_count + CORNERS * place->first;
-	const uint32_t thick = receiver_set_is_round(set) ? GI_NODE_THICKNESS_STEPS << GI_NODE_THICKNESS_SHIFT : 0;
+	const uint32_t thick = receiver_set_is_round(set) ? GI_NODE_THICKNESS_STEPS : 0,
+		       flags = GI_NODE_LEAF | set->finer << GI_NODE_FINER_SHIFT |
+			       (set->samples - 1) << GI_NODE_SAMPLES_SHIFT | thick << GI_NODE_THICKNESS_SHIFT;
 	for (uint32_t k = 0; k < set->count; k++) {
 		gi_vec4 *corners = to->vertices + vertex + CORNERS * (size_t)k;
 		const uint32_t first = vertex + CORNERS * k;
 		shape_point(set, &set->points[k], next->mean_area, &to->rest[node + k], corners);
-		next->topology[node + k] = (gi_node_topology){{node + k + 1, leaf + k, 1, GI_NODE_LEAF | thick},
-							      {first, first + 1, first + 2, first + 3}};
+		next->topology[node + k] =
+		    (gi_node_topology){{node + k + 1, leaf + k, 1, flags}, {first, first + 1, first + 2, first + 3}};
 		memcpy(to->leaf_quads + CORNERS * (size_t)(leaf + k), corners, sizeof *corners * CORNERS);
 		/* No ray ends on it: it has no rank. */
 		to->leaves[leaf + k] = (gi_uvec4){node + k, slot, to->material_number, GI_NONE};

@@ -34,6 +34,7 @@ typedef struct receiver_set {
 	uint32_t count;
 	uint32_t coefficients; /* vec4 a point: 1 irradiance, 4 or 9 spherical harmonics */
 	float size, offset;
+	uint32_t finer, samples; /* steps of two that its rows are cut finer than others; rays of an entry there */
 	receiver_grid grid;
 	uint32_t id, ids;      /* of its points, as object_record.leaf_id */
 	uint32_t place;        /* in gi_scene.sets, while committed */
@@ -45,6 +46,11 @@ typedef struct gi_receiver_sets {
 	uint32_t count; /* dead ones too */
 	uint32_t next_id;
 } gi_receiver_sets;
+
+/* Defaults of how fine rows are. */
+#define RECEIVER_REFINEMENT 4
+#define RECEIVER_SAMPLES 3
+bool receiver_fineness_is_valid(float refinement, uint32_t samples);
 
 receiver_set *receiver_sets_find(const gi_context *gi, gi_receivers handle);
 /* From a definition that was checked but for its points. grid: NULL but for probes. */

@@ -13,7 +13,10 @@ static const uint32_t MOST_POINTS = GI_ENTRY_LEAF_MASK;
 
 gi_receivers_def gi_receivers_def_default(void)
 {
-	return (gi_receivers_def){.pose.rotation = {0, 0, 0, 1}, .internal = RECEIVERS_COOKIE};
+	return (gi_receivers_def){.refinement = RECEIVER_REFINEMENT,
+				  .samples = RECEIVER_SAMPLES,
+				  .pose.rotation = {0, 0, 0, 1},
+				  .internal = RECEIVERS_COOKIE};
 }
 
 static bool is_length(float value)
@@ -30,6 +33,10 @@ static gi_result check_def(const gi_context *gi, const gi_receivers_def *def)
 	if (def->harmonics > 2 || (!def->normals && !def->harmonics))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "receivers: harmonics %u is outside 0..2, or 0 without normals", def->harmonics);
+	if (!receiver_fineness_is_valid(def->refinement, def->samples))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
+			       "receivers: refinement %g is outside 1..1024, or samples %u outside 1..16",
+			       (double)def->refinement, def->samples);
 	if (!(def->size >= 0) || !is_length(def->size) || !is_length(def->offset))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
 			       "receivers: size is below 0, or it or offset beyond 1e9 m");

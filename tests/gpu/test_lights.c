@@ -547,6 +547,41 @@ static void test_bounds_are_certified(void **state)
 	gi_context_destroy(r.gi);
 }
 
+/* A lamp comes before a floor that has half as much light of a sun as the lamp could bring. What rows of the floor may
+ * gain is to be told from what they bring: by all of H a third less would be certified than they are off by. */
+static void test_lights_are_no_rows(void **state)
+{
+	(void)state;
+	gi_context *gi = open_scene(GI_SKY_OFF);
+	add_floor(gi, 0, .2f, 6, .05f);
+	engine_mesh mesh;
+	assert_true(shape_quad((float[]){-.6f, 0, -.6f}, (float[]){1.2f, 0, 0}, (float[]){0, 0, 1.2f}, 2, 2, &mesh));
+	const gi_object lamp = harness_add(gi, &(harness_object){.name = "lamp", .exitance = {700, 700, 700}}, &mesh);
+	assert_gi(gi_set_pose(gi, lamp, pose_at(0, 20, 0, 0)));
+	/* Below the lamp, wherever that is. */
+	gi_light_def sun = sun_of(1, -.4f, 0, 940);
+	sun.intensity[1] = sun.intensity[2] = sun.intensity[0];
+	add_light(gi, &sun);
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	assert_gi(gi_set_pose(gi, lamp, pose_at(0, .4f, 0, 0)));
+	assert_gi(gi_update(gi, &(gi_budget){.rays = 1}));
+	assert_gi(gi_finish(gi));
+	gi_report report;
+	assert_gi(gi_get_report(gi, &report));
+	snapshot coarse = snapshot_take(gi);
+	const gi_report exact = harness_update(gi);
+	snapshot fine = snapshot_take(gi);
+	const double off = snapshot_distance(&coarse, &fine),
+		     bound = (double)report.solve_bound + report.stale_bound + exact.solve_bound;
+	print_message("B off by %.3g, certified %.3g\n", off, bound);
+	assert_true(report.waiting_rows > 0 && off > 10);
+	assert_true(off <= bound);
+	snapshot_free(&coarse);
+	snapshot_free(&fine);
+	gi_context_destroy(gi);
+}
+
 /* ---- coming and going ---- */
 
 static uint32_t objects_of_opengl(void)
@@ -650,7 +685,8 @@ int main(void)
 	    cmocka_unit_test(test_light_is_kept),         cmocka_unit_test(test_sun_through_a_window),
 	    cmocka_unit_test(test_what_changes_cost),     cmocka_unit_test(test_what_moves_cost),
 	    cmocka_unit_test(test_moves_equal_a_rebuild), cmocka_unit_test(test_bounds_are_certified),
-	    cmocka_unit_test(test_hundred_rounds),        cmocka_unit_test(test_what_is_refused),
+	    cmocka_unit_test(test_lights_are_no_rows),    cmocka_unit_test(test_hundred_rounds),
+	    cmocka_unit_test(test_what_is_refused),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }

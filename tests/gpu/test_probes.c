@@ -161,7 +161,7 @@ static void wall_between(void **state)
 }
 
 /* The look-up in the lit room against receivers at the same places, 0.8 m below the lamp and more. At the probes
- * themselves it is 11 % off: what bands above 2 have of a lamp in a dim room. */
+ * themselves it is 3.9 % off: what bands above 2 have of a lamp in a dim room. */
 static void between_probes(void **state)
 {
 	(void)state;
@@ -202,7 +202,7 @@ static void between_probes(void **state)
 			all += pow((double)light[k][c], 2);
 		}
 	printf("  between probes 0.5 m apart: %.1f %% off receivers in the same places\n", 100 * sqrt(off / all));
-	assert_true(sqrt(off / all) < .2);
+	assert_true(sqrt(off / all) < .08);
 	glDeleteProgram(program);
 	gi_context_destroy(gi);
 }
@@ -280,6 +280,10 @@ static void bad_definitions(void **state)
 	bad = good, bad.count[1] = bad.count[0] = 1u << 31;
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.harmonics = 0;
+	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.refinement = 0;
+	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.samples = 17;
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.lower[2] = NAN;
 	assert_int_equal(gi_create_probes(gi, &bad, &out), GI_ERROR_INVALID_ARGUMENT);

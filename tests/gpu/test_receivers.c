@@ -439,6 +439,11 @@ static void bad_definitions(void **state)
 	bad = good, bad.normals = NULL, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.harmonics = 3, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.size = -1, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.refinement = .5f, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.refinement = 1025, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.refinement = NAN, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.samples = 0, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
+	bad = good, bad.samples = 17, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.offset = NAN, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.normals = (float[12]){0}, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);
 	bad = good, bad.positions = (float[12]){INFINITY}, refuse(gi, &bad, GI_ERROR_INVALID_ARGUMENT);

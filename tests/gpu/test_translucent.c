@@ -473,6 +473,56 @@ static void budgets_are_bounded(void **state)
 	gi_context_destroy(exact.gi);
 }
 
+/* ---- beside mirrors ---- */
+
+static gi_object add_mirror(gi_context *gi, float rho, float share)
+{
+	engine_mesh mesh;
+	const gi_material material = {.rho = {rho, rho, rho}};
+	const gi_specular mirror = {.reflectance = {share, share, share}};
+	assert_true(shape_quad((const float[]){-.8f, .3f, -.8f}, (const float[]){1.6f, 0, 0},
+			       (const float[]){0, 1.2f, 0}, 2, 2, &mesh));
+	gi_object_def def = scene_mesh_def(&mesh);
+	def.materials = &material;
+	def.material_count = 1;
+	def.specular = &mirror;
+	gi_object out;
+	assert_gi(gi_create_object(gi, &def, &out));
+	engine_mesh_free(&mesh);
+	return out;
+}
+
+/* Rows that see a mirror which is not black either may sum to more than 1, those of translucent leaves too. Of media of
+ * any albedo and mirrors of any share solves end as soon as elsewhere, or with rounding where no more is to be had. */
+static void mirrors_beside_them_converge(void **state)
+{
+	(void)state;
+	harness_require_context();
+	static const gi_subsurface MEDIA[3] = {{{14, 6, 30}, {.2f, .3f, 2}, 1.4f},
+					       {{100, 120, 140}, {1, 2, 3}, 1.3f},
+					       {{30, 30, 30}, {.01f, .01f, .01f}, 1.3f}};
+	static const float SHARES[2] = {.5f, .9f}, RHO[2] = {.3f, .09f};
+	for (int k = 0; k < 12; k++) {
+		gi_context_def def = harness_def();
+		def.row_tolerance = .05f;
+		def.solve_tolerance = k < 6 ? def.solve_tolerance : 1e-6f;
+		made s = open_room(&def, &MEDIA[k % 3]);
+		add_mirror(s.gi, RHO[k / 3 % 2], SHARES[k / 3 % 2]);
+		assert_gi(gi_commit(s.gi));
+		uint32_t seed = 3;
+		for (int frame = 0; frame < 2; frame++) {
+			const gi_report r = harness_update(s.gi);
+			print_message("medium %d, mirror %.1f: %u sweeps, off by %.2g at most\n", k % 3,
+				      (double)SHARES[k / 3 % 2], r.sweeps, (double)r.solve_relative);
+			if (r.outcome != GI_OUTCOME_CONVERGED && (k < 6 || r.outcome != GI_OUTCOME_ROUNDING))
+				fail_msg("outcome %u after %u sweeps", r.outcome, r.sweeps);
+			assert_true(r.solve_relative < (k < 6 ? .1f : .01f));
+			assert_gi(gi_set_pose(s.gi, s.ball, random_place(&seed)));
+		}
+		gi_context_destroy(s.gi);
+	}
+}
+
 /* ---- values ---- */
 
 static void faulty_definitions_are_refused(void **state)
@@ -514,6 +564,7 @@ int main(void)
 	    cmocka_unit_test(updates_are_rebuilds),
 	    cmocka_unit_test(commits_keep_the_light),
 	    cmocka_unit_test(budgets_are_bounded),
+	    cmocka_unit_test(mirrors_beside_them_converge),
 	    cmocka_unit_test(faulty_definitions_are_refused),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
