@@ -46,7 +46,8 @@ static const char *layer_name(gi_overlay layer)
 					    "  hierarchy",
 					    "  what lights a leaf",
 					    "  what a leaf sees",
-					    "  what hides things from a leaf"};
+					    "  what hides things from a leaf",
+					    "  probes"};
 	return names[layer];
 }
 
@@ -134,6 +135,10 @@ static void add_help(lines *keys, lines *actions, const figures *o)
 	for (uint32_t k = 0; k < o->key_count; k++) {
 		add(keys, "%s", o->keys[k][0]);
 		add(actions, "%s", o->keys[k][1]);
+	}
+	if (o->has_receivers) {
+		add(keys, "P");
+		add(actions, "probes, in the colour of their light");
 	}
 	for (size_t k = o->can_move ? 0 : 1; k < sizeof help / sizeof *help; k++) {
 		add(keys, "%s", help[k][0]);

@@ -17,7 +17,7 @@ typedef struct figures {
 	double fps, update_ms, frame_ms;
 	double budget_ms;  /* of the newest update; 0: exact, or another kind of budget */
 	double target_fps; /* what budgets keep; 0: nothing */
-	bool paused, rebuild, help, can_move;
+	bool paused, rebuild, help, can_move, has_receivers;
 	const char *const (*keys)[2]; /* the scene's own: key_count of key and action */
 	uint32_t key_count;
 } figures;

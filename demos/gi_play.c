@@ -2,6 +2,7 @@
  *
  * Without a window it records what is asked for, or pictures when nothing is.
  */
+#include "file_probes.h"
 #include "file_scene.h"
 #include "player.h"
 #include "progress.h"
@@ -14,8 +15,20 @@
 typedef struct gi_play {
 	options options;
 	const char *path;
+	float probes; /* metres between them; 0: none */
 	file_scene file;
 } gi_play;
+
+enum { KEY_PROBES = 0x1000 }; /* no letter */
+
+static const struct argp_option table[] = {
+    {"probes", KEY_PROBES, "SPACING", 0,
+     "probes in a grid over the scene, so many metres apart: --overlay receivers shows their light, and P in a window",
+     0},
+    {0}};
+
+/* Of a probe, over the spacing. */
+static const float PROBE_RADIUS = 0.08f;
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
@@ -29,6 +42,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
 			options_fail(play->options.program, "%s: one scene at a time", text);
 		play->path = text;
 		return 0;
+	case KEY_PROBES:
+		play->probes = options_positive(&play->options, "--probes", text, 1e6);
+		play->options.receivers = true;
+		return 0;
 	case ARGP_KEY_END:
 		if (!play->path)
 			options_fail(play->options.program, "which scene? Give a glTF, OBJ or PLY file; see --help");
@@ -39,6 +56,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static const struct argp_child children[] = {{&options_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
+    .options = table,
     .parser = parse,
     .args_doc = "SCENE",
     .children = children,
@@ -51,7 +69,8 @@ static const struct argp parser = {
 static bool create(void *user, gi_context *gi, char *message, size_t message_size)
 {
 	gi_play *play = user;
-	return file_scene_create(&play->file, gi, message, message_size);
+	return file_scene_create(&play->file, gi, message, message_size) &&
+	       (!play->probes || file_probes_create(&play->file, play->probes, gi, message, message_size));
 }
 
 static gi_result animate(void *user, gi_context *gi, double time_s)
@@ -109,6 +128,7 @@ int main(int argc, char **argv)
 				    .sky = play.file.scene.sky.radiance,
 				    .sky_width = play.file.scene.sky.width,
 				    .sky_height = play.file.scene.sky.height,
+				    .receiver_radius = PROBE_RADIUS * play.probes,
 				    .loop_s = play.file.scene.duration_s,
 				    .frames = default_frames(&play),
 				    .gallery = !asked};

@@ -56,7 +56,7 @@ static const struct argp_option table[] = {
     {"mode", KEY_MODE, "MODE", 0, "direct, indirect or global (global)", 0},
     {"overlay", KEY_OVERLAY, "NAME[:N]", 0,
      "wireframe, dirty, residual; hierarchy:N, nodes N levels deep; senders:N, visibility:N, blockers:N, of leaf N as "
-     "--field counts",
+     "--field counts; receivers: the probes",
      0},
     {"context", KEY_CONTEXT, "KIND", 0,
      "auto, glfw (a window), egl or osmesa (auto: a window where there is a display)", 0},
@@ -152,7 +152,7 @@ uint32_t options_count(const char *program, const char *option, const char *text
 }
 
 /* A number in (0, high] that is still one as a float: no fewer digits, not 0. */
-static float positive(const options *o, const char *option, const char *text, double high)
+float options_positive(const options *o, const char *option, const char *text, double high)
 {
 	double value;
 	if (!parse_number(text, &value) || !(value > 0) || value > high)
@@ -168,7 +168,7 @@ static float not_negative(const options *o, const char *option, const char *text
 	double value;
 	if (parse_number(text, &value) && value == 0)
 		return 0;
-	return positive(o, option, text, high);
+	return options_positive(o, option, text, high);
 }
 
 static void parse_size(options *o, const char *text)
@@ -190,10 +190,10 @@ const char *options_mode_name(gi_mode mode)
 /* A name, and for some a number behind a colon. */
 static void parse_overlay(options *o, const char *text)
 {
-	static const char *const names[] = {"none",      "wireframe", "dirty",      "residual",
-					    "hierarchy", "senders",   "visibility", "blockers"};
+	static const char *const names[] = {"none",    "wireframe",  "dirty",    "residual", "hierarchy",
+					    "senders", "visibility", "blockers", "receivers"};
 	const size_t length = strcspn(text, ":");
-	for (int k = 0; k <= GI_OVERLAY_BLOCKERS; k++)
+	for (int k = 0; k <= GI_OVERLAY_RECEIVERS; k++)
 		if (strlen(names[k]) == length && strncmp(names[k], text, length) == 0) {
 			o->overlay = (gi_overlay)k;
 			if (text[length])
@@ -202,8 +202,8 @@ static void parse_overlay(options *o, const char *text)
 			return;
 		}
 	options_fail(o->program,
-		     "--overlay takes wireframe, dirty, residual, hierarchy, senders, visibility or "
-		     "blockers, not %s",
+		     "--overlay takes wireframe, dirty, residual, hierarchy, senders, visibility, blockers or "
+		     "receivers, not %s",
 		     text);
 }
 
@@ -263,18 +263,18 @@ static void parse_fineness(options *o, int key, const char *text)
 {
 	switch (key) {
 	case KEY_ROW_TOLERANCE:
-		o->row_tolerance = positive(o, "--row-tolerance", text, 1);
+		o->row_tolerance = options_positive(o, "--row-tolerance", text, 1);
 		if (o->row_tolerance <= 1e-6f)
 			options_fail(o->program, "--row-tolerance %s: must be above 1e-6", text);
 		break;
 	case KEY_LEAF_SIZE:
-		o->leaf_size = positive(o, "--leaf-size", text, 1e6);
+		o->leaf_size = options_positive(o, "--leaf-size", text, 1e6);
 		break;
 	case KEY_LEAVES:
 		o->leaves = options_count(o->program, "--leaves", text, 100, 100000);
 		break;
 	case KEY_SOLVE_TOLERANCE:
-		o->solve_tolerance = positive(o, "--solve-tolerance", text, 1);
+		o->solve_tolerance = options_positive(o, "--solve-tolerance", text, 1);
 		break;
 	case KEY_ESTIMATE:
 		o->estimate = options_count(o->program, "--estimate", text, 0, 65536);
@@ -314,7 +314,7 @@ static void parse_budget(options *o, int key, const char *text)
 		o->budget.rays = options_count(o->program, "--budget-rays", text, 1, 2000000000);
 		break;
 	case KEY_BUDGET_ERROR:
-		o->budget.error = positive(o, "--budget-error", text, 1);
+		o->budget.error = options_positive(o, "--budget-error", text, 1);
 		break;
 	}
 }
@@ -350,6 +350,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
 	options *o = state->input;
 	switch (key) {
+	case ARGP_KEY_END:
+		if (o->overlay == GI_OVERLAY_RECEIVERS && !o->receivers)
+			options_fail(o->program, "--overlay receivers: there are none (gi_play --probes SPACING)");
+		return 0;
 	case ARGP_KEY_INIT:
 		state->err_stream = NULL; /* no second line "Try ..." under what getopt says */
 		return 0;
@@ -357,7 +361,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		o->frames = options_count(o->program, "--frames", text, 1, MAX_FRAMES);
 		return 0;
 	case KEY_FPS:
-		o->fps = positive(o, "--fps", text, 1e6);
+		o->fps = options_positive(o, "--fps", text, 1e6);
 		if (!o->budget_fps_given)
 			o->budget_fps = o->fps;
 		return 0;
@@ -374,7 +378,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 		parse_context(o, text);
 		return 0;
 	case KEY_EXPOSURE:
-		o->exposure = positive(o, "--exposure", text, 1e9);
+		o->exposure = options_positive(o, "--exposure", text, 1e9);
 		return 0;
 	case KEY_SKY:
 		parse_sky(o, text);

@@ -28,6 +28,7 @@ typedef struct options {
 	gi_mode mode;
 	gi_overlay overlay;
 	uint32_t overlay_number; /* of the overlay: a leaf, or a depth */
+	bool receivers;          /* there are some to be shown, as the program's own parser found */
 	engine_context_kind context;
 	bool rebuild;        /* every frame from scratch */
 	float row_tolerance; /* 0: the library's default, as the next two */
@@ -77,6 +78,9 @@ void options_fail(const char *program, const char *format, ...);
 __attribute__((format(printf, 2, 3)))
 #endif
 void options_say(const char *program, const char *format, ...);
+
+/* A number above 0 and up to high, or the end of the program with a line that names the option. */
+float options_positive(const options *o, const char *option, const char *text, double high);
 
 /* A whole number of low..high, or the end of the program with a line that names the option. */
 uint32_t options_count(const char *program, const char *option, const char *text, uint32_t low, uint32_t high);

@@ -215,6 +215,7 @@ static void show(player *p, const gi_report *report)
 			       .rebuild = p->rebuild,
 			       .help = p->help,
 			       .can_move = p->scene->move != NULL,
+			       .has_receivers = p->scene->receiver_radius > 0,
 			       .keys = p->scene->keys,
 			       .key_count = p->scene->key_count};
 	figures_text(p->hud, &shown, engine_target_height(p->target));

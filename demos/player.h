@@ -33,6 +33,8 @@ typedef struct player_scene {
 	gi_result (*press)(void *user, gi_context *gi, int key);
 	const char *const (*keys)[2]; /* what they do, for the list on screen: key_count of key and action */
 	uint32_t key_count;
+	/* > 0: it has receivers, which P and --overlay receivers show so large, metres */
+	float receiver_radius;
 	/* For the exports. */
 	export_objects (*objects)(void *user);
 

@@ -122,9 +122,9 @@ bool player_wants_picture(const player *p)
 	return p->o->images || p->o->linear || p->o->video || is_gallery_frame(p);
 }
 
+/* The picture that was read. */
 static bool write_picture(player *p, const char *name)
 {
-	engine_target_read(p->target, p->pixels);
 	if (!engine_image_write_png(name, engine_target_width(p->target), engine_target_height(p->target), p->pixels,
 				    p->message, sizeof p->message))
 		return false;
@@ -146,7 +146,10 @@ static bool write_gallery(player *p)
 			snprintf(p->message, sizeof p->message, "the name of the folder %.200s is too long", p->o->out);
 			return false;
 		}
-		written = player_draw(p, mode) && write_picture(p, name);
+		written = player_draw(p, mode);
+		if (written)
+			engine_target_read(p->target, p->pixels);
+		written = written && write_picture(p, name);
 	}
 	return written;
 }
@@ -174,18 +177,18 @@ bool player_write_frame(player *p)
 {
 	char name[PLAYER_PATH];
 	bool written = true;
+	if (is_gallery_frame(p))
+		written = write_gallery(p); /* its last picture is the frame's own */
+	else if (p->o->images || p->o->video)
+		engine_target_read(p->target, p->pixels);
 	if (p->o->images)
 		written = name_frame(p, p->o->images, p->frame, name) && write_picture(p, name);
-	else if (is_gallery_frame(p))
-		written = write_gallery(p);
 	if (written && p->o->linear)
 		written = write_linear(p);
 	if (written && p->o->field)
 		written = write_field(p);
-	if (written && p->o->video) {
-		engine_target_read(p->target, p->pixels);
+	if (written && p->o->video)
 		written = video_write(&p->video, p->pixels, p->message, sizeof p->message);
-	}
 	return written;
 }
 

@@ -82,6 +82,10 @@ static void press_layer(player *p, int key)
 	case 'K':
 		pick(p, GI_OVERLAY_BLOCKERS);
 		break;
+	case 'P':
+		if (p->scene->receiver_radius > 0)
+			toggle_layer(p, GI_OVERLAY_RECEIVERS);
+		break;
 	case 'O':
 		p->layer = GI_OVERLAY_NONE;
 		break;

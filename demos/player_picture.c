@@ -27,6 +27,7 @@ bool player_draw(player *p, gi_mode mode)
 	view.overlay = p->layer;
 	view.overlay_leaf = p->leaf;
 	view.overlay_depth = p->depth;
+	view.overlay_radius = p->scene->receiver_radius;
 	engine_target_begin(p->target);
 	if (!player_succeeded(p, gi_draw(p->gi, &view)))
 		return false;

@@ -455,12 +455,6 @@ gi_result gi_create_prepared_object(gi_context *gi, gi_prepared_object **prepare
 	return result;
 }
 
-static gi_result stale(const gi_context *gi, const char *function)
-{
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-		       "%s: the object was destroyed, was never created or is another context's", function);
-}
-
 gi_result gi_create_instance(gi_context *gi, gi_object of, gi_pose pose, gi_object *out)
 {
 	if (out)
@@ -469,7 +463,7 @@ gi_result gi_create_instance(gi_context *gi, gi_object of, gi_pose pose, gi_obje
 		return gi_fail_null(gi, "gi_create_instance: out");
 	const object_record *o = handles_find(gi, of);
 	if (!o)
-		return stale(gi, "gi_create_instance");
+		return gi_fail_stale(gi, "gi_create_instance", "object");
 	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
@@ -492,7 +486,7 @@ gi_result gi_destroy_object(gi_context *gi, gi_object object)
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_destroy_object");
+		return gi_fail_stale(gi, "gi_destroy_object", "object");
 	/* Its place is reused only after the commit that takes it out of the uploaded scene, if it is in it. */
 	o->generation++;
 	o->moved = o->relit = o->material_changed = true;
@@ -508,7 +502,7 @@ gi_result gi_set_hidden(gi_context *gi, gi_object object, bool hidden)
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_set_hidden");
+		return gi_fail_stale(gi, "gi_set_hidden", "object");
 	if (o->hidden != hidden) {
 		o->moved = o->relit = o->material_changed = true;
 		gi->scene.regroup =
@@ -525,7 +519,7 @@ gi_result gi_get_hidden(const gi_context *gi, gi_object object, bool *out)
 		return gi_fail_null(gi, "gi_get_hidden: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_hidden");
+		return gi_fail_stale(gi, "gi_get_hidden", "object");
 	*out = o->hidden;
 	return GI_OK;
 }
@@ -541,7 +535,7 @@ gi_result gi_set_pose(gi_context *gi, gi_object object, gi_pose pose)
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_set_pose");
+		return gi_fail_stale(gi, "gi_set_pose", "object");
 	if (!object_normalise_pose(&gi->gpu.log, &pose, o->name))
 		return GI_ERROR_INVALID_POSE;
 	if (memcmp(&pose, &o->pose, sizeof pose) == 0)
@@ -560,7 +554,7 @@ gi_result gi_set_mobility(gi_context *gi, gi_object object, gi_mobility mobility
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_set_mobility");
+		return gi_fail_stale(gi, "gi_set_mobility", "object");
 	if ((unsigned)mobility > GI_MOBILITY_STATIC)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "object '%s': mobility %d is none of gi_mobility", o->name, (int)mobility);
@@ -577,7 +571,7 @@ gi_result gi_get_mobility(const gi_context *gi, gi_object object, gi_mobility *o
 		return gi_fail_null(gi, "gi_get_mobility: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_mobility");
+		return gi_fail_stale(gi, "gi_get_mobility", "object");
 	*out = o->mobility;
 	return GI_OK;
 }
@@ -588,7 +582,7 @@ gi_result gi_get_pose(const gi_context *gi, gi_object object, gi_pose *out)
 		return gi_fail_null(gi, "gi_get_pose: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_pose");
+		return gi_fail_stale(gi, "gi_get_pose", "object");
 	*out = o->pose;
 	return GI_OK;
 }
@@ -605,7 +599,7 @@ gi_result gi_get_material(const gi_context *gi, gi_object object, uint32_t mater
 		return gi_fail_null(gi, "gi_get_material: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_material");
+		return gi_fail_stale(gi, "gi_get_material", "object");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
 	*out = o->materials[material];
@@ -624,7 +618,7 @@ gi_result gi_get_specular(const gi_context *gi, gi_object object, uint32_t mater
 		return gi_fail_null(gi, "gi_get_specular: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_specular");
+		return gi_fail_stale(gi, "gi_get_specular", "object");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
 	*out = *specular_of(o, material);
@@ -637,7 +631,7 @@ gi_result gi_set_specular(gi_context *gi, gi_object object, uint32_t material, g
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_set_specular");
+		return gi_fail_stale(gi, "gi_set_specular", "object");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
 	if (!material_specular_is_valid(&gi->gpu.log, &value, &o->materials[material], o->name, material))
@@ -669,7 +663,7 @@ gi_result gi_set_material(gi_context *gi, gi_object object, uint32_t material, g
 		return gi_fail_null(gi, "");
 	object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_set_material");
+		return gi_fail_stale(gi, "gi_set_material", "object");
 	if (material >= o->material_count)
 		return no_material(gi, o, material);
 	if (!material_is_valid(&gi->gpu.log, &value, o->name, material) ||

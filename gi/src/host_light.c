@@ -53,12 +53,6 @@ static gi_result map(const gi_log *log, const object_record *o, const float *pos
 	return enough ? GI_OK : gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", o->name);
 }
 
-static gi_result stale(const gi_context *gi, const char *function)
-{
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-		       "%s: the object was destroyed, was never created or is another context's", function);
-}
-
 gi_result gi_map_vertices(const gi_context *gi, gi_object object, const float *positions, const float *normals,
 			  uint32_t count, gi_vertex_light *out)
 {
@@ -66,7 +60,7 @@ gi_result gi_map_vertices(const gi_context *gi, gi_object object, const float *p
 		return gi_fail_null(gi, "gi_map_vertices: positions and out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_map_vertices");
+		return gi_fail_stale(gi, "gi_map_vertices", "object");
 	const gi_allocator *before = gi_memory_from(&gi->def.allocator);
 	const gi_result result = map(&gi->gpu.log, o, positions, normals, count, out);
 	gi_memory_from(before);
@@ -113,7 +107,7 @@ gi_result gi_get_object_range(const gi_context *gi, gi_object object, gi_object_
 		return gi_fail_null(gi, "gi_get_object_range: out");
 	const object_record *o = handles_find(gi, object);
 	if (!o)
-		return stale(gi, "gi_get_object_range");
+		return gi_fail_stale(gi, "gi_get_object_range", "object");
 	if (!o->committed)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,
 			       "object '%s' has no place yet: call gi_commit() first", o->name);

@@ -7,9 +7,7 @@
 static object_record *find(const gi_context *gi, gi_object object, const char *function, gi_result *result)
 {
 	object_record *o = handles_find(gi, object);
-	*result = o ? GI_OK
-		    : gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-			      "%s: the handle is stale, was never valid or is another context's", function);
+	*result = o ? GI_OK : gi_fail_stale(gi, function, "object");
 	return o;
 }
 

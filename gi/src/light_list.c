@@ -152,12 +152,6 @@ static light_record *find(const gi_context *gi, gi_light handle)
 	return light_is_there(light) && light->generation == handle.generation ? light : NULL;
 }
 
-static gi_result stale(const gi_context *gi, const char *function)
-{
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-		       "%s: the light was destroyed, was never created or is another context's", function);
-}
-
 /* ---- public ---- */
 
 static gi_result create(gi_context *gi, const gi_light_def *def, gi_light *out)
@@ -206,7 +200,7 @@ gi_result gi_set_light(gi_context *gi, gi_light light, const gi_light_def *def)
 		return gi_fail_null(gi, "gi_set_light: def");
 	light_record *l = find(gi, light);
 	if (!l)
-		return stale(gi, "gi_set_light");
+		return gi_fail_stale(gi, "gi_set_light", "light");
 	const gi_result result = check(gi, def);
 	if (result)
 		return result;
@@ -224,7 +218,7 @@ gi_result gi_get_light(const gi_context *gi, gi_light light, gi_light_def *out)
 		return gi_fail_null(gi, "gi_get_light: out");
 	const light_record *l = find(gi, light);
 	if (!l)
-		return stale(gi, "gi_get_light");
+		return gi_fail_stale(gi, "gi_get_light", "light");
 	*out = l->def;
 	return GI_OK;
 }
@@ -235,7 +229,7 @@ gi_result gi_destroy_light(gi_context *gi, gi_light light)
 		return gi_fail_null(gi, "");
 	light_record *l = find(gi, light);
 	if (!l)
-		return stale(gi, "gi_destroy_light");
+		return gi_fail_stale(gi, "gi_destroy_light", "light");
 	l->generation++;
 	note(&gi->light_list, l, true);
 	return GI_OK;

@@ -60,3 +60,9 @@ gi_result gi_fail_null(const gi_context *gi, const char *what)
 	return gi_fail(gi ? &gi->gpu.log : &no_log, GI_ERROR_INVALID_ARGUMENT, "%s must not be NULL",
 		       gi ? what : "the context");
 }
+
+gi_result gi_fail_stale(const gi_context *gi, const char *function, const char *what)
+{
+	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
+		       "%s: the %s was destroyed, was never created or is another context's", function, what);
+}

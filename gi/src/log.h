@@ -26,4 +26,7 @@ GI_FORMAT(4, 5) void gi_progress(const gi_log *log, uint32_t done, uint32_t tota
  * NULL" where there is none, and so no callback either: stderr gets the line. GI_ERROR_INVALID_ARGUMENT. */
 gi_result gi_fail_null(const gi_context *gi, const char *what);
 
+/* The handle that a public function was given is of no `what` that is there. GI_ERROR_INVALID_HANDLE. */
+gi_result gi_fail_stale(const gi_context *gi, const char *function, const char *what);
+
 #endif

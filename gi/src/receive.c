@@ -9,7 +9,6 @@ enum { FIRST = 0, COUNT = 1, LIGHT_COUNT = 2, ROWS = 3 };
 static const char *const FILES[RECEIVE_KINDS] = {"receive.comp", "receive_harmonics.comp", "receive_punctual.comp",
 						 "receive_harmonics_punctual.comp"};
 
-/* Points with normals, which come first in the scene. */
 static uint32_t count_facing(const gi_context *gi)
 {
 	const gi_scene *s = &gi->scene;
@@ -31,13 +30,13 @@ static gi_result want_kind(gi_context *gi, receive_kind facing_or_round)
 static gi_result make_programs(gi_context *gi)
 {
 	gi_receive *r = gi->receive;
-	const uint32_t facing = count_facing(gi);
 	const gpu_program_file all_round[] = {{"factor_round.comp", &r->factor_program},
 					      {"trace_round.comp", &r->trace_program}},
 			       tops = {"trace_tops_round.comp", &r->tops_program};
 	gi_result result = GI_OK;
-	r->round = facing < gi->scene.receiver_count;
-	if (facing)
+	r->facing = count_facing(gi);
+	r->round = r->facing < gi->scene.receiver_count;
+	if (r->facing)
 		result = want_kind(gi, RECEIVE_FACING);
 	if (!result && r->round)
 		result = want_kind(gi, RECEIVE_ROUND);
@@ -97,11 +96,10 @@ void receive_update(gi_context *gi, uint32_t lights)
 	gi_receive *owner = gi->receive;
 	if (!owner)
 		return;
-	const uint32_t facing = count_facing(gi);
 	gpu_timer_begin(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	RECEIVER_BUFFERS(BUFFER_BIND)
-	run(gi, RECEIVE_FACING, lights, 0, facing);
-	run(gi, RECEIVE_ROUND, lights, facing, gi->scene.receiver_count - facing);
+	run(gi, RECEIVE_FACING, lights, 0, owner->facing);
+	run(gi, RECEIVE_ROUND, lights, owner->facing, gi->scene.receiver_count - owner->facing);
 	bind_rows(gi);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_RECEIVE]);
 	owner->written = true;

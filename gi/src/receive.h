@@ -17,7 +17,8 @@ typedef enum receive_kind {
 
 typedef struct gi_receive {
 	uint32_t programs[RECEIVE_KINDS];
-	bool round; /* some see all round: rows are made by programs that know such */
+	uint32_t facing; /* points with normals, which come first in the scene */
+	bool round;      /* some see all round: rows are made by programs that know such */
 	uint32_t factor_program, trace_program, tops_program;
 	RECEIVER_BUFFERS(BUFFER_MEMBER) /* of all sets, one after the other */
 	bool written;                   /* since the last commit */

@@ -21,7 +21,7 @@ enum { CORNERS = GI_RECEIVER_CORNERS };
 
 /* ---- the list ---- */
 
-static bool is_alive(const receiver_set *set)
+bool receiver_set_is_alive(const receiver_set *set)
 {
 	return set->generation & 1;
 }
@@ -32,13 +32,13 @@ receiver_set *receiver_sets_find(const gi_context *gi, gi_receivers handle)
 	if (handle.context != gi->number || handle.index1 == 0 || handle.index1 > s->count)
 		return NULL;
 	receiver_set *set = &s->list[handle.index1 - 1];
-	return is_alive(set) && set->generation == handle.generation ? set : NULL;
+	return receiver_set_is_alive(set) && set->generation == handle.generation ? set : NULL;
 }
 
 static receiver_set *free_place(gi_receiver_sets *s)
 {
 	for (uint32_t k = 0; k < s->count; k++)
-		if (!is_alive(&s->list[k]) && !s->list[k].committed)
+		if (!receiver_set_is_alive(&s->list[k]) && !s->list[k].committed)
 			return &s->list[k];
 	receiver_set *grown = gi_realloc(s->list, sizeof *grown * ((size_t)s->count + 1));
 	if (!grown)
@@ -172,7 +172,7 @@ void receiver_sets_count(const gi_context *gi, gi_scene *next)
 {
 	for (uint32_t k = 0; k < gi->receivers.count; k++) {
 		const receiver_set *set = &gi->receivers.list[k];
-		if (!is_alive(set))
+		if (!receiver_set_is_alive(set))
 			continue;
 		next->set_count++;
 		next->receiver_count += set->count;
@@ -187,7 +187,7 @@ static void order_sets(const gi_context *gi, gi_scene *next)
 	for (int round = 0; round < 2; round++)
 		for (uint32_t k = 0; k < gi->receivers.count; k++) {
 			const receiver_set *set = &gi->receivers.list[k];
-			if (!is_alive(set) || receiver_set_is_round(set) != round)
+			if (!receiver_set_is_alive(set) || receiver_set_is_round(set) != round)
 				continue;
 			next->sets[place++] = (receiver_place){k, first, set->count, light};
 			first += set->count;
@@ -309,11 +309,11 @@ void receiver_sets_committed(gi_context *gi, bool kept)
 {
 	for (uint32_t k = 0; k < gi->receivers.count; k++) {
 		receiver_set *set = &gi->receivers.list[k];
-		if (is_alive(set))
+		if (receiver_set_is_alive(set))
 			set->moved = kept && (set->moved || !set->committed);
 		else if (set->committed)
 			free_points(set);
-		set->committed = is_alive(set);
+		set->committed = receiver_set_is_alive(set);
 		set->reshaped = false;
 	}
 	for (uint32_t k = 0; k < gi->scene.set_count; k++)
@@ -337,7 +337,7 @@ bool receiver_sets_changed(gi_context *gi)
 	bool changed = false;
 	for (uint32_t k = 0; k < gi->receivers.count; k++) {
 		receiver_set *set = &gi->receivers.list[k];
-		if (!is_alive(set))
+		if (!receiver_set_is_alive(set))
 			continue;
 		follow_object(gi, set);
 		changed = changed || (set->committed && set->moved);
@@ -375,7 +375,7 @@ gi_result receiver_sets_upload(gi_context *gi)
 	gi_result result = GI_OK;
 	for (uint32_t k = 0; k < s->set_count && !result; k++) {
 		receiver_set *set = &gi->receivers.list[s->sets[k].set];
-		if (!is_alive(set) || !set->moved)
+		if (!receiver_set_is_alive(set) || !set->moved)
 			continue;
 		if (set->reshaped)
 			result = upload_points(gi, &s->sets[k], set);

@@ -53,6 +53,7 @@ gi_result receiver_sets_create(gi_context *gi, const gi_receivers_def *def, cons
 /* Other points, or normals; NULL: those that are there. Checks them. */
 gi_result receiver_set_reshape(gi_context *gi, receiver_set *set, const float *positions, const float *normals);
 void receiver_sets_remove(receiver_set *set);
+bool receiver_set_is_alive(const receiver_set *set);
 /* Do all points look round instead of along a normal? */
 bool receiver_set_is_round(const receiver_set *set);
 /* Of a point's square, metres. */

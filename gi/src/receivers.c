@@ -16,12 +16,6 @@ gi_receivers_def gi_receivers_def_default(void)
 	return (gi_receivers_def){.pose.rotation = {0, 0, 0, 1}, .internal = RECEIVERS_COOKIE};
 }
 
-static gi_result stale(const gi_context *gi, const char *function)
-{
-	return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-		       "%s: the receivers were destroyed, were never created or are another context's", function);
-}
-
 static bool is_length(float value)
 {
 	return fabsf(value) <= OBJECT_MAX_LENGTH;
@@ -72,7 +66,7 @@ gi_result gi_destroy_receivers(gi_context *gi, gi_receivers receivers)
 		return gi_fail_null(gi, "");
 	receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
-		return stale(gi, "gi_destroy_receivers");
+		return gi_fail_stale(gi, "gi_destroy_receivers", "set of receivers");
 	receiver_sets_remove(set);
 	return GI_OK;
 }
@@ -88,7 +82,7 @@ gi_result gi_set_receivers_pose(gi_context *gi, gi_receivers receivers, gi_pose 
 		return gi_fail_null(gi, "");
 	receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
-		return stale(gi, "gi_set_receivers_pose");
+		return gi_fail_stale(gi, "gi_set_receivers_pose", "set of receivers");
 	if (set->object.index1 || set->grid.spacing > 0)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "gi_set_receivers_pose: these are fixed to an object and move with it, or probes");
@@ -105,7 +99,7 @@ gi_result gi_set_receivers(gi_context *gi, gi_receivers receivers, const float *
 		return gi_fail_null(gi, "");
 	receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
-		return stale(gi, "gi_set_receivers");
+		return gi_fail_stale(gi, "gi_set_receivers", "set of receivers");
 	if (set->grid.spacing > 0)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT, "gi_set_receivers: probes stay on their grid");
 	return receiver_set_reshape(gi, set, positions, normals);
@@ -117,7 +111,7 @@ gi_result gi_get_receiver_buffer(const gi_context *gi, gi_receivers receivers, g
 		return gi_fail_null(gi, "gi_get_receiver_buffer: out");
 	const receiver_set *set = receiver_sets_find(gi, receivers);
 	if (!set)
-		return stale(gi, "gi_get_receiver_buffer");
+		return gi_fail_stale(gi, "gi_get_receiver_buffer", "set of receivers");
 	const receiver_place *place = receive_place(gi, set);
 	if (!place)
 		return gi_fail(&gi->gpu.log, GI_ERROR_NOT_COMMITTED,

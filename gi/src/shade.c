@@ -15,6 +15,7 @@
 #include "context.h"
 #include "host_memory.h"
 #include "overlay.h"
+#include "overlay_receivers.h"
 #include "punctual_shadow.h"
 #include "reflections.h"
 #include "shadow.h"
@@ -73,6 +74,7 @@ struct gi_shade {
 	gi_shadow shadow;
 	gi_punctual_shadow punctual;
 	gi_overlays overlays;
+	gi_receiver_marks marks;
 	gi_reflections reflections;
 };
 
@@ -138,6 +140,7 @@ void shade_free(gi_context *gi)
 	shadow_free(gi, &gi->shade->shadow);
 	punctual_shadow_free(gi, &gi->shade->punctual);
 	overlay_free(gi, &gi->shade->overlays);
+	overlay_receivers_free(gi, &gi->shade->marks);
 	reflections_free(gi, &gi->shade->reflections);
 	gpu_mesh_free(&gi->gpu, &gi->shade->screen);
 	gpu_target_free(&gi->gpu, &gi->shade->surfaces);
@@ -152,7 +155,8 @@ void shade_free(gi_context *gi)
 
 static bool is_heat_map(const gi_view *view)
 {
-	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME;
+	return view->overlay != GI_OVERLAY_NONE && view->overlay != GI_OVERLAY_WIREFRAME &&
+	       view->overlay != GI_OVERLAY_RECEIVERS;
 }
 
 /* Some object that is drawn has textures. */
@@ -420,7 +424,9 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 	gpu_draw_to_host(&gi->gpu, state, view->width, view->height);
 	if (!is_heat_map(view))
 		result = draw_lit(gi, view, state, clip_from_world);
-	if (!result && view->overlay != GI_OVERLAY_NONE)
+	if (!result && view->overlay == GI_OVERLAY_RECEIVERS)
+		result = overlay_receivers_draw(gi, &gi->shade->marks, view, clip_from_world);
+	else if (!result && view->overlay != GI_OVERLAY_NONE)
 		result = overlay_draw(gi, &gi->shade->overlays, view, clip_from_world);
 	gpu_timer_end(&gi->gpu, &gi->timers[GI_PASS_DRAW]);
 	return result;
@@ -429,7 +435,7 @@ static gi_result draw_picture(gi_context *gi, const gi_view *view, const gpu_dra
 static gi_result check_view(const gi_context *gi, const gi_view *view)
 {
 	const gi_log *log = &gi->gpu.log;
-	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_BLOCKERS)
+	if ((unsigned)view->mode > GI_MODE_INDIRECT || (unsigned)view->overlay > GI_OVERLAY_RECEIVERS)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: mode or overlay is not one of gi.h");
 	if (!view->width || !view->height || view->width > gi->gpu.most_pixels || view->height > gi->gpu.most_pixels)
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT,
@@ -437,6 +443,9 @@ static gi_result check_view(const gi_context *gi, const gi_view *view)
 			       view->height, gi->gpu.most_pixels);
 	if (!view_is_finite(view))
 		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: a matrix is not finite");
+	if (!(view->overlay_radius >= 0 && view->overlay_radius <= OBJECT_MAX_LENGTH))
+		return gi_fail(log, GI_ERROR_INVALID_ARGUMENT, "gi_draw: overlay_radius %g is outside 0..1e9 m",
+			       (double)view->overlay_radius);
 	return GI_OK;
 }
 

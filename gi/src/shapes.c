@@ -13,8 +13,7 @@ static gi_result find(const gi_context *gi, gi_object object, const char *functi
 {
 	*out = handles_find(gi, object);
 	if (!*out)
-		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_HANDLE,
-			       "%s: the object was destroyed, was never created or is another context's", function);
+		return gi_fail_stale(gi, function, "object");
 	if (!(*out)->deform)
 		return gi_fail(&gi->gpu.log, GI_ERROR_INVALID_ARGUMENT,
 			       "%s: object '%s' was created without gi_object_def.deforms", function, (*out)->name);

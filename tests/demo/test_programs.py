@@ -275,6 +275,25 @@ class Programs(unittest.TestCase):
         for k, value in enumerate(pixels["global"]):
             self.assertLess(abs(pixels["direct"][k] + pixels["indirect"][k] - value), 2e-3 * largest, k)
 
+    def test_probes_are_shown(self):
+        """Over the picture, in part of its pixels; without them there is nothing to show."""
+        self.path("room.mtl", ROOM_MATERIALS)
+        room, pixels, coarse = self.path("room.obj", ROOM), {}, ["--row-tolerance", "0.3", "--leaves", "200", *TINY]
+        for name, arguments in (("plain", []), ("unseen", ["--probes", "0.4"]),
+                                ("shown", ["--probes", "0.4", "--overlay", "receivers"])):
+            self.good("gi_play", room, "--frames", "1", "--linear", self.path(name + "%d.pfm"), *arguments, *coarse)
+            with open(self.path(name + "0.pfm"), "rb") as file:
+                pixels[name] = file.read()
+        self.assertEqual(pixels["plain"], pixels["unseen"])
+        self.assertNotEqual(pixels["plain"], pixels["shown"])
+        self.bad("gi_play", room, "--overlay", "receivers", says="--probes")
+        self.bad("moving_buddha", "--overlay", "receivers", says="--overlay receivers")
+        for text in ("0", "-1", "nan", "x"):
+            self.bad("gi_play", room, "--probes", text, says="--probes " + text)
+        done = run("gi_play", room, "--probes", "0.001", "--frames", "1", *coarse)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"use 0\.0\d+ or more")
+
     def test_two_balls_under_a_budget(self):
         """What an exact frame takes is told after frames that were not; kinds of balls are options."""
         common = ["--frames", "2", "--row-tolerance", "0.3", "--caustic-photons", "64", "--out", self.path("out"),

@@ -307,7 +307,7 @@ static void do_all(gi_context *gi, gi_object box, float x, gi_view view)
 	assert_gi(gi_set_pose(gi, box, (gi_pose){{x, .7f, -.4f}, {0, 0, 0, 1}}));
 	assert_gi(gi_update(gi, NULL));
 	for (int mode = 0; mode < 3; mode++)
-		for (int overlay = 0; overlay <= GI_OVERLAY_BLOCKERS; overlay++) {
+		for (int overlay = 0; overlay <= GI_OVERLAY_RECEIVERS; overlay++) {
 			view.mode = (gi_mode)mode;
 			view.overlay = (gi_overlay)overlay;
 			assert_gi(gi_draw(gi, &view));

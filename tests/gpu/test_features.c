@@ -33,6 +33,7 @@ typedef enum feature {
 	RECEIVERS,
 	HARMONICS,
 	PROBES,
+	MARKS,
 	LIGHTS,
 	DEFORMING,
 	FEATURES
@@ -66,6 +67,7 @@ static const struct {
     [RECEIVERS] = {"no receivers", {"receive", "light of receivers"}},
     [HARMONICS] = {"no harmonics", {"receive_harmonics", "trace_round.comp", "factor_round.comp"}},
     [PROBES] = {"no probes", {"probe_planes", "planes about probes"}},
+    [MARKS] = {"no overlay of receivers", {"receivers.frag", "a receiver"}},
     [LIGHTS] = {"no lights but emitters",
 		{"punctual_", "emitted_specular_punctual", "receive_punctual", "light_punctual.frag",
 		 "lights without a surface", "lights: ", "lights of pictures"}},
@@ -279,6 +281,10 @@ static void draw(const scene *s)
 	view.width = view.height = SIDE;
 	glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 	assert_gi(gi_draw(s->gi, &view));
+	/* Without receivers it makes nothing either. */
+	view.overlay = GI_OVERLAY_RECEIVERS;
+	if (has(s, MARKS))
+		assert_gi(gi_draw(s->gi, &view));
 }
 
 static float milliseconds(const gi_report *r)
@@ -379,7 +385,7 @@ static uint32_t without(feature f)
 	static const uint32_t takes[FEATURES] = {[MOTION] = OF(KEPT_ROWS) | OF(DEFORMING),
 						 [SKY] = OF(SKY_IMAGE),
 						 [SPECULAR] = OF(CAUSTICS),
-						 [PICTURE] = OF(PIXEL_LAMPS) | OF(TEXTURES),
+						 [PICTURE] = OF(PIXEL_LAMPS) | OF(MARKS) | OF(TEXTURES),
 						 [RECEIVERS] = OF(HARMONICS) | OF(PROBES),
 						 [HARMONICS] = OF(PROBES)};
 	return ALL & ~OF(f) & ~takes[f];

@@ -201,7 +201,7 @@ static void do_everything(gi_context *gi)
 	assert_gi(gi_set_pose(gi, more, (gi_pose){{.5f, .25f, 0}, {0, 0, 0, 1}}));
 	assert_gi(gi_update(gi, &(gi_budget){.rays = 100}));
 	harness_update(gi);
-	for (gi_overlay overlay = GI_OVERLAY_NONE; overlay <= GI_OVERLAY_BLOCKERS; overlay++)
+	for (gi_overlay overlay = GI_OVERLAY_NONE; overlay <= GI_OVERLAY_RECEIVERS; overlay++)
 		draw(gi, overlay);
 	float irradiance[3 * 64];
 	uint32_t count;

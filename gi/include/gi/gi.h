@@ -918,6 +918,10 @@ typedef enum gi_overlay {
 	GI_OVERLAY_SENDERS,    /* share of its irradiance that the entry brings, logarithmic: 1e-4 to 1 */
 	GI_OVERLAY_VISIBILITY, /* how much of them it sees, V */
 	GI_OVERLAY_BLOCKERS,   /* share of all its form factors that their object alone hides; 1e-4 to 1, log */
+	/* Receivers and probes over the picture, as white surfaces that give back what falls on them, radiance H / pi:
+	 * discs across their normals, seen from the front alone, and balls of those that see all round, lit by the
+	 * ball's normal. Rims are dark; black: it sees nothing that light comes from, within a solid */
+	GI_OVERLAY_RECEIVERS,
 } gi_overlay;
 
 struct gi_view {
@@ -928,6 +932,8 @@ struct gi_view {
 	gi_overlay overlay;
 	uint32_t overlay_leaf;  /* as gi_read_leaves counts, gi_pick_leaf; default 0 */
 	uint32_t overlay_depth; /* default 0: objects as a whole; beyond the last level: leaves */
+	/* Of receivers: > 0: metres, at most a twentieth of the picture's height; default 0: 6 pixels, however far */
+	float overlay_radius;
 
 	/* What clip_from_view leads to, as the host would tell glClipControl: which state OpenGL is in is not looked
 	 * at. All false by default. */
