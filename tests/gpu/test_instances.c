@@ -88,7 +88,7 @@ static void make_thing(kind kind, thing *t)
 	static const float lower[3] = {-.2f, -.2f, -.2f}, upper[3] = {.2f, .3f, .2f};
 	const bool round = kind == BALL || kind == SMOOTH || kind == SCAN || kind == SKIN;
 	*t = (thing){.materials = {{{.6f, .5f, .4f}, {0}}, {{.1f, .2f, .3f}, {kind == BLANK ? 3 : 0, 0, 1}}},
-		     .specular = {{{0}}, {{.5f, .5f, .5f}}}};
+		     .specular = {{{0}, {0}, 0}, {{.5f, .5f, .5f}, {0}, 0}}};
 	assert_true(round ? shape_sphere(.2f, 1, &t->mesh) : shape_box(lower, upper, 1, false, &t->mesh));
 	assert_in_range(t->mesh.index_count, 1, MOST_CORNERS);
 	for (uint32_t f = 0; f < t->mesh.face_count; f++)
