@@ -2,6 +2,8 @@
  * trees that were broken on purpose. */
 #include "cages.h"
 
+#include "hierarchy_node.h"
+
 #include <stdlib.h>
 
 static void check_valid(const gi_hierarchy *h)
@@ -58,6 +60,72 @@ static void leaves_far_from_the_origin_are_valid(void **state)
 	build_cage(&t, 4, &h);
 	check_valid(&h);
 	gi_hierarchy_free(&h);
+}
+
+/* ---- extremes over all leaves of a node, none passed over ---- */
+
+static double cosine_of_all(const gi_hierarchy *h, uint32_t node, gi_vec3d axis)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	double least = INFINITY;
+	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+		const quad q = node_quad(h, h->leaf_node[leaf]);
+		const gi_vec3d halves[2] = {gi_vec3d_triangle(q.a, q.b, q.c), gi_vec3d_triangle(q.a, q.c, q.d)};
+		for (int k = 0; k < 2; k++)
+			least = fmin(least, gi_vec3d_dot(axis, halves[k]) / gi_vec3d_length(halves[k]));
+	}
+	return least;
+}
+
+static void distances_of_all(const gi_hierarchy *h, uint32_t node, gi_vec3d from, double *farthest, double *highest)
+{
+	const gi_uvec4 range = h->topology[node].range;
+	const gi_vec3d normal = gi_node_normal(h, node);
+	*farthest = *highest = 0;
+	for (uint32_t leaf = range.y; leaf < range.y + range.z; leaf++) {
+		const quad q = node_quad(h, h->leaf_node[leaf]);
+		const gi_vec3d corners[4] = {q.a, q.b, q.c, q.d};
+		for (int k = 0; k < 4; k++) {
+			const gi_vec3d to = gi_vec3d_sub(corners[k], from);
+			*farthest = fmax(*farthest, gi_vec3d_length(to));
+			*highest = fmax(*highest, fabs(gi_vec3d_dot(normal, to)));
+		}
+	}
+}
+
+static void expect_nothing_is_missed(const gi_hierarchy *h)
+{
+	for (uint32_t node = 0; node < h->node_count; node++) {
+		const gi_vec4 sphere = h->geometry[node].sphere;
+		const gi_vec3d normal = gi_node_normal(h, node), centre = gi_vec3d_from(sphere);
+		double farthest, highest, found;
+		distances_of_all(h, node, centre, &farthest, &highest);
+		gi_node_farthest_corner(h, node, centre, &found);
+		assert_true(found == farthest);
+		assert_true(gi_node_thickness(h, node) == fmin(highest / (double)sphere.w, 1));
+		assert_true(gi_node_least_cosine(h, node, normal) == cosine_of_all(h, node, normal));
+	}
+}
+
+/* Of nodes whose balls and cones say so the leaves are not asked. Balls, creases, bumps; far out and tiny. */
+static void extremes_are_those_of_all_leaves(void **state)
+{
+	(void)state;
+	static void (*const makers[])(test_cage *, gi_refine_scheme) = {cage_cube, cage_octahedron, cage_prism};
+	for (int maker = 0; maker < 3; maker++)
+		for (int kind = 0; kind < 4; kind++) {
+			test_cage t;
+			gi_hierarchy h;
+			makers[maker](&t, GI_REFINE_CATMULL_CLARK);
+			for (uint32_t i = 0; i < 3 * t.cage.vertex_count; i++) {
+				const float bump = .2f * sinf(7 * (float)i * (float)kind);
+				t.positions[i] = (t.positions[i] + bump) * (kind == 2 ? 1e-5f : 1);
+				t.positions[i] += kind == 3 ? 1e4f : 0;
+			}
+			build_cage(&t, 5, &h);
+			expect_nothing_is_missed(&h);
+			gi_hierarchy_free(&h);
+		}
 }
 
 static void a_quad_has_the_area_of_its_triangles(void **state)
@@ -509,6 +577,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(all_kinds_of_cages_are_valid),
 	    cmocka_unit_test(leaves_far_from_the_origin_are_valid),
+	    cmocka_unit_test(extremes_are_those_of_all_leaves),
 	    cmocka_unit_test(a_quad_has_the_area_of_its_triangles),
 	    cmocka_unit_test(a_bilinear_cube_is_measured_exactly),
 	    cmocka_unit_test(flat_nodes_have_one_normal_however_they_lie),
