@@ -1,9 +1,10 @@
 /* What 10,000 receivers add to a frame of the Cornell box in motion, and what they would add as leaves.
  *
- *     LP_NUM_THREADS=0 receivers_cost [FRAMES]
+ *     LP_NUM_THREADS=0 receivers_cost [FRAMES [REFINEMENT SAMPLES]]
  *
- * Processor time of this process a frame, ms: of the box alone, with a square of so many receivers in the air, with a
- * square object of so many leaves there.
+ * Processor time of this process a frame, ms: of the box alone, with a square object of so many leaves in the air, with
+ * a square of so many receivers there whose rows are as fine as those of leaves, and at the defaults or as fine as the
+ * arguments say.
  */
 #include "context.h"
 #include "scenes/body.h"
@@ -25,7 +26,7 @@ static bool fails(gi_result result, const char *what)
 	return result != GI_OK;
 }
 
-static gi_result add_receivers(gi_context *gi)
+static gi_result add_receivers(gi_context *gi, float refinement, uint32_t samples)
 {
 	static float positions[COUNT][3], normals[COUNT][3];
 	for (int k = 0; k < COUNT; k++) {
@@ -39,6 +40,8 @@ static gi_result add_receivers(gi_context *gi)
 	def.positions = positions[0];
 	def.normals = normals[0];
 	def.count = COUNT;
+	def.refinement = refinement;
+	def.samples = samples;
 	return gi_create_receivers(gi, &def, &out);
 }
 
@@ -53,8 +56,15 @@ static gi_result add_leaves(gi_context *gi)
 	return scene_add_body(gi, &(scene_body){.name = "square", .rho = grey}, &mesh, &object);
 }
 
-/* what: 0 the box alone, 1 receivers, 2 leaves. False: it said why. */
-static bool measure(engine_context *context, int what, int frames, double *ms, gi_report *report)
+typedef struct square {
+	const char *name;
+	bool leaves;
+	float refinement; /* of receivers; 0: there are none */
+	uint32_t samples;
+} square;
+
+/* False: it said why. */
+static bool measure(engine_context *context, const square *square, int frames, double *ms, gi_report *report)
 {
 	gi_context_def def = gi_context_def_default();
 	def.get_proc_address = engine_context_find_gl;
@@ -66,8 +76,10 @@ static bool measure(engine_context *context, int what, int frames, double *ms, g
 	box.balls = false;
 	cornell made;
 	bool ok = !fails(cornell_create(gi, &box, &made), "box");
-	if (ok && what)
-		ok = !fails(what == 1 ? add_receivers(gi) : add_leaves(gi), "square");
+	if (ok && square->leaves)
+		ok = !fails(add_leaves(gi), "square");
+	if (ok && square->refinement > 0)
+		ok = !fails(add_receivers(gi, square->refinement, square->samples), "receivers");
 	clock_t began = 0;
 	ok = ok && !fails(gi_commit(gi), "commit");
 	/* The first update builds all rows, the next two compile what motion takes. */
@@ -84,7 +96,13 @@ static bool measure(engine_context *context, int what, int frames, double *ms, g
 
 int main(int argc, char **argv)
 {
-	static const char *const names[3] = {"the box alone", "10,000 receivers", "10,000 leaves"};
+	const gi_receivers_def defaults = gi_receivers_def_default();
+	const square squares[4] = {{.name = "the box alone"},
+				   {.name = "10,000 leaves", .leaves = true},
+				   {.name = "10,000 receivers, as fine", .refinement = 1, .samples = 1},
+				   {.name = "10,000 receivers",
+				    .refinement = argc > 3 ? (float)atof(argv[2]) : defaults.refinement,
+				    .samples = argc > 3 ? (uint32_t)atoi(argv[3]) : defaults.samples}};
 	const int frames = argc > 1 ? atoi(argv[1]) : 10;
 	engine_context_def def = engine_context_def_default();
 	def.width = def.height = 64;
@@ -92,17 +110,18 @@ int main(int argc, char **argv)
 	char message[256];
 	engine_context *context = engine_context_create(&def, message, sizeof message);
 	if (!context || frames < 1) {
-		fprintf(stderr, "%s\n", context ? "usage: receivers_cost [FRAMES]" : message);
+		fprintf(stderr, "%s\n", context ? "usage: receivers_cost [FRAMES [REFINEMENT SAMPLES]]" : message);
 		return 1;
 	}
-	double ms[3];
+	double ms[4];
 	bool ok = true;
-	for (int k = 0; ok && k < 3; k++) {
+	for (int k = 0; ok && k < 4; k++) {
 		gi_report r;
-		ok = measure(context, k, frames, &ms[k], &r);
+		ok = measure(context, &squares[k], frames, &ms[k], &r);
 		if (ok)
-			printf("%-17s %8.1f ms a frame, %+8.1f; %u leaves, %.2f million entries, %.0f rays\n", names[k],
-			       ms[k], ms[k] - ms[0], r.leaves, (double)r.entries * 1e-6, (double)r.rays);
+			printf("%-25s %8.1f ms a frame, %+8.1f; %u leaves, %.2f million entries, %.0f rays\n",
+			       squares[k].name, ms[k], ms[k] - ms[0], r.leaves, (double)r.entries * 1e-6,
+			       (double)r.rays);
 	}
 	engine_context_destroy(context);
 	return ok ? 0 : 1;
