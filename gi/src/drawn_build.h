@@ -4,6 +4,7 @@
 
 #include "drawn_surface.h"
 #include "drawn_hanging.h"
+#include "drawn_seams.h"
 #include "vec3d.h"
 
 /* A drawn surface while it is built. */
@@ -13,6 +14,8 @@ typedef struct drawn_builder {
 	gi_drawn_surface *out;
 	uint32_t *group; /* per corner: another corner of its group, or itself */
 	gi_hanging_list hanging;
+	bool has_seams; /* flat leaves are drawn as such */
+	gi_seams seams;
 	uint32_t *first_drawn;  /* per vertex of the surface: a drawn vertex there, GI_NONE for none yet */
 	uint32_t *next_drawn;   /* per drawn vertex: the next one at the same place */
 	gi_draw_bond bond;      /* of the vertex that is added next, where there are any */

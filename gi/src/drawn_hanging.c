@@ -49,7 +49,7 @@ static gi_vec3d normal(const gi_hierarchy *h, uint32_t corner)
 	return gi_vec3d_from(h->geometry[h->leaf_node[corner / 4]].axis);
 }
 
-static bool has_partner(const gi_leaf_edge *edges, uint32_t count, uint32_t k)
+bool gi_drawn_has_partner(const gi_leaf_edge *edges, uint32_t count, uint32_t k)
 {
 	const gi_leaf_edge *e = &edges[k];
 	return (k > 0 && e[-1].low == e->low && e[-1].high == e->high) ||
@@ -64,12 +64,12 @@ static bool list_by_vertex(hanger *g, uint32_t count)
 	if (!g->first || !g->at)
 		return false;
 	for (uint32_t k = 0; k < count; k++)
-		for (int end = 0; end < 2 && !has_partner(g->edges, count, k); end++)
+		for (int end = 0; end < 2 && !gi_drawn_has_partner(g->edges, count, k); end++)
 			g->first[(end ? g->edges[k].high : g->edges[k].low) + 2]++;
 	for (uint32_t v = 2; v < g->h->vertex_count + 2; v++)
 		g->first[v] += g->first[v - 1];
 	for (uint32_t k = 0; k < count; k++)
-		for (int end = 0; end < 2 && !has_partner(g->edges, count, k); end++)
+		for (int end = 0; end < 2 && !gi_drawn_has_partner(g->edges, count, k); end++)
 			g->at[g->first[(end ? g->edges[k].high : g->edges[k].low) + 1]++] = k;
 	return true;
 }
@@ -207,7 +207,7 @@ bool gi_drawn_find_hanging(const gi_hierarchy *h, const uint8_t *parted, const g
 		    .out = out};
 	bool enough = list_by_vertex(&g, count);
 	for (uint32_t k = 0; k < count && enough; k++)
-		if (!has_partner(edges, count, k))
+		if (!gi_drawn_has_partner(edges, count, k))
 			enough = walk(&g, way_along(&g, &edges[k], false)) && walk(&g, way_along(&g, &edges[k], true));
 	gi_free(g.first);
 	gi_free(g.at);

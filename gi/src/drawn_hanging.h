@@ -24,6 +24,9 @@ typedef struct gi_hanging_list {
 	uint32_t count, capacity;
 } gi_hanging_list;
 
+/* Of `edges` in order of low, then high: has another leaf an edge of the same ends? */
+bool gi_drawn_has_partner(const gi_leaf_edge *edges, uint32_t count, uint32_t k);
+
 /* Finds the corners that hang, and calls `join` for corners of edges that overlap which lie in one place; not across
  * edges that part light (`parted` as gi_refined has it; NULL: none) nor between leaves whose normals are farther apart
  * than the cosine. `edges` in order of low, then high; those with a partner of the same ends take no part. False: out

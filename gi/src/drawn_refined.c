@@ -210,12 +210,12 @@ static bool find_flat(const gi_hierarchy *h, const gi_refined *fine, const fine_
 
 /* ---- texture coordinates ---- */
 
-/* Of the triangle that was added last: of three points of its face. */
-static void map_triangle(drawn_builder *s, const float (*uvs)[2], uint32_t a, uint32_t b, uint32_t c)
+/* Of the triangle that was added last. */
+static void map_triangle(drawn_builder *s, const float a[2], const float b[2], const float c[2])
 {
-	const uint32_t points[3] = {a, b, c};
+	const float *uvs[3] = {a, b, c};
 	for (uint32_t k = 0; s->uvs && k < 3; k++)
-		memcpy(s->out->uvs[s->out->index_count - 3 + k], uvs[points[k]], sizeof *uvs);
+		memcpy(s->out->uvs[s->out->index_count - 3 + k], uvs[k], 2 * sizeof **uvs);
 }
 
 /* Of the corners of a leaf that is drawn flat and, behind them, of its middle: coordinates are linear in the triangles
@@ -254,45 +254,85 @@ static void map_curved(const drawn_builder *s, const fine_face *face, float uvs[
 
 /* ---- the surface: triangles ---- */
 
-static uint32_t flat_corner(drawn_builder *s, uint32_t leaf, uint32_t vertex, uint32_t k)
+/* A point on the way round a leaf that is drawn flat, and in a texture. */
+typedef struct flat_point {
+	uint32_t drawn;
+	float uv[2];
+} flat_point;
+
+/* Of a vertex on the edge from a corner to the next, a share of the way along it. */
+static flat_point flat_point_at(drawn_builder *s, uint32_t leaf, uint32_t vertex, uint32_t k, uint32_t next,
+				float share, const float uvs[5][2])
 {
 	float weight[4] = {0};
-	weight[k] = 1.0f;
+	flat_point out;
+	weight[k] = 1.0f - share;
+	weight[next] += share;
 	gi_draw_vertex v = {0};
 	gi_vec3d_store(v.position, vertex_position(s->h, vertex));
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_drawn_set_light(s, leaf, weight, &v);
 	s->bond = (gi_draw_bond){vertex, GI_NONE, GI_NONE};
-	return gi_drawn_share_vertex(s, vertex, &v);
+	out.drawn = gi_drawn_share_vertex(s, vertex, &v);
+	for (int i = 0; i < 2; i++)
+		out.uv[i] = weight[k] * uvs[k][i] + share * uvs[next][i];
+	return out;
 }
 
-static void draw_flat(drawn_builder *s, uint32_t leaf)
+/* Between the corners of quads, and where corners of other leaves lie on the edges, triangles meet in the middle. */
+static uint32_t flat_middle(drawn_builder *s, uint32_t leaf, const quad *q, gi_vec3d centre)
 {
-	const quad q = leaf_quad(s->h, leaf);
-	uint32_t drawn[4];
-	float uvs[5][2] = {{0}};
-	gi_vec3d centre = {0};
-	for (uint32_t k = 0; k < q.count; k++) {
-		drawn[k] = flat_corner(s, leaf, q.v[k], k);
-		centre = gi_vec3d_add(centre, gi_vec3d_scale(vertex_position(s->h, q.v[k]), 0.25));
-	}
-	map_flat(s, leaf, &q, centre, uvs);
-	if (q.count == 3) {
-		gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
-		map_triangle(s, uvs, 0, 1, 2);
-		return;
-	}
-	const float weight[4] = {0.25f, 0.25f, 0.25f, 0.25f};
+	float weight[4] = {0.25f, 0.25f, q->count == 3 ? 0.5f : 0.25f, q->count == 3 ? 0.0f : 0.25f};
 	gi_draw_vertex v = {0};
 	gi_vec3d_store(v.position, centre);
 	gi_vec3d_store(v.normal, leaf_normal(s->h, leaf));
 	gi_drawn_set_light(s, leaf, weight, &v);
 	s->bond = (gi_draw_bond){GI_NONE, GI_NONE, GI_NONE};
-	const uint32_t middle = gi_drawn_add_vertex(s, &v);
-	for (uint32_t k = 0; k < 4; k++) {
-		gi_drawn_add_triangle(s->out, drawn[k], drawn[(k + 1) % 4], middle);
-		map_triangle(s, uvs, k, (k + 1) % 4, 4);
+	return gi_drawn_add_vertex(s, &v);
+}
+
+/* The first point that lies on an edge of this leaf or of a later one: leaves are drawn in order. */
+static uint32_t seam_of(const gi_seams *seams, uint32_t leaf, uint32_t at)
+{
+	while (at < seams->count && seams->points[at].corner < 4 * leaf)
+		at++;
+	return at;
+}
+
+/* Returns where the seam points of later leaves begin. */
+static uint32_t draw_flat(drawn_builder *s, uint32_t leaf, uint32_t seam)
+{
+	const quad q = leaf_quad(s->h, leaf);
+	const gi_seam_point *points = s->seams.points;
+	flat_point corners[4];
+	float uvs[5][2] = {{0}};
+	gi_vec3d centre = {0};
+	for (uint32_t k = 0; k < 4; k++)
+		centre = gi_vec3d_add(centre, gi_vec3d_scale(vertex_position(s->h, q.v[k]), 0.25));
+	map_flat(s, leaf, &q, centre, uvs);
+	for (uint32_t k = 0; k < q.count; k++)
+		corners[k] = flat_point_at(s, leaf, q.v[k], k, k, 0.0f, uvs);
+	seam = seam_of(&s->seams, leaf, seam);
+	if (q.count == 3 && (seam == s->seams.count || points[seam].corner >= 4 * leaf + 4)) {
+		gi_drawn_add_triangle(s->out, corners[0].drawn, corners[1].drawn, corners[2].drawn);
+		map_triangle(s, uvs[0], uvs[1], uvs[2]);
+		return seam;
 	}
+	const uint32_t middle = flat_middle(s, leaf, &q, centre);
+	for (uint32_t k = 0; k < q.count; k++) {
+		flat_point last = corners[k];
+		for (bool more = true; more; seam += more) {
+			const uint32_t next = (k + 1) % q.count;
+			more = seam < s->seams.count && points[seam].corner == 4 * leaf + k;
+			const flat_point to =
+			    more ? flat_point_at(s, leaf, points[seam].vertex, k, next, points[seam].share, uvs)
+				 : corners[next];
+			gi_drawn_add_triangle(s->out, last.drawn, to.drawn, middle);
+			map_triangle(s, last.uv, to.uv, uvs[4]);
+			last = to;
+		}
+	}
+	return seam;
 }
 
 /* Of a corner of a face of the surface that is drawn. */
@@ -319,10 +359,10 @@ static void draw_curved(drawn_builder *s, const gi_refined *fine, uint32_t numbe
 		drawn[k] = gi_drawn_share_vertex(s, corners[k], &v);
 	}
 	gi_drawn_add_triangle(s->out, drawn[0], drawn[1], drawn[2]);
-	map_triangle(s, uvs, 0, 1, 2);
+	map_triangle(s, uvs[0], uvs[1], uvs[2]);
 	if (corner_count(corners) == 4) {
 		gi_drawn_add_triangle(s->out, drawn[0], drawn[2], drawn[3]);
-		map_triangle(s, uvs, 0, 2, 3);
+		map_triangle(s, uvs[0], uvs[2], uvs[3]);
 	}
 }
 
@@ -330,14 +370,15 @@ static bool allocate_drawing(drawn_builder *s, const gi_refined *fine)
 {
 	const size_t faces = fine->levels[fine->level_count - 1].face_count, leaves = s->h->leaf_count;
 	const uint32_t places = fine->vertex_count > s->h->vertex_count ? fine->vertex_count : s->h->vertex_count;
-	const size_t vertices = 5 * leaves + 4 * faces;
+	const size_t vertices = 5 * leaves + 4 * faces + s->seams.count;
+	const size_t indices = 12 * leaves + 6 * faces + 3 * (size_t)s->seams.count;
 	bool enough = true;
 	s->first_drawn = gi_drawn_allocate(places, sizeof *s->first_drawn, &enough);
 	s->next_drawn = gi_drawn_allocate(vertices, sizeof *s->next_drawn, &enough);
 	s->out->vertices = gi_drawn_allocate(vertices, sizeof *s->out->vertices, &enough);
-	s->out->indices = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->indices, &enough);
+	s->out->indices = gi_drawn_allocate(indices, sizeof *s->out->indices, &enough);
 	if (s->uvs)
-		s->out->uvs = gi_drawn_allocate(12 * leaves + 6 * faces, sizeof *s->out->uvs, &enough);
+		s->out->uvs = gi_drawn_allocate(indices, sizeof *s->out->uvs, &enough);
 	for (uint32_t i = 0; enough && i < places; i++)
 		s->first_drawn[i] = GI_NONE;
 	if (enough && s->h->deforms) {
@@ -357,9 +398,9 @@ static void draw_surface(drawn_builder *s, const gi_refined *fine, bool finer, c
 {
 	const gi_refine_level *level = &fine->levels[fine->level_count - 1];
 	const bool whole = all || !finer;
-	for (uint32_t leaf = 0; whole && leaf < s->h->leaf_count; leaf++)
+	for (uint32_t leaf = 0, seam = 0; whole && leaf < s->h->leaf_count; leaf++)
 		if (flat[leaf])
-			draw_flat(s, leaf);
+			seam = draw_flat(s, leaf, seam);
 	for (uint32_t face = 0; face < level->face_count; face++)
 		if (faces[face].leaf != GI_NONE && !(whole && flat[faces[face].leaf]))
 			draw_curved(s, fine, face, &faces[face]);
@@ -406,7 +447,7 @@ bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *
 	if (fine->level_count < coarse->level_count ||
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
 		return false;
-	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .uvs = uvs, .out = out};
+	drawn_builder s = {.h = hierarchy, .parted = coarse->parted, .has_seams = true, .uvs = uvs, .out = out};
 	const bool done = draw_from_cage(&s, fine, leaf_level, least_cosine);
 	gi_drawn_free_builder(&s);
 	if (!done)

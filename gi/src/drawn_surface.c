@@ -112,7 +112,8 @@ static bool join_corners(drawn_builder *s, double least_cosine)
 			for (uint32_t j = i + 1;
 			     j < count && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++)
 				join_across(s, &edges[i], &edges[j], least_cosine);
-		enough = gi_drawn_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging);
+		enough = gi_drawn_find_hanging(h, s->parted, edges, count, least_cosine, join, s->group, &s->hanging) &&
+			 (!s->has_seams || gi_drawn_find_seams(h, edges, count, &s->seams));
 	}
 	gi_free(edges);
 	gi_free(sorted);
@@ -193,6 +194,7 @@ void gi_drawn_free_builder(drawn_builder *s)
 {
 	gi_free(s->group);
 	gi_free(s->hanging.items);
+	gi_free(s->seams.points);
 	gi_free(s->first_drawn);
 	gi_free(s->next_drawn);
 }

@@ -5,6 +5,7 @@
 #include "split.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct drawn_cage {
 	gi_refined coarse, fine;
@@ -277,6 +278,79 @@ static void light_has_no_step_where_leaves_hang(void **state)
 	free_drawn(&s);
 }
 
+/* ---- seams ---- */
+
+/* An edge of a drawn triangle by where it begins and ends. */
+typedef struct drawn_edge {
+	float ends[6];
+} drawn_edge;
+
+static int by_bytes(const void *a, const void *b)
+{
+	return memcmp(a, b, sizeof(drawn_edge));
+}
+
+/* Each edge of a triangle is one of another, the other way round: nothing is seen between the two. */
+static void check_closed(const gi_drawn_surface *drawn)
+{
+	drawn_edge *edges = calloc(drawn->index_count, sizeof *edges);
+	assert_non_null(edges);
+	for (uint32_t k = 0; k < drawn->index_count; k++) {
+		const uint32_t next = k - k % 3 + (k + 1) % 3;
+		const float *from = drawn->vertices[drawn->indices[k]].position,
+			    *to = drawn->vertices[drawn->indices[next]].position;
+		for (int c = 0; c < 3; c++) {
+			edges[k].ends[c] = from[c] + 0.0f; /* no -0 */
+			edges[k].ends[3 + c] = to[c] + 0.0f;
+		}
+	}
+	qsort(edges, drawn->index_count, sizeof *edges, by_bytes);
+	uint32_t open = 0;
+	for (uint32_t k = 0; k < drawn->index_count; k++) {
+		drawn_edge back;
+		memcpy(back.ends, edges[k].ends + 3, sizeof *back.ends * 3);
+		memcpy(back.ends + 3, edges[k].ends, sizeof *back.ends * 3);
+		open += !bsearch(&back, edges, drawn->index_count, sizeof *edges, by_bytes);
+	}
+	free(edges);
+	if (open)
+		fail_msg("%u edges of %u are open", open, drawn->index_count);
+}
+
+/* A cube, two sides of it in triangles, whose faces are cut each for itself: no leaf's corner lies unseen on an edge of
+ * another leaf. */
+static void leaves_of_other_sizes_leave_no_gap(void **state)
+{
+	(void)state;
+	static const gi_leaf_cut cuts[] = {{0, {.3f, .4f, 0}, {.8f, .4f, 0}, true},
+					   {0, {.3f, .4f, 0}, {.3f, 1, 0}, true},
+					   {1, {.1f, .2f, 1}, {.9f, .7f, 1}, false},
+					   {2, {.25f, 0, .35f}, {.75f, 0, .6f}, true}};
+	static const float sizes[] = {.3f, .17f, .4f, .23f, .31f, .12f, .29f, .5f};
+	static const uint32_t faces[8][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3},
+					     {0, 4, 6},    {0, 6, 2},    {1, 3, 7},    {1, 7, 5}};
+	test_cage t;
+	drawn_cage s = {0};
+	char message[256];
+	uint32_t v[8], corners[4];
+	cage_begin(&t, GI_REFINE_BILINEAR);
+	for (uint32_t k = 0; k < 8; k++)
+		v[k] = cage_vertex(&t, (float)(k & 1), (float)(k >> 1 & 1), (float)(k >> 2));
+	for (uint32_t f = 0; f < 8; f++) {
+		for (uint32_t k = 0; k < 4; k++)
+			corners[k] = v[faces[f][k]];
+		cage_face(&t, f < 4 ? 4 : 3, corners);
+	}
+	const gi_split_def def = {.leaf_size = .3f, .leaf_sizes = sizes, .cuts = cuts, .cut_count = 4};
+	assert_true(gi_split(&t.cage, &def, &s.coarse, message, sizeof message));
+	assert_true(gi_hierarchy_build(&s.coarse, &s.h, NULL, 0));
+	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, NULL, 0, GI_LIGHT_EDGE_COSINE, &s.drawn));
+	check_drawn(&s.h, &s.drawn);
+	check_closed(&s.drawn);
+	assert_float_equal(drawn_area(&s.drawn), 6, 1e-5);
+	free_drawn(&s);
+}
+
 static void surfaces_that_only_touch_share_no_light(void **state)
 {
 	(void)state;
@@ -513,6 +587,7 @@ int main(void)
 	    cmocka_unit_test(constant_light_stays_constant),
 	    cmocka_unit_test(light_does_not_go_round_the_edges_of_a_box),
 	    cmocka_unit_test(light_has_no_step_where_leaves_hang),
+	    cmocka_unit_test(leaves_of_other_sizes_leave_no_gap),
 	    cmocka_unit_test(surfaces_that_only_touch_share_no_light),
 	    cmocka_unit_test(smooth_surfaces_share_their_vertices),
 	    cmocka_unit_test(finer_levels_must_be_of_the_same_cage),
