@@ -73,7 +73,9 @@ static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *ca
 {
 	gi_refined fine;
 	char message[256];
-	if (!gi_refine(cage, levels + extra, &fine, message, sizeof message))
+	gi_refine_cage shape = *cage;
+	shape.uvs = NULL; /* the leaves have them */
+	if (!gi_refine(&shape, levels + extra, &fine, message, sizeof message))
 		return false;
 	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, &fine, def->uvs ? o->leaf_uvs : NULL,
 						  least_cosine(def), &o->drawn);
@@ -279,7 +281,7 @@ static gi_result build_on_hierarchy(const gi_log *log, const gi_unique_faces *un
 		object_hide_backs(&o->hierarchy);
 	o->by_size = gi_bvh_build(&o->hierarchy, &o->bvh) ? gi_bvh_by_size(&o->bvh) : NULL;
 	if (!o->by_size || !copy_values(o, def, name) ||
-	    (mapped && !object_map_leaves(def, cage, unique->origin, refined, o)) ||
+	    (mapped && !object_map_leaves(def, unique->origin, refined, o)) ||
 	    !build_drawn(def, cage, refined, refined->level_count - 1, o) || !object_chart_drawn(def, refined, o))
 		return gi_fail(log, GI_ERROR_OUT_OF_MEMORY, "object '%s': out of memory", name);
 	if (o->deform)

@@ -14,7 +14,7 @@ enum { OBJECT_MAX_LEVELS = 8, OBJECT_MAX_DRAW_LEVELS = 4 };
 typedef struct object_cage {
 	float *positions;
 	uint32_t *face_counts, *indices, *face_materials, *crease_vertices;
-	float *crease_sharpness;
+	float *crease_sharpness, *uvs;
 } object_cage;
 
 void object_cage_free(object_cage *own);
@@ -36,8 +36,7 @@ void object_note_sizes(object_record *object); /* once its tree is there */
 /* Makes each leaf a material of its own. False: out of memory. */
 bool object_own_materials(object_record *o);
 /* Faces and texture coordinates of the leaves; origin as in gi_unique_faces. False: out of memory. */
-bool object_map_leaves(const gi_object_def *def, const gi_refine_cage *cage, const uint32_t *origin,
-		       const gi_refined *refined, object_record *o);
+bool object_map_leaves(const gi_object_def *def, const uint32_t *origin, const gi_refined *refined, object_record *o);
 /* Where in a texture what is drawn lies; nothing without texture coordinates. False: out of memory. */
 bool object_chart_drawn(const gi_object_def *def, const gi_refined *refined, object_record *o);
 char *object_copy_name(const char *name); /* NULL: out of memory */

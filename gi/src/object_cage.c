@@ -15,6 +15,7 @@ void object_cage_free(object_cage *own)
 	gi_free(own->face_materials);
 	gi_free(own->crease_vertices);
 	gi_free(own->crease_sharpness);
+	gi_free(own->uvs);
 }
 
 bool object_make_two_sided(const gi_object_def *def, gi_refine_cage *cage, object_cage *own)
@@ -26,19 +27,27 @@ bool object_make_two_sided(const gi_object_def *def, gi_refine_cage *cage, objec
 	own->face_materials = gi_calloc(2 * (size_t)f, sizeof(uint32_t));
 	own->crease_vertices = gi_malloc(sizeof(uint32_t) * 4 * (c + 1));
 	own->crease_sharpness = gi_malloc(sizeof(float) * 2 * (c + 1));
+	own->uvs = cage->uvs ? gi_malloc(sizeof(float) * 4 * i) : NULL;
 	if (!own->positions || !own->face_counts || !own->indices || !own->face_materials || !own->crease_vertices ||
-	    !own->crease_sharpness)
+	    !own->crease_sharpness || (cage->uvs && !own->uvs))
 		return false;
 	memcpy(own->positions, def->positions, sizeof(float) * 3 * n);
 	memcpy(own->positions + 3 * n, def->positions, sizeof(float) * 3 * n);
 	memcpy(own->indices, def->indices, sizeof(uint32_t) * i);
+	if (own->uvs)
+		memcpy(own->uvs, cage->uvs, sizeof(float) * 2 * i);
 	for (uint32_t face = 0, first = 0; face < f; face++) {
 		const uint32_t corners = gi_corner_count(def->face_counts, face);
 		own->face_counts[face] = own->face_counts[f + face] = corners;
 		if (def->face_materials)
 			own->face_materials[face] = own->face_materials[f + face] = def->face_materials[face];
-		for (uint32_t k = 0; k < corners; k++)
-			own->indices[i + first + k] = n + def->indices[first + corners - 1 - k];
+		for (uint32_t k = 0; k < corners; k++) {
+			const uint32_t from = first + corners - 1 - k;
+			own->indices[i + first + k] = n + def->indices[from];
+			if (own->uvs)
+				memcpy(own->uvs + 2 * ((size_t)i + first + k), cage->uvs + 2 * (size_t)from,
+				       2 * sizeof(float));
+		}
 		first += corners;
 	}
 	for (uint32_t k = 0; k < 2 * c; k++) {
@@ -53,6 +62,7 @@ bool object_make_two_sided(const gi_object_def *def, gi_refine_cage *cage, objec
 	cage->face_materials = own->face_materials;
 	cage->crease_vertices = own->crease_vertices;
 	cage->crease_sharpness = own->crease_sharpness;
+	cage->uvs = own->uvs;
 	cage->vertex_count = 2 * n;
 	cage->face_count = 2 * f;
 	cage->index_count = 2 * i;
@@ -78,6 +88,8 @@ gi_refine_cage object_cage_of(const gi_object_def *def)
 	    .boundary = def->boundary == GI_BOUNDARY_EDGE_ONLY ? GI_REFINE_BOUNDARY_EDGE_ONLY
 							       : GI_REFINE_BOUNDARY_EDGE_AND_CORNER,
 	    .stencils = def->deforms,
+	    .numbered = def->uvs || def->leaf_materials,
+	    .uvs = def->scheme == GI_SCHEME_BILINEAR ? NULL : def->uvs,
 	};
 	memcpy(cage.scale, def->scale, sizeof cage.scale);
 	return cage;

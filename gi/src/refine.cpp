@@ -160,6 +160,7 @@ struct Cage {
 	Points points;
 	Array<int> counts;
 	Array<int> indices;
+	Array<uint32_t> corners; /* of each index, the caller's number of it */
 	Array<uint32_t> materials;
 	Array<uint32_t> faces;   /* of each, the caller's number */
 	Array<uint32_t> origins; /* likewise of each point */
@@ -241,20 +242,25 @@ void check_positions(const gi_refine_cage &cage)
 
 /* ---- clean-up ---- */
 
-/* The corners of a face without repeats of the one before (a triangle written as a quad repeats its third corner). */
-void clean_face(const uint32_t *corners, uint32_t count, Array<uint32_t> &out)
+/* The corners of a face without repeats of the one before (a triangle written as a quad repeats its third corner), as
+ * places among the indices. */
+void clean_face(const uint32_t *indices, uint32_t first, uint32_t count, Array<uint32_t> &out)
 {
 	out.clear();
-	for (uint32_t i = 0; i < count; i++)
-		if (corners[i] != corners[(i + 1) % count])
-			out.push_back(corners[i]);
+	for (uint32_t i = first; i < first + count; i++)
+		if (i == first || indices[i] != indices[i - 1])
+			out.push_back(i);
+	while (out.size() > 1 && indices[out.back()] == indices[first])
+		out.pop_back();
 }
 
-void check_face(uint32_t face, const Array<uint32_t> &corners, gi_refine_scheme scheme)
+void check_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &corners)
 {
-	if (scheme == GI_REFINE_LOOP && corners.size() != 3)
+	if (cage.scheme == GI_REFINE_LOOP && corners.size() != 3)
 		reject("face %u has %zu corners; Loop subdivision takes triangles alone", face, corners.size());
-	Array<uint32_t> sorted(corners);
+	Array<uint32_t> sorted;
+	for (uint32_t corner : corners)
+		sorted.push_back(cage.indices[corner]);
 	std::sort(sorted.begin(), sorted.end());
 	const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
 	if (twice != sorted.end())
@@ -269,6 +275,12 @@ bool mirrors(const gi_refine_cage &cage)
 
 using Corner = double[3];
 
+void add_corner(const gi_refine_cage &cage, uint32_t corner, Cage &out)
+{
+	out.indices.push_back(int(cage.indices[corner]));
+	out.corners.push_back(corner);
+}
+
 /* A bilinear face becomes quads about its middle or two triangles, which cover the notch of a face that is not convex:
  * such a one is cut into triangles first. Smooth schemes round a cage off anyway, and take it as it is.
  */
@@ -279,10 +291,12 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 	Block<Corner> points(allocate_block<Corner>(count));
 	for (uint32_t i = 0; i < count; i++)
 		for (int axis = 0; axis < 3; axis++)
-			points[i][axis] = double(cage.positions[3 * size_t(corners[i]) + axis]) * cage.scale[axis];
+			points[i][axis] =
+			    double(cage.positions[3 * size_t(cage.indices[corners[i]]) + axis]) * cage.scale[axis];
 	if (count == 3 || cage.scheme != GI_REFINE_BILINEAR || gi_polygon_is_convex(points.get(), count)) {
 		out.counts.push_back(int(count));
-		out.indices.insert(out.indices.end(), corners.begin(), corners.end());
+		for (uint32_t corner : corners)
+			add_corner(cage, corner, out);
 		out.materials.push_back(material);
 		out.faces.push_back(face);
 		return;
@@ -297,7 +311,7 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 	for (uint32_t t = 0; t < made; t++) {
 		out.counts.push_back(3);
 		for (uint32_t corner : triangles[t])
-			out.indices.push_back(int(corners[corner]));
+			add_corner(cage, corners[corner], out);
 		out.materials.push_back(material);
 		out.faces.push_back(face);
 	}
@@ -306,15 +320,15 @@ void add_face(const gi_refine_cage &cage, uint32_t face, const Array<uint32_t> &
 void clean_faces(const gi_refine_cage &cage, Cage &out)
 {
 	Array<uint32_t> corners;
-	const uint32_t *next = cage.indices;
+	uint32_t next = 0;
 	const bool mirror = mirrors(cage);
 	for (uint32_t face = 0; face < cage.face_count; face++) {
 		const uint32_t count = gi_corner_count(cage.face_counts, face);
-		clean_face(next, count, corners);
+		clean_face(cage.indices, next, count, corners);
 		next += count;
 		if (corners.size() < 3)
 			continue;
-		check_face(face, corners, cage.scheme);
+		check_face(cage, face, corners);
 		if (mirror)
 			std::reverse(corners.begin() + 1, corners.end());
 		add_face(cage, face, corners, out);
@@ -427,7 +441,7 @@ Sdc::SchemeType scheme_type(gi_refine_scheme scheme)
 	reject("unknown subdivision scheme");
 }
 
-Refiner_ptr make_refiner(const Cage &cage, const gi_refine_cage &source, uint32_t levels)
+Refiner_ptr make_refiner(const Cage &cage, gi_refine_scheme scheme, gi_refine_boundary boundary, uint32_t levels)
 {
 	Far::TopologyDescriptor topology;
 	topology.numVertices = int(cage.points.size());
@@ -439,11 +453,11 @@ Refiner_ptr make_refiner(const Cage &cage, const gi_refine_cage &source, uint32_
 	topology.creaseWeights = cage.crease_sharpness.data();
 
 	Sdc::Options options;
-	options.SetVtxBoundaryInterpolation(source.boundary == GI_REFINE_BOUNDARY_EDGE_ONLY
+	options.SetVtxBoundaryInterpolation(boundary == GI_REFINE_BOUNDARY_EDGE_ONLY
 						? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
 						: Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
 	using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-	Refiner_ptr refiner(Factory::Create(topology, Factory::Options(scheme_type(source.scheme), options)));
+	Refiner_ptr refiner(Factory::Create(topology, Factory::Options(scheme_type(scheme), options)));
 	if (!refiner)
 		reject("OpenSubdiv refuses the cage: the faces round some edge or vertex do not form a surface");
 
@@ -623,6 +637,30 @@ void export_origins(const Cage &cage, gi_refined &out)
 	std::copy(faces.begin(), faces.end(), out.faces);
 }
 
+/* The faces apart from each other, each at its texture coordinates, refined as the cage is but flat. */
+void export_uvs(const Cage &cage, const gi_refine_cage &source, uint32_t levels, gi_refined &out)
+{
+	Cage apart;
+	apart.counts = cage.counts;
+	for (uint32_t corner : cage.corners) {
+		const float *uv = source.uvs + 2 * size_t(corner);
+		apart.indices.push_back(int(apart.points.size()));
+		apart.points.push_back({{double(uv[0]), double(uv[1]), 0.0}});
+	}
+	const gi_refine_scheme flat = source.scheme == GI_REFINE_LOOP ? GI_REFINE_LOOP : GI_REFINE_BILINEAR;
+	const Refiner_ptr refiner = make_refiner(apart, flat, GI_REFINE_BOUNDARY_EDGE_AND_CORNER, levels);
+	const Points points = interpolate(*refiner, apart.points);
+	const Far::TopologyLevel &finest = refiner->GetLevel(int(levels));
+	out.uvs = allocate_block<float[4][2]>(size_t(finest.GetNumFaces()));
+	for (int face = 0; face < finest.GetNumFaces(); face++) {
+		const Far::ConstIndexArray corners = finest.GetFaceVertices(face);
+		for (int k = 0; k < 4; k++)
+			for (int axis = 0; axis < 2; axis++)
+				out.uvs[face][k][axis] =
+				    float(points[corners[std::min(k, corners.size() - 1)]].value[axis]);
+	}
+}
+
 /* Is every edge walked as often one way as the other? Then the surface has no boundary, and what it encloses hides its
  * backs. Two faces an edge is the usual case; simplified scans also fold edges of four. */
 bool is_closed(const Cage &cage)
@@ -652,13 +690,15 @@ void refine(const gi_refine_cage &source, uint32_t levels, gi_refined &out)
 	levels = std::max(levels, least_levels(cage, source.scheme));
 	check_size(cage, source.scheme, levels);
 
-	const Refiner_ptr refiner = make_refiner(cage, source, levels);
+	const Refiner_ptr refiner = make_refiner(cage, source.scheme, source.boundary, levels);
 	export_levels(*refiner, cage, out);
 	export_vertices(*refiner, interpolate(*refiner, cage.points), out);
-	if (source.stencils) {
+	if (source.stencils)
 		export_stencils(*refiner, cage, out);
+	if (source.stencils || source.numbered)
 		export_origins(cage, out);
-	}
+	if (source.uvs)
+		export_uvs(cage, source, levels, out);
 	out.closed = is_closed(cage);
 }
 
@@ -703,6 +743,7 @@ void gi_refined_free(gi_refined *refined)
 	gi_free(refined->normals);
 	gi_free(refined->parted);
 	gi_free(refined->faces);
+	gi_free(refined->uvs);
 	gi_stencils_free(&refined->points);
 	for (gi_stencils &tangents : refined->tangents)
 		gi_stencils_free(&tangents);

@@ -32,8 +32,10 @@ typedef struct gi_refine_cage {
 	uint32_t vertex_count, face_count, index_count, crease_count;
 	gi_refine_scheme scheme;
 	gi_refine_boundary boundary;
-	float scale[3]; /* applied to the positions before anything else */
-	bool stencils;  /* the refined has what it takes to be evaluated at other positions */
+	float scale[3];   /* applied to the positions before anything else */
+	bool stencils;    /* the refined has what it takes to be evaluated at other positions */
+	bool numbered;    /* and says which of the faces each of its own lies in; with stencils too */
+	const float *uvs; /* 2 * index_count: texture coordinates of the corners of faces, for its own; NULL: none */
 } gi_refine_cage;
 
 /* The faces of one level. Corner numbers are vertices of the FINEST level: the descendant of a coarse vertex has the
@@ -59,7 +61,10 @@ typedef struct gi_refined {
 	/* Where stencils were asked for: positions, and two tangents across each normal, as sums of the cage's vertices
 	 * with its scale applied. Tangents without terms are no normal; a bilinear cage has none at all. */
 	gi_stencils points, tangents[2];
-	uint32_t *faces; /* a face of the finest level: number of the cage's face that it lies in */
+	uint32_t *faces; /* a face of the finest level: number of the cage's face that it lies in; where asked for */
+	/* Of a face of the finest level, at its corners: in each face of the cage linear between that one's, whatever
+	 * shape these give it. NULL: none were given */
+	float (*uvs)[4][2];
 } gi_refined;
 
 /* Refines `levels` times (0..8), uniformly. Levels is raised to 1 where a base face has more than four corners, and for

@@ -214,7 +214,12 @@ static bool split(splitter *s, const gi_refine_cage *cage, const gi_refined *bas
 		sort_cuts(s->def, cage->face_count, offsets, order);
 		divide_all(s, base, offsets, order, cage->scale);
 		done = !s->full && split_export_levels(s, cage->face_materials, out) && split_export_parted(s, out) &&
-		       split_export_points(s, out) && (!s->stencils || split_export_stencils(s, out));
+		       split_export_points(s, out) &&
+		       (!(cage->stencils || cage->numbered) || split_export_faces(s, out));
+	}
+	if (done && s->stencils) {
+		out->points = *s->stencils;
+		*s->stencils = (gi_stencils){0};
 	}
 	out->closed = base->closed;
 	gi_free(offsets);

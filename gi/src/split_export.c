@@ -86,7 +86,7 @@ bool split_export_points(const splitter *s, gi_refined *out)
 	return true;
 }
 
-bool split_export_stencils(splitter *s, gi_refined *out)
+bool split_export_faces(const splitter *s, gi_refined *out)
 {
 	const uint32_t finest = out->level_count - 1;
 	out->faces = gi_malloc(sizeof *out->faces * ((size_t)out->levels[finest].face_count + 1));
@@ -96,7 +96,5 @@ bool split_export_stencils(splitter *s, gi_refined *out)
 	for (uint32_t k = 0; k < s->node_count; k++)
 		if (is_on_level(&s->nodes[k], finest))
 			out->faces[count++] = s->nodes[k].face;
-	out->points = *s->stencils;
-	*s->stencils = (gi_stencils){0};
 	return true;
 }

@@ -128,7 +128,6 @@ uint8_t split_parted_edges(const splitter *s, const polygon *p, span around);
 bool split_export_levels(const splitter *s, const uint32_t *materials, gi_refined *out);
 bool split_export_parted(const splitter *s, gi_refined *out);
 bool split_export_points(const splitter *s, gi_refined *out);
-/* The faces' numbers, and the stencils, which are the splitter's no more. */
-bool split_export_stencils(splitter *s, gi_refined *out);
+bool split_export_faces(const splitter *s, gi_refined *out); /* their numbers */
 
 #endif

@@ -142,6 +142,111 @@ static void places(void **state)
 		expect_places(&kinds[k]);
 }
 
+/* A line, a triangle as a quad, an arrowhead and a square, apart from each other in x. */
+static const float ODD_PLACES[11][3] = {{0, 0, 0},     {0, 0, 1}, {1, 0, 0}, {2, 0, 0}, {2.5f, 0, .2f}, {3, 0, 0},
+					{2.5f, 0, -1}, {4, 0, 0}, {4, 0, 1}, {5, 0, 1}, {5, 0, 0}};
+static const uint32_t ODD_FACES[4][4] = {{0, 0, 1, 1}, {0, 1, 2, 2}, {3, 4, 5, 6}, {7, 8, 9, 10}};
+
+static gi_context *open_odd(const kind *k, const float *uvs, gi_object *out)
+{
+	gi_context_def context_def = harness_def();
+	gi_context *gi = harness_context(&context_def);
+	gi_object_def def = gi_object_def_default();
+	def.name = k->name;
+	def.positions = ODD_PLACES[0];
+	def.vertex_count = 11;
+	def.indices = ODD_FACES[0];
+	def.index_count = 16;
+	def.face_count = 4;
+	def.scheme = k->scheme;
+	def.levels = k->levels;
+	def.leaf_size = k->leaf_size;
+	def.double_sided = k->double_sided;
+	def.uvs = uvs;
+	if (gi_create_object(gi, &def, out))
+		fail_msg("%s: %s", k->name, harness_last_message());
+	assert_gi(gi_commit(gi));
+	harness_update(gi);
+	return gi;
+}
+
+enum { ODD_LEAVES = 256 };
+
+static void expect_odd_faces(const kind *k)
+{
+	static gi_leaf_uvs found[ODD_LEAVES];
+	static gi_leaf leaves[ODD_LEAVES];
+	float uvs[16][2];
+	uint32_t count, met[4] = {0};
+	gi_object object;
+	for (int c = 0; c < 16; c++)
+		place_uv(ODD_PLACES[ODD_FACES[c / 4][c % 4]], uvs[c]);
+	gi_context *gi = open_odd(k, uvs[0], &object);
+	assert_gi(gi_get_leaf_uvs(gi, object, found, ODD_LEAVES, &count));
+	assert_gi(gi_read_leaves(gi, leaves, ODD_LEAVES, &count));
+	assert_in_range(count, 3, ODD_LEAVES);
+	for (uint32_t leaf = 0; leaf < count; leaf++) {
+		const float(*at)[3] = leaves[leaf].corners, x = .25f * (at[0][0] + at[1][0] + at[2][0] + at[3][0]);
+		const uint32_t face = x < 1.5f ? 1 : x < 3.5f ? 2 : 3;
+		met[face]++;
+		if (found[leaf].face != face)
+			fail_msg("%s: leaf %u lies on face %u, not %u", k->name, leaf, face, found[leaf].face);
+		for (int c = 0; c < 4; c++) {
+			float wanted[2];
+			place_uv(leaves[leaf].corners[c], wanted);
+			for (int i = 0; i < 2; i++)
+				if (fabsf(found[leaf].uvs[c][i] - wanted[i]) > 1e-5f)
+					fail_msg("%s: leaf %u of face %u, corner %d: %g is not %g", k->name, leaf, face,
+						 c, (double)found[leaf].uvs[c][i], (double)wanted[i]);
+		}
+	}
+	assert_true(met[1] && met[2] && met[3]);
+	gi_context_destroy(gi);
+}
+
+/* Refining leaves faces without area out, takes what is written as a quad as the triangle it is and cuts notches. */
+static void odd_faces(void **state)
+{
+	(void)state;
+	static const kind kinds[] = {
+	    {.name = "odd"},
+	    {.name = "odd, levels", .levels = 1},
+	    {.name = "odd, by size", .leaf_size = .3f},
+	    {.name = "odd sides", .levels = 1, .double_sided = true},
+	    {.name = "odd, smooth", .levels = 1, .scheme = GI_SCHEME_CATMULL_CLARK},
+	    {.name = "odd smooth sides", .levels = 1, .scheme = GI_SCHEME_CATMULL_CLARK, .double_sided = true},
+	};
+	for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+		expect_odd_faces(&kinds[k]);
+}
+
+/* In a texture a face may cross itself, or be a point. */
+static void odd_coordinates(void **state)
+{
+	(void)state;
+	static const kind smooth = {.name = "crossed", .levels = 1, .scheme = GI_SCHEME_CATMULL_CLARK};
+	static const float crossed[4][4][2] = {{{0}},
+					       {{0, 0}, {1, 0}, {0, 1}, {9, 9}},
+					       {{.5f, .5f}, {.5f, .5f}, {.5f, .5f}, {.5f, .5f}},
+					       {{0, 0}, {1, 1}, {1, 0}, {0, 1}}};
+	static gi_leaf_uvs found[ODD_LEAVES];
+	uint32_t count;
+	gi_object object;
+	gi_context *gi = open_odd(&smooth, crossed[0][0], &object);
+	assert_gi(gi_get_leaf_uvs(gi, object, found, ODD_LEAVES, &count));
+	assert_int_equal(count, 3 + 4 + 4);
+	for (uint32_t leaf = 0; leaf < count; leaf++) {
+		const float middle = found[leaf].face == 1 ? 1.f / 3 : .5f;
+		bool reaches = false;
+		for (int c = 0; c < 4; c++)
+			reaches = reaches || (fabsf(found[leaf].uvs[c][0] - middle) < 1e-6f &&
+					      fabsf(found[leaf].uvs[c][1] - middle) < 1e-6f);
+		if (!reaches)
+			fail_msg("leaf %u does not reach the middle of face %u", leaf, found[leaf].face);
+	}
+	gi_context_destroy(gi);
+}
+
 /* ---- light ---- */
 
 static const float WHITE[3] = {.8f, .8f, .8f}, LAMP[3] = {10, 10, 10}, BLACK[3] = {0, 0, 0};
@@ -332,8 +437,9 @@ static void refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(places),  cmocka_unit_test(checkerboard), cmocka_unit_test(striped_screen),
-	    cmocka_unit_test(changes), cmocka_unit_test(refused),
+	    cmocka_unit_test(places),          cmocka_unit_test(checkerboard), cmocka_unit_test(striped_screen),
+	    cmocka_unit_test(changes),         cmocka_unit_test(refused),      cmocka_unit_test(odd_faces),
+	    cmocka_unit_test(odd_coordinates),
 	};
 	return cmocka_run_group_tests(tests, harness_open, harness_close);
 }

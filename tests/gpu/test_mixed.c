@@ -1,10 +1,14 @@
 /* Where features meet: lights without a surface, receivers, a picture of the sky, shapes that change, mirrors and
- * translucent objects in one scene.
+ * translucent objects, instances and textures in one scene.
  */
 #include "snapshot.h"
 
 #include "scenes/body.h"
+#include "scenes/look_at.h"
 #include "scenes/shapes.h"
+#include "target.h"
+
+#include <glad/gl.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +17,8 @@
 
 /* ---- receivers and trees ---- */
 
-static gi_receivers add_points(gi_context *gi, const float *positions, uint32_t count, bool facing)
+static gi_receivers add_fine_points(gi_context *gi, const float *positions, uint32_t count, bool facing,
+				    float refinement, uint32_t samples)
 {
 	static const float up[3 * 4] = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
 	gi_receivers_def def = gi_receivers_def_default();
@@ -22,8 +27,16 @@ static gi_receivers add_points(gi_context *gi, const float *positions, uint32_t 
 	def.normals = facing ? up : NULL;
 	def.count = count;
 	def.harmonics = facing ? 0 : 2;
+	def.refinement = refinement;
+	def.samples = samples;
 	assert_gi(gi_create_receivers(gi, &def, &out));
 	return out;
+}
+
+static gi_receivers add_points(gi_context *gi, const float *positions, uint32_t count, bool facing)
+{
+	const gi_receivers_def def = gi_receivers_def_default();
+	return add_fine_points(gi, positions, count, facing, def.refinement, def.samples);
 }
 
 static gi_light add_light(gi_context *gi, gi_light_type type, const float position[3], const float direction[3])
@@ -170,12 +183,19 @@ static void turned_away(void **state)
 
 /* ---- everything ---- */
 
-enum { POINTS = 4, MOVERS = 4, LIGHTS = 3 };
+enum { POINTS = 4, MOVERS = 4, LIGHTS = 3, COPIES = 3, SIZE = 48 };
 
 typedef struct world {
 	gi_context *gi;
 	engine_mesh skin; /* as defined */
 	gi_object floor, movers[MOVERS], visitor;
+	gi_object copies[COPIES]; /* instances of movers, or of each other */
+	bool bends[COPIES];       /* they are of the one that deforms */
+	bool two_sided;           /* that is */
+	gi_overlay overlay;
+	gi_mode mode;
+	GLuint textures[2];
+	target target;
 	gi_light lights[LIGHTS];
 	gi_receivers facing, round, fixed, probes;
 } world;
@@ -199,12 +219,21 @@ static gi_object add_special(world *w, engine_mesh *m, const gi_specular *specul
 	const gi_material material = {.rho = {.3f, .4f, .5f}};
 	gi_object_def def = scene_mesh_def(m);
 	gi_object out;
+	float uvs[2 * 512];
+	assert_in_range(m->index_count, 1, 512);
+	for (uint32_t k = 0; k < m->index_count; k++) {
+		uvs[2 * k] = m->positions[3 * m->indices[k]];
+		uvs[2 * k + 1] = k % 5 ? m->positions[3 * m->indices[k] + 1] : 1;
+	}
+	def.uvs = uvs;
 	def.name = "special";
 	def.materials = &material;
 	def.material_count = 1;
 	def.specular = specular;
 	def.subsurface = subsurface;
 	def.deforms = deforms;
+	def.double_sided = deforms && w->two_sided;
+	def.leaf_materials = deforms && !w->two_sided;
 	if (deforms)
 		def.scheme = GI_SCHEME_CATMULL_CLARK;
 	memcpy(def.pose.position, position, sizeof def.pose.position);
@@ -224,13 +253,28 @@ static void set_sky(world *w, uint32_t kind)
 	assert_gi(gi_set_sky_image(w->gi, kind == 2 ? NULL : picture, 8, 4, NULL));
 }
 
-static void open_world(world *w, bool specular)
+static GLuint make_texture(void)
+{
+	float texels[4 * 16];
+	GLuint name;
+	for (int k = 0; k < 4 * 16; k++)
+		texels[k] = between(0, 1);
+	glCreateTextures(GL_TEXTURE_2D, 1, &name);
+	glTextureStorage2D(name, 1, GL_RGBA32F, 4, 4);
+	glTextureSubImage2D(name, 0, 0, 0, 4, 4, GL_RGBA, GL_FLOAT, texels);
+	glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	return name;
+}
+
+static void open_world(world *w, bool specular, bool two_sided)
 {
 	gi_context_def def = harness_def();
 	def.row_tolerance = .08f;
 	def.caustic_photons = 256;
 	def.sky = GI_SKY_ON;
-	*w = (world){.gi = harness_context(&def)};
+	*w = (world){.gi = harness_context(&def), .two_sided = two_sided, .target = target_make(SIZE)};
+	for (int k = 0; k < 2; k++)
+		w->textures[k] = make_texture();
 	engine_mesh m;
 	assert_true(shape_quad((float[]){-2, 0, -2}, (float[]){0, 0, 4}, (float[]){4, 0, 0}, 5, 5, &m));
 	w->floor = harness_add(w->gi, &(harness_object){.name = "floor", .rho = {.5f, .5f, .5f}}, &m);
@@ -270,10 +314,30 @@ static void open_world(world *w, bool specular)
 	harness_update(w->gi);
 }
 
+/* One of the movers or of the copies that are there. */
+static gi_object *any_object(world *w)
+{
+	const uint32_t which = chance(MOVERS + COPIES);
+	gi_object *copy = which < MOVERS ? NULL : &w->copies[which - MOVERS];
+	return copy && gi_object_is_valid(w->gi, *copy) ? copy : &w->movers[which % MOVERS];
+}
+
+static bool deforms(const world *w, gi_object object)
+{
+	bool is = object.index1 == w->movers[0].index1;
+	for (int k = 0; k < COPIES; k++)
+		is = is || (w->bends[k] && object.index1 == w->copies[k].index1);
+	return is;
+}
+
 static void bend(world *w)
 {
 	float positions[3 * 200];
+	const uint32_t which = chance(2 * COPIES);
+	gi_object object = w->movers[0];
 	assert_true(w->skin.vertex_count <= 200);
+	if (which < COPIES && w->bends[which])
+		object = w->copies[which];
 	const float a = between(.6f, 1.6f), b = between(-.3f, .3f);
 	for (uint32_t v = 0; v < w->skin.vertex_count; v++) {
 		const float *p = w->skin.positions + 3 * v;
@@ -281,15 +345,14 @@ static void bend(world *w)
 		positions[3 * v + 1] = p[1] + .1f * sinf(5 * p[0] + 10 * b);
 		positions[3 * v + 2] = p[2] / a;
 	}
-	assert_gi(gi_set_positions(w->gi, w->movers[0], positions));
+	assert_gi(gi_set_positions(w->gi, object, positions));
 }
 
 static void move(world *w)
 {
 	const gi_pose pose = {{between(-1, 1), between(.5f, 1.6f), between(-1, 1)},
 			      {between(-1, 1), between(-1, 1), between(-1, 1), 1.1f}};
-	const uint32_t which = chance(MOVERS);
-	assert_gi(gi_set_pose(w->gi, w->movers[which], pose));
+	assert_gi(gi_set_pose(w->gi, *any_object(w), pose));
 }
 
 static void change_light(world *w)
@@ -350,11 +413,76 @@ static void come_or_go(world *w)
 		assert_gi(gi_commit(w->gi));
 }
 
+/* An instance comes or goes, or takes its original's place. */
+static void copy_or_drop(world *w)
+{
+	const uint32_t which = chance(COPIES);
+	gi_object *copy = &w->copies[which];
+	const gi_pose pose = {{between(-1, 1), between(.5f, 1.6f), between(-1, 1)}, {0, between(-1, 1), 0, 1.1f}};
+	if (!gi_object_is_valid(w->gi, *copy)) {
+		const gi_object of = *any_object(w);
+		w->bends[which] = deforms(w, of);
+		assert_gi(gi_create_instance(w->gi, of, pose, copy));
+	} else if (w->bends[which] && chance(2)) {
+		assert_gi(gi_destroy_object(w->gi, w->movers[0]));
+		w->movers[0] = *copy;
+		*copy = (gi_object){0};
+		w->bends[which] = false;
+	} else {
+		assert_gi(gi_destroy_object(w->gi, *copy));
+		w->bends[which] = false;
+	}
+	if (chance(3))
+		assert_gi(gi_commit(w->gi));
+}
+
+/* Of what has coordinates and is not translucent. */
+static void set_textures(world *w)
+{
+	const gi_object object = *any_object(w);
+	gi_textures t;
+	if (gi_get_textures(w->gi, object, 0, &t))
+		return;
+	t.base_color = chance(3) ? w->textures[chance(2)] : 0;
+	t.emissive = chance(4) ? 0 : w->textures[chance(2)];
+	t.alpha_cutoff = chance(3) ? 0 : .5f;
+	t.base_color_factor[chance(3)] = between(0, 1);
+	t.base_color_transform[chance(2)][chance(3)] = between(-2, 2);
+	assert_gi(gi_set_textures(w->gi, object, 0, chance(5) ? &t : NULL));
+}
+
+/* Points of another fineness, or fixed to another object, or to the same that went. */
+static void renew_points(world *w)
+{
+	static const float at[3 * POINTS] = {0, .5f, 0, .5f, .1f, .5f, -.9f, .9f, -.2f, .2f, 1, 1};
+	gi_receivers_def on = gi_receivers_def_default();
+	on.positions = at;
+	on.normals = chance(2) ? at : NULL;
+	on.harmonics = on.normals ? chance(3) : 1 + chance(2);
+	on.count = 1 + chance(POINTS);
+	on.object = *any_object(w);
+	on.refinement = between(1, chance(2) ? 3 : 40);
+	on.samples = 1 + chance(16);
+	on.offset = between(0, .1f);
+	assert_gi(gi_destroy_receivers(w->gi, w->fixed));
+	assert_gi(gi_create_receivers(w->gi, &on, &w->fixed));
+	if (chance(3))
+		assert_gi(gi_commit(w->gi));
+}
+
+static void set_mobility(world *w)
+{
+	const gi_object object = chance(3) ? *any_object(w) : w->floor;
+	const gi_mobility mobility = (gi_mobility)chance(3);
+	if (!deforms(w, object) || mobility != GI_MOBILITY_STATIC)
+		assert_gi(gi_set_mobility(w->gi, object, mobility));
+}
+
 static void act(world *w, char *done)
 {
 	bool hidden;
-	const uint32_t what = chance(9);
-	*done = "bmlphcsxr"[what];
+	const uint32_t what = chance(14);
+	*done = "bmlphcsxitnyor"[what];
 	switch (what) {
 	case 0:
 		bend(w);
@@ -369,10 +497,9 @@ static void act(world *w, char *done)
 		move_points(w);
 		break;
 	case 4: {
-		const gi_object o = chance(3) ? w->movers[chance(MOVERS)] : w->floor;
+		const gi_object o = chance(3) ? *any_object(w) : w->floor;
 		assert_gi(gi_get_hidden(w->gi, o, &hidden));
 		assert_gi(gi_set_hidden(w->gi, o, !hidden));
-
 		break;
 	}
 	case 5:
@@ -389,6 +516,22 @@ static void act(world *w, char *done)
 		assert_gi(gi_set_material(w->gi, w->movers[3], 0, m));
 		break;
 	}
+	case 9:
+		copy_or_drop(w);
+		break;
+	case 10:
+		set_textures(w);
+		break;
+	case 11:
+		renew_points(w);
+		break;
+	case 12:
+		set_mobility(w);
+		break;
+	case 13:
+		w->overlay = (gi_overlay)chance(GI_OVERLAY_RECEIVERS + 1);
+		w->mode = (gi_mode)chance(3);
+		break;
 	default:
 		assert_gi(gi_set_scale(w->gi, w->movers[0], (float[]){between(.5f, 1.5f), 1, between(.5f, 1.5f)}));
 	}
@@ -398,11 +541,15 @@ typedef struct picture {
 	snapshot rows;
 	float light[4][4 * 9 * 8];
 	uint32_t counts[4];
+	float pixels[SIZE * SIZE][4];
 } picture;
 
 static picture look(world *w)
 {
 	picture p = {0};
+	gi_view view = gi_view_default();
+	view.overlay = w->overlay;
+	view.mode = w->mode;
 	gi_reset_radiosity(w->gi);
 	harness_update(w->gi);
 	p.rows = snapshot_take(w->gi);
@@ -412,6 +559,11 @@ static picture look(world *w)
 		if (gi_get_receiver_buffer(w->gi, sets[k], &b) == GI_OK)
 			assert_gi(gi_read_receivers(w->gi, sets[k], p.light[k], 72, &p.counts[k]));
 	}
+	look_at((float[]){1.5f, 2.5f, 2.5f}, (float[]){0, .6f, 0}, 60, 1, view.view_from_world, view.clip_from_view);
+	target_draw(&w->target, w->gi, view);
+	/* What the last update did is another matter. */
+	if (view.overlay != GI_OVERLAY_DIRTY && view.overlay != GI_OVERLAY_RESIDUAL)
+		memcpy(p.pixels, w->target.pixels, sizeof p.pixels);
 	return p;
 }
 
@@ -431,6 +583,11 @@ static void expect_same(const picture *a, const picture *b, const char *when)
 			if (memcmp(&a->light[k][i], &b->light[k][i], 4) != 0)
 				fail_msg("%s: receivers %d, number %u: %.9g %.9g", when, k, i, (double)a->light[k][i],
 					 (double)b->light[k][i]);
+	for (int k = 0; k < SIZE * SIZE; k++)
+		if (memcmp(a->pixels[k], b->pixels[k], sizeof a->pixels[k]) != 0)
+			fail_msg("%s: pixel %d %d: %.9g %.9g %.9g, %.9g %.9g %.9g", when, k % SIZE, k / SIZE,
+				 (double)a->pixels[k][0], (double)a->pixels[k][1], (double)a->pixels[k][2],
+				 (double)b->pixels[k][0], (double)b->pixels[k][1], (double)b->pixels[k][2]);
 }
 
 /* Everything new: lights too, by another set of lights that are the same. */
@@ -446,6 +603,13 @@ static void rebuild(world *w)
 		assert_gi(gi_set_light(w->gi, w->lights[k], &was));
 	}
 	gi_invalidate(w->gi);
+	/* What is drawn is uploaded anew. */
+	gi_textures was, other = gi_textures_default();
+	assert_gi(gi_get_textures(w->gi, w->movers[1], 0, &was));
+	other.base_color = w->textures[0];
+	for (int k = 0; k < 2; k++)
+		assert_gi(gi_set_textures(w->gi, w->movers[1], 0, k ? NULL : &other));
+	assert_gi(gi_set_textures(w->gi, w->movers[1], 0, &was));
 }
 
 static void play(uint32_t seed, int frames, bool specular)
@@ -454,7 +618,7 @@ static void play(uint32_t seed, int frames, bool specular)
 	char done[512] = "";
 	size_t at = 0;
 	state_of_chance = seed;
-	open_world(&w, specular);
+	open_world(&w, specular, seed % 3 == 0);
 	for (int frame = 0; frame < frames; frame++) {
 		for (uint32_t k = 1 + chance(3); k > 0 && at < 500; k--)
 			act(&w, &done[at++]);
@@ -484,6 +648,8 @@ static void play(uint32_t seed, int frames, bool specular)
 	}
 	engine_mesh_free(&w.skin);
 	gi_context_destroy(w.gi);
+	glDeleteTextures(2, w.textures);
+	target_free(&w.target);
 }
 
 static void updates_are_rebuilds(void **state)
