@@ -1,5 +1,6 @@
 #include "file_shown.h"
 
+#include "file_surface.h"
 #include "texture_gl.h"
 
 #include <math.h>
@@ -9,11 +10,6 @@
 static const float PI = 3.14159265f;
 
 /* ---- which materials ---- */
-
-static bool is_textured(const engine_scene_material *m)
-{
-	return m->rho_texture.number || m->radiance_texture.number;
-}
 
 /* Does every corner of a face have a place in the texture? */
 static bool has_place(const engine_mesh *mesh, size_t first, uint32_t count)
@@ -36,7 +32,7 @@ static bool is_tinted(const engine_mesh *mesh, size_t first, uint32_t count)
 static bool is_shown(const engine_scene *scene, const engine_mesh *mesh, uint32_t material, size_t first,
 		     uint32_t count)
 {
-	return is_textured(&scene->materials[material]) && has_place(mesh, first, count) &&
+	return file_surface_has_texture(&scene->materials[material]) && has_place(mesh, first, count) &&
 	       !is_tinted(mesh, first, count);
 }
 

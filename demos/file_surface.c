@@ -11,6 +11,11 @@ static const float MOST_REFLECTED = 0.98f;
 /* Where texture and colours both change: a side's pieces that each have the mean of one times the mean of the other. */
 enum { PIECES = 4 };
 
+bool file_surface_has_texture(const engine_scene_material *material)
+{
+	return material->rho_texture.number || material->radiance_texture.number;
+}
+
 void file_surface_corner(const engine_mesh *mesh, size_t corner, float uv[2], float color[3])
 {
 	for (size_t k = 0; k < 2; k++)

@@ -12,6 +12,8 @@ typedef struct file_surface_triangle {
 	float colors[3][3]; /* [0][0] ENGINE_NO_COLOR: none */
 } file_surface_triangle;
 
+bool file_surface_has_texture(const engine_scene_material *material);
+
 /* A corner of a mesh as one of those has it. */
 void file_surface_corner(const engine_mesh *mesh, size_t corner, float uv[2], float color[3]);
 

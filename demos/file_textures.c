@@ -10,16 +10,11 @@
  * linear in parts. */
 enum { PIECES = 4 };
 
-static bool has_texture(const engine_scene_material *m)
-{
-	return m->rho_texture.number || m->radiance_texture.number;
-}
-
 bool file_textures_are_used(const engine_scene *scene, const engine_mesh *mesh)
 {
 	bool used = mesh->colors != NULL;
 	for (uint32_t f = 0; mesh->uvs && f < mesh->face_count && !used; f++)
-		used = has_texture(&scene->materials[mesh->face_materials[f]]);
+		used = file_surface_has_texture(&scene->materials[mesh->face_materials[f]]);
 	return used;
 }
 
@@ -88,7 +83,7 @@ bool file_textures_prepare(const engine_scene *scene, engine_mesh *mesh, bool al
 		return false;
 	size_t first = 0;
 	for (uint32_t f = 0; f < mesh->face_count; first += mesh->face_counts[f++])
-		if (all || !has_texture(&scene->materials[mesh->face_materials[f]]))
+		if (all || !file_surface_has_texture(&scene->materials[mesh->face_materials[f]]))
 			lay_flat(mesh, first, mesh->face_counts[f]);
 	return true;
 }

@@ -436,13 +436,10 @@ static bool draw_from_cage(drawn_builder *s, const gi_refined *fine, uint32_t le
 	return enough;
 }
 
-/* How much finer `fine` is, its levels say themselves: a cage of n-gons is refined once whatever was asked for. */
-bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
-			       const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out)
+bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out)
 {
 	*out = (gi_drawn_surface){0};
-	if (!fine)
-		fine = coarse;
 	const uint32_t leaf_level = coarse->level_count - 1;
 	if (fine->level_count < coarse->level_count ||
 	    fine->levels[leaf_level].face_count != coarse->levels[leaf_level].face_count)
@@ -453,14 +450,6 @@ bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *
 	if (!done)
 		gi_drawn_free(out);
 	return done;
-}
-
-/* The caller's `extra` can be one too many. */
-bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			double least_cosine, gi_drawn_surface *out)
-{
-	(void)extra;
-	return gi_drawn_from_mapped_cage(hierarchy, coarse, fine, NULL, least_cosine, out);
 }
 
 bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,

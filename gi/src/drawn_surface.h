@@ -50,16 +50,13 @@ typedef struct gi_drawn_surface {
 	uint32_t (*faces)[4]; /* corners of the surface that is drawn, where there are bonds */
 } gi_drawn_surface;
 
-/* Draws the surface itself. `fine` is the same cage refined `extra` >= 0 levels further than the hierarchy's (NULL:
- * extra 0, `fine` is the refined the hierarchy came from). Flat leaves are drawn as four triangles round their centre,
- * so that interpolation has no diagonal; curved ones as the quads of the finer level on the limit surface with limit
- * normals. Light vertices are shared between leaves whose normals have at least the cosine `least_cosine`. */
-bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine, uint32_t extra,
-			double least_cosine, gi_drawn_surface *out);
-
-/* The same, with texture coordinates: of the leaves; NULL: none. */
-bool gi_drawn_from_mapped_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
-			       const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out);
+/* Draws the surface itself. `fine` is the same cage refined as far as the hierarchy's or further; how much further its
+ * levels say themselves: a cage of n-gons is refined once whatever was asked for. Flat leaves are drawn as four
+ * triangles round their centre, so that interpolation has no diagonal; curved ones as the quads of the finer level on
+ * the limit surface with limit normals. Light vertices are shared between leaves whose normals have at least the cosine
+ * `least_cosine`. uvs: texture coordinates of the leaves; NULL: none. */
+bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
+			const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out);
 
 /* Draws nothing: light vertices alone, for hosts that draw for themselves. */
 bool gi_drawn_from_nothing(const gi_hierarchy *hierarchy, const gi_refined *coarse, double least_cosine,

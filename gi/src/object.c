@@ -77,8 +77,8 @@ static bool build_finer_drawn(const gi_object_def *def, const gi_refine_cage *ca
 	shape.uvs = NULL; /* the leaves have them */
 	if (!gi_refine(&shape, levels + extra, &fine, message, sizeof message))
 		return false;
-	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, &fine, def->uvs ? o->leaf_uvs : NULL,
-						  least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, &fine, def->uvs ? o->leaf_uvs : NULL,
+					   least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, &fine, fine.level_count > coarse->level_count);
 	gi_refined_free(&fine);
@@ -105,8 +105,8 @@ static bool build_drawn(const gi_object_def *def, const gi_refine_cage *cage, gi
 	for (uint32_t extra = draw_levels(def, o, levels); extra; extra--)
 		if (build_finer_drawn(def, cage, coarse, levels, extra, o))
 			return true;
-	const bool ok = gi_drawn_from_mapped_cage(&o->hierarchy, coarse, coarse, def->uvs ? o->leaf_uvs : NULL,
-						  least_cosine(def), &o->drawn);
+	const bool ok = gi_drawn_from_cage(&o->hierarchy, coarse, coarse, def->uvs ? o->leaf_uvs : NULL,
+					   least_cosine(def), &o->drawn);
 	if (ok && o->deform)
 		gi_deform_take_drawn(o->deform, coarse, false);
 	return ok;

@@ -482,7 +482,7 @@ static void act(world *w, char *done)
 {
 	bool hidden;
 	const uint32_t what = chance(14);
-	*done = "bmlphcsxitnyor"[what];
+	*done = "bmlphcsxritnyo"[what];
 	switch (what) {
 	case 0:
 		bend(w);
@@ -561,8 +561,9 @@ static picture look(world *w)
 	}
 	look_at((float[]){1.5f, 2.5f, 2.5f}, (float[]){0, .6f, 0}, 60, 1, view.view_from_world, view.clip_from_view);
 	target_draw(&w->target, w->gi, view);
-	/* What the last update did is another matter. */
-	if (view.overlay != GI_OVERLAY_DIRTY && view.overlay != GI_OVERLAY_RESIDUAL)
+	/* What the last update did is another matter, and which of several that hide one thing it met first. */
+	if (view.overlay != GI_OVERLAY_DIRTY && view.overlay != GI_OVERLAY_RESIDUAL &&
+	    view.overlay != GI_OVERLAY_BLOCKERS)
 		memcpy(p.pixels, w->target.pixels, sizeof p.pixels);
 	return p;
 }

@@ -18,7 +18,7 @@ static void draw_cage(const test_cage *t, uint32_t levels, uint32_t extra, drawn
 	refine_cage(t, levels, &out->coarse);
 	refine_cage(t, levels + extra, &out->fine);
 	assert_true(gi_hierarchy_build(&out->coarse, &out->h, NULL, 0));
-	assert_true(gi_drawn_from_cage(&out->h, &out->coarse, extra > 0 ? &out->fine : NULL, extra,
+	assert_true(gi_drawn_from_cage(&out->h, &out->coarse, extra > 0 ? &out->fine : &out->coarse, NULL,
 				       GI_LIGHT_EDGE_COSINE, &out->drawn));
 }
 
@@ -255,7 +255,7 @@ static void light_has_no_step_where_leaves_hang(void **state)
 	assert_true(gi_split(&t.cage, &(gi_split_def){.leaf_size = .9f, .cuts = cuts, .cut_count = 3}, &s.coarse,
 			     message, sizeof message));
 	assert_true(gi_hierarchy_build(&s.coarse, &s.h, NULL, 0));
-	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, NULL, 0, GI_LIGHT_EDGE_COSINE, &s.drawn));
+	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, &s.coarse, NULL, GI_LIGHT_EDGE_COSINE, &s.drawn));
 	check_drawn(&s.h, &s.drawn);
 	double *light = calloc(s.h.leaf_count, sizeof *light);
 	assert_non_null(light);
@@ -409,7 +409,7 @@ static void finer_levels_must_be_of_the_same_cage(void **state)
 	refine_cage(&t, 1, &coarse);
 	refine_cage(&other, 2, &fine);
 	assert_true(gi_hierarchy_build(&coarse, &h, NULL, 0));
-	assert_false(gi_drawn_from_cage(&h, &coarse, &fine, 1, GI_LIGHT_EDGE_COSINE, &drawn));
+	assert_false(gi_drawn_from_cage(&h, &coarse, &fine, NULL, GI_LIGHT_EDGE_COSINE, &drawn));
 	assert_null(drawn.vertices);
 	gi_hierarchy_free(&h);
 	gi_refined_free(&coarse);

@@ -253,7 +253,7 @@ static uint32_t mixed_lights(const test_cage *t, float leaf_size, const float (*
 		cuts[k] = (gi_leaf_cut){0, {a[0], a[1], 0}, {b[0], b[1], 0}, parts};
 	}
 	split_open(t, &(gi_split_def){.leaf_size = leaf_size, .cuts = cuts, .cut_count = count}, &s);
-	assert_true(gi_drawn_from_cage(&s.h, &s.refined, NULL, 0, GI_LIGHT_EDGE_COSINE, &drawn));
+	assert_true(gi_drawn_from_cage(&s.h, &s.refined, &s.refined, NULL, GI_LIGHT_EDGE_COSINE, &drawn));
 	const uint32_t mixed = count_mixed(&s, &drawn, corners, count);
 	gi_drawn_free(&drawn);
 	split_close(&s);
