@@ -344,7 +344,7 @@ static void leaves_of_other_sizes_leave_no_gap(void **state)
 	const gi_split_def def = {.leaf_size = .3f, .leaf_sizes = sizes, .cuts = cuts, .cut_count = 4};
 	assert_true(gi_split(&t.cage, &def, &s.coarse, message, sizeof message));
 	assert_true(gi_hierarchy_build(&s.coarse, &s.h, NULL, 0));
-	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, NULL, 0, GI_LIGHT_EDGE_COSINE, &s.drawn));
+	assert_true(gi_drawn_from_cage(&s.h, &s.coarse, &s.coarse, NULL, GI_LIGHT_EDGE_COSINE, &s.drawn));
 	check_drawn(&s.h, &s.drawn);
 	check_closed(&s.drawn);
 	assert_float_equal(drawn_area(&s.drawn), 6, 1e-5);
