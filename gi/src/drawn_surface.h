@@ -51,10 +51,11 @@ typedef struct gi_drawn_surface {
 } gi_drawn_surface;
 
 /* Draws the surface itself. `fine` is the same cage refined as far as the hierarchy's or further; how much further its
- * levels say themselves: a cage of n-gons is refined once whatever was asked for. Flat leaves are drawn as four
- * triangles round their centre, so that interpolation has no diagonal; curved ones as the quads of the finer level on
- * the limit surface with limit normals. Light vertices are shared between leaves whose normals have at least the cosine
- * `least_cosine`. uvs: texture coordinates of the leaves; NULL: none. */
+ * levels say themselves: a cage of n-gons is refined once whatever was asked for. Flat leaves are drawn as triangles
+ * round their centre, so that interpolation has no diagonal, with the corners of other leaves that lie on their edges,
+ * so that nothing is seen between them; curved ones as the quads of the finer level on the limit surface with limit
+ * normals. Light vertices are shared between leaves whose normals have at least the cosine `least_cosine`. uvs: texture
+ * coordinates of the leaves; NULL: none. */
 bool gi_drawn_from_cage(const gi_hierarchy *hierarchy, const gi_refined *coarse, const gi_refined *fine,
 			const gi_leaf_uvs *uvs, double least_cosine, gi_drawn_surface *out);
 
