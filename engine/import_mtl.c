@@ -187,6 +187,16 @@ static char *last_word(char *line)
 	return blank > tab ? blank + 1 : tab ? tab + 1 : line;
 }
 
+/* A name between quotation marks is what is between them. */
+static char *without_quotes(char *file)
+{
+	const size_t length = strlen(file);
+	if (length < 2 || file[0] != '"' || file[length - 1] != '"')
+		return file;
+	file[length - 1] = '\0';
+	return file + 1;
+}
+
 /* Options, then the file, whose name may have blanks in it. */
 static void read_texture(reader *r, char *rest, mtl_texture_kind kind)
 {
@@ -200,6 +210,7 @@ static void read_texture(reader *r, char *rest, mtl_texture_kind kind)
 		known = *after && read_option(r, name, &after, &texture);
 		file = known ? import_rest_of_line(after) : last;
 	}
+	file = without_quotes(file);
 	if (!file[0]) {
 		note_broken(r, "a texture");
 		return;

@@ -111,9 +111,13 @@ static void options_place_pictures(void **state)
 	}
 	write_picture("four by two.png", 2, 2, four);
 	check_told(path_of("a.obj"), "");
-	engine_scene scene = load_square("newmtl m\nmap_Kd -s 1 1 1 four by two.png \n", MAPPED);
-	assert_int_equal(scene.texture_count, 1);
-	engine_scene_free(&scene);
+	static const char *const names[] = {"newmtl m\nmap_Kd -s 1 1 1 four by two.png \n",
+					    "newmtl m\nmap_Kd -s 1 1 1 \"four by two.png\"\n"};
+	for (int k = 0; k < 2; k++) {
+		engine_scene scene = load_square(names[k], MAPPED);
+		assert_int_equal(scene.texture_count, 1);
+		engine_scene_free(&scene);
+	}
 }
 
 /* A face with a corner that has no vt, or one that is not there, has the mean of all. */
