@@ -919,7 +919,9 @@ typedef enum gi_overlay {
 	/* What the row of the leaf gi_view.overlay_leaf has of all others, which is drawn cyan; dark blue: nothing. */
 	GI_OVERLAY_SENDERS,    /* share of its irradiance that the entry brings, logarithmic: 1e-4 to 1 */
 	GI_OVERLAY_VISIBILITY, /* how much of them it sees, V */
-	GI_OVERLAY_BLOCKERS,   /* share of all its form factors that their object alone hides; 1e-4 to 1, log */
+	/* Share of all its form factors that their object alone hides, logarithmic: 1e-4 to 1. Where several hide a
+	 * node it is the one that rays met first, in an update maybe another than in a rebuild */
+	GI_OVERLAY_BLOCKERS,
 	/* Receivers and probes over the picture, as white surfaces that give back what falls on them, radiance H / pi:
 	 * discs across their normals, seen from the front alone, and balls of those that see all round, lit by the
 	 * ball's normal. Rims are dark; black: it sees nothing that light comes from, within a solid */
