@@ -102,26 +102,18 @@ static void *allocate(size_t count, size_t size, bool *enough)
 	return memory;
 }
 
-static void *copy(const void *from, size_t count, size_t size, bool *enough)
-{
-	void *memory = from ? allocate(count, size, enough) : NULL;
-	if (memory)
-		memcpy(memory, from, count * size);
-	return memory;
-}
-
 static gi_skin copy_skin(const uint32_t *joints, const float *weights, size_t vertices, bool *enough)
 {
-	return (gi_skin){copy(joints, 4 * vertices, sizeof *joints, enough),
-			 copy(weights, 4 * vertices, sizeof *weights, enough)};
+	return (gi_skin){gi_copy(joints, 4 * vertices, sizeof *joints, enough),
+			 gi_copy(weights, 4 * vertices, sizeof *weights, enough)};
 }
 
 static gi_shape make_shape(const gi_deform *d, const gi_object_def *def, bool *enough)
 {
-	gi_shape s = {.positions = copy(def->positions, 3 * (size_t)d->vertex_count, sizeof(float), enough),
+	gi_shape s = {.positions = gi_copy(def->positions, 3 * (size_t)d->vertex_count, sizeof(float), enough),
 		      .joints = allocate(16 * (size_t)d->joint_count, sizeof(float), enough),
 		      .draw_positions =
-			  d->draw_count ? copy(def->draw_positions, 3 * (size_t)d->draw_count, sizeof(float), enough)
+			  d->draw_count ? gi_copy(def->draw_positions, 3 * (size_t)d->draw_count, sizeof(float), enough)
 					: NULL};
 	for (uint32_t k = 0; s.joints && k < d->joint_count; k++)
 		memcpy(s.joints + 16 * (size_t)k, IDENTITY, sizeof IDENTITY);
@@ -188,9 +180,9 @@ gi_deform *gi_deform_make(const gi_object_def *def, gi_refined *refined, const g
 static gi_shape duplicate_shape(const gi_deform *d, const gi_shape *from, bool *enough)
 {
 	gi_shape s = *from;
-	s.positions = copy(from->positions, 3 * (size_t)d->vertex_count, sizeof(float), enough);
-	s.joints = copy(from->joints, 16 * (size_t)d->joint_count, sizeof(float), enough);
-	s.draw_positions = copy(from->draw_positions, 3 * (size_t)d->draw_count, sizeof(float), enough);
+	s.positions = gi_copy(from->positions, 3 * (size_t)d->vertex_count, sizeof(float), enough);
+	s.joints = gi_copy(from->joints, 16 * (size_t)d->joint_count, sizeof(float), enough);
+	s.draw_positions = gi_copy(from->draw_positions, 3 * (size_t)d->draw_count, sizeof(float), enough);
 	return s;
 }
 
@@ -203,7 +195,7 @@ gi_deform *gi_deform_copy(const gi_deform *from, uint32_t leaf_vertices)
 	*d = *from;
 	d->next = duplicate_shape(from, &from->next, &enough);
 	d->now = duplicate_shape(from, &from->now, &enough);
-	d->vertices = copy(from->vertices, leaf_vertices, sizeof *d->vertices, &enough);
+	d->vertices = gi_copy(from->vertices, leaf_vertices, sizeof *d->vertices, &enough);
 	allocate_work(d, leaf_vertices, &enough);
 	if (enough)
 		return d;

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-/* Of an edge's length: what is nearer lies on it. Positions are rounded to floats. */
-#define ON_EDGE 1e-5
 /* Of the longer edge's length: where less of an edge lies on it, a line that parts light may pass between the two that
  * was moved to a corner near by (split.c). */
 #define SHORTEST 0.02
@@ -81,7 +79,7 @@ static double share_of(gi_vec3d a, gi_vec3d b, gi_vec3d p)
 	const gi_vec3d way = gi_vec3d_sub(b, a), to = gi_vec3d_sub(p, a);
 	const double length2 = gi_vec3d_dot(way, way), share = gi_vec3d_dot(way, to) / length2;
 	const gi_vec3d off = gi_vec3d_sub(to, gi_vec3d_scale(way, share));
-	return gi_vec3d_dot(off, off) <= ON_EDGE * ON_EDGE * length2 ? share : OFF;
+	return gi_vec3d_dot(off, off) <= GI_ON_EDGE * GI_ON_EDGE * length2 ? share : OFF;
 }
 
 static bool add_hanging(gi_hanging_list *list, gi_hanging item)
@@ -149,7 +147,8 @@ static const gi_leaf_edge *next_on(const hanger *g, const way *w, bool beyond)
 		const gi_leaf_edge *e = &g->edges[g->at[k]];
 		const double share = share_of(w->a, w->b, position(g->h, other_end(e, w->vertex)));
 		const double from = w->back ? 1 - w->share : w->share, to = w->back ? 1 - share : share;
-		if (e->corner / 4 != w->edge->corner / 4 && share != OFF && to > from && (to > 1 + ON_EDGE) == beyond &&
+		if (e->corner / 4 != w->edge->corner / 4 && share != OFF && to > from &&
+		    (to > 1 + GI_ON_EDGE) == beyond &&
 		    gi_vec3d_dot(normal(g->h, w->edge->corner), normal(g->h, e->corner)) >= g->least_cosine)
 			return e;
 	}
@@ -189,7 +188,7 @@ static bool walk(hanger *g, way w)
 		w.vertex = other_end(e, w.vertex);
 		w.share = share;
 	}
-	const bool inside = w.share > ON_EDGE && w.share < 1 - ON_EDGE;
+	const bool inside = w.share > GI_ON_EDGE && w.share < 1 - GI_ON_EDGE;
 	e = inside ? next_on(g, &w, true) : NULL;
 	return !e || hang_overlap(g, &w, e);
 }

@@ -8,6 +8,9 @@
 
 #include "drawn_surface.h"
 
+/* Of an edge's length: what is nearer lies on it. Positions are rounded to floats. */
+#define GI_ON_EDGE 1e-5
+
 /* An edge of a leaf: it goes from the vertex of `corner` (leaf * 4 + k) to that of the leaf's next corner. */
 typedef struct gi_leaf_edge {
 	uint32_t low, high; /* its vertices in order of number */

@@ -1,13 +1,11 @@
 #include "drawn_seams.h"
 
+#include "drawn_build.h"
 #include "host_memory.h"
 #include "vec3d.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-/* Of an edge's length: what is nearer lies on it. Positions are rounded to floats. */
-#define ON_EDGE 1e-5
 
 /* A vertex where an edge without a partner ends. */
 typedef struct candidate {
@@ -26,11 +24,6 @@ typedef struct seamer {
 static double coordinate(gi_vec3d v, int axis)
 {
 	return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
-static gi_vec3d place_of(const gi_hierarchy *h, uint32_t vertex)
-{
-	return gi_vec3d_from(h->vertices[vertex]);
 }
 
 static int by_place(const void *a, const void *b)
@@ -59,7 +52,7 @@ static int widest_axis(const seamer *s)
 	for (int axis = 0; axis < 3; axis++) {
 		double low = HUGE_VAL, high = -HUGE_VAL;
 		for (uint32_t k = 0; k < s->count; k++) {
-			const double at = coordinate(place_of(s->h, s->candidates[k].vertex), axis);
+			const double at = coordinate(vertex_position(s->h, s->candidates[k].vertex), axis);
 			low = fmin(low, at);
 			high = fmax(high, at);
 		}
@@ -84,7 +77,7 @@ static bool list_candidates(seamer *s, const gi_leaf_edge *edges, uint32_t count
 		}
 	s->axis = widest_axis(s);
 	for (uint32_t k = 0; k < s->count; k++)
-		s->candidates[k].along = coordinate(place_of(s->h, s->candidates[k].vertex), s->axis);
+		s->candidates[k].along = coordinate(vertex_position(s->h, s->candidates[k].vertex), s->axis);
 	if (s->count)
 		qsort(s->candidates, s->count, sizeof *s->candidates, by_place);
 	uint32_t kept = 0;
@@ -125,17 +118,18 @@ static bool add_point(gi_seams *out, gi_seam_point point)
 
 static bool search_edge(const seamer *s, const gi_leaf_edge *edge)
 {
-	const gi_uvec4 c = s->h->topology[s->h->leaf_node[edge->corner / 4]].corners;
-	const uint32_t k = edge->corner % 4, ends[2] = {(&c.x)[k], (&c.x)[(k + 1) % (c.z == c.w ? 3 : 4)]};
-	const gi_vec3d a = place_of(s->h, ends[0]), way = gi_vec3d_sub(place_of(s->h, ends[1]), a);
+	const quad q = leaf_quad(s->h, edge->corner / 4);
+	const uint32_t k = edge->corner % 4;
+	const gi_vec3d a = vertex_position(s->h, q.v[k]),
+		       way = gi_vec3d_sub(vertex_position(s->h, q.v[(k + 1) % q.count]), a);
 	const double length2 = gi_vec3d_dot(way, way), from = coordinate(a, s->axis), by = coordinate(way, s->axis);
-	const double slack = ON_EDGE * sqrt(length2), last = fmax(from, from + by) + slack;
+	const double slack = GI_ON_EDGE * sqrt(length2), last = fmax(from, from + by) + slack;
 	for (uint32_t i = first_from(s, fmin(from, from + by) - slack); i < s->count && s->candidates[i].along <= last;
 	     i++) {
-		const gi_vec3d to = gi_vec3d_sub(place_of(s->h, s->candidates[i].vertex), a);
+		const gi_vec3d to = gi_vec3d_sub(vertex_position(s->h, s->candidates[i].vertex), a);
 		const double share = gi_vec3d_dot(way, to) / length2;
 		const gi_vec3d off = gi_vec3d_sub(to, gi_vec3d_scale(way, share));
-		const bool on = share > ON_EDGE && share < 1 - ON_EDGE && gi_vec3d_dot(off, off) <= slack * slack;
+		const bool on = share > GI_ON_EDGE && share < 1 - GI_ON_EDGE && gi_vec3d_dot(off, off) <= slack * slack;
 		if (on && !add_point(s->out, (gi_seam_point){edge->corner, s->candidates[i].vertex, (float)share}))
 			return false;
 	}
@@ -144,7 +138,7 @@ static bool search_edge(const seamer *s, const gi_leaf_edge *edge)
 
 static bool is_same_place(const gi_hierarchy *h, const gi_seam_point *a, const gi_seam_point *b)
 {
-	const gi_vec3d apart = gi_vec3d_sub(place_of(h, a->vertex), place_of(h, b->vertex));
+	const gi_vec3d apart = gi_vec3d_sub(vertex_position(h, a->vertex), vertex_position(h, b->vertex));
 	return a->corner == b->corner && gi_vec3d_dot(apart, apart) == 0;
 }
 

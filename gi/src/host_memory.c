@@ -96,3 +96,10 @@ void gi_free(void *memory)
 	header *h = (header *)memory - 1;
 	h->free(h, h->size, h->user);
 }
+
+void *gi_copy(const void *from, size_t count, size_t size, bool *enough)
+{
+	void *made = from ? gi_malloc(count * size) : NULL;
+	*enough = *enough && (!from || made);
+	return made ? memcpy(made, from, count * size) : NULL;
+}

@@ -25,6 +25,10 @@ void *gi_calloc(size_t count, size_t size);
 void *gi_realloc(void *memory, size_t size);
 void gi_free(void *memory);
 
+/* Another block with the same `count` things of `size` bytes; NULL of NULL. Where there is no memory *enough becomes
+ * false, and NULL comes. */
+void *gi_copy(const void *from, size_t count, size_t size, bool *enough);
+
 #ifdef __cplusplus
 }
 #endif

@@ -21,28 +21,18 @@ char *object_copy_name(const char *name)
 
 /* ---- one's own ---- */
 
-/* NULL of NULL. */
-static void *copy(const void *from, size_t count, size_t size, bool *enough)
-{
-	void *made = from ? gi_malloc(count * size) : NULL;
-	*enough = *enough && (!from || made);
-	if (made)
-		memcpy(made, from, count * size);
-	return made;
-}
-
 /* What object_apply_shape and object_refit_drawn write. */
 static void copy_shape(object_record *o, bool *enough)
 {
 	gi_hierarchy *h = &o->hierarchy;
-	h->vertices = copy(h->vertices, h->vertex_count, sizeof *h->vertices, enough);
-	h->geometry = copy(h->geometry, h->node_count, sizeof *h->geometry, enough);
-	h->spread = copy(h->spread, h->node_count, sizeof *h->spread, enough);
-	h->topology = copy(h->topology, h->node_count, sizeof *h->topology, enough);
-	o->bvh.nodes = copy(o->bvh.nodes, o->bvh.node_count, sizeof *o->bvh.nodes, enough);
-	o->bvh.primitives = copy(o->bvh.primitives, o->bvh.primitive_count, sizeof *o->bvh.primitives, enough);
-	o->by_size = copy(o->by_size, o->bvh.primitive_count, sizeof *o->by_size, enough);
-	o->drawn.vertices = copy(o->drawn.vertices, o->drawn.vertex_count, sizeof *o->drawn.vertices, enough);
+	h->vertices = gi_copy(h->vertices, h->vertex_count, sizeof *h->vertices, enough);
+	h->geometry = gi_copy(h->geometry, h->node_count, sizeof *h->geometry, enough);
+	h->spread = gi_copy(h->spread, h->node_count, sizeof *h->spread, enough);
+	h->topology = gi_copy(h->topology, h->node_count, sizeof *h->topology, enough);
+	o->bvh.nodes = gi_copy(o->bvh.nodes, o->bvh.node_count, sizeof *o->bvh.nodes, enough);
+	o->bvh.primitives = gi_copy(o->bvh.primitives, o->bvh.primitive_count, sizeof *o->bvh.primitives, enough);
+	o->by_size = gi_copy(o->by_size, o->bvh.primitive_count, sizeof *o->by_size, enough);
+	o->drawn.vertices = gi_copy(o->drawn.vertices, o->drawn.vertex_count, sizeof *o->drawn.vertices, enough);
 	o->deform = gi_deform_copy(o->deform, h->vertex_count);
 	*enough = *enough && o->deform;
 }
@@ -68,12 +58,12 @@ static void free_shape(object_record *o)
 static void copy_values(object_record *o, bool *enough)
 {
 	const uint32_t count = o->material_count;
-	o->materials = copy(o->materials, count, sizeof *o->materials, enough);
-	o->specular = copy(o->specular, count, sizeof *o->specular, enough);
-	o->emission = copy(o->emission, count, sizeof *o->emission, enough);
+	o->materials = gi_copy(o->materials, count, sizeof *o->materials, enough);
+	o->specular = gi_copy(o->specular, count, sizeof *o->specular, enough);
+	o->emission = gi_copy(o->emission, count, sizeof *o->emission, enough);
 	for (uint32_t m = 0; o->emission && m < count; m++)
 		o->emission[m] = (object_emission){.area = o->emission[m].area};
-	o->textures = copy(o->textures, o->chart.material_count, sizeof *o->textures, enough);
+	o->textures = gi_copy(o->textures, o->chart.material_count, sizeof *o->textures, enough);
 	o->name = o->name ? object_copy_name(o->name) : NULL;
 	*enough = *enough && o->name;
 }

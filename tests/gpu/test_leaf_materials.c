@@ -34,24 +34,6 @@ static float *place_uvs(const engine_mesh *mesh)
 	return uvs;
 }
 
-/* Turns quads into triangles. */
-static void cut_in_triangles(engine_mesh *mesh)
-{
-	uint32_t *indices = allocate(6 * (size_t)mesh->face_count, sizeof *indices);
-	uint32_t *counts = allocate(2 * (size_t)mesh->face_count, sizeof *counts);
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		const uint32_t *q = mesh->indices + 4 * f, corners[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
-		memcpy(indices + 6 * f, corners, sizeof corners);
-		counts[2 * f] = counts[2 * f + 1] = 3;
-	}
-	free(mesh->indices);
-	free(mesh->face_counts);
-	mesh->indices = indices;
-	mesh->face_counts = counts;
-	mesh->index_count = 6 * mesh->face_count;
-	mesh->face_count *= 2;
-}
-
 typedef struct kind {
 	const char *name;
 	gi_scheme scheme;
@@ -76,7 +58,7 @@ static void expect_places(const kind *k)
 	engine_mesh mesh;
 	assert_true(shape_quad((float[]){0, .5f, 0}, (float[]){0, 0, 2}, (float[]){2, -.5f, 0}, 3, 3, &mesh));
 	if (k->triangles)
-		cut_in_triangles(&mesh);
+		harness_cut_quads(&mesh);
 	if (k->twice) /* the second face is the first again */
 		memcpy(mesh.indices + mesh.face_counts[0], mesh.indices, sizeof(uint32_t) * mesh.face_counts[0]);
 	float *uvs = place_uvs(&mesh);

@@ -3,6 +3,7 @@
  */
 #include "faults.h"
 #include "snapshot.h"
+#include "target.h"
 
 #include "scenes/body.h"
 #include "scenes/shapes.h"
@@ -16,7 +17,7 @@
 
 static const float PI = 3.14159265f;
 
-enum { SIZE = 32 };
+enum { SIZE = 32, PIXEL_BYTES = 4 * SIZE * SIZE * sizeof(float) };
 
 /* All that the sky gives, W/m2: a plate below it that sees nothing else receives as much. */
 static const float SKY[3] = {2, 3, 5};
@@ -45,29 +46,12 @@ static GLuint two_texels(void)
 	return make_texture(GL_RGBA32F, 2, 1, TEXELS, GL_NEAREST, GL_CLAMP_TO_EDGE);
 }
 
-typedef struct target {
-	GLuint framebuffer, colour, depth;
-	float pixels[SIZE * SIZE][4]; /* bottom row first */
-} target;
-
 static target picture;
 
-static void open_target(void)
+/* Of a pixel, columns from the left and rows from below: r g b a. */
+static const float *pixel_at(int i, int j)
 {
-	glCreateTextures(GL_TEXTURE_2D, 1, &picture.colour);
-	glTextureStorage2D(picture.colour, 1, GL_RGBA32F, SIZE, SIZE);
-	glCreateRenderbuffers(1, &picture.depth);
-	glNamedRenderbufferStorage(picture.depth, GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &picture.framebuffer);
-	glNamedFramebufferTexture(picture.framebuffer, GL_COLOR_ATTACHMENT0, picture.colour, 0);
-	glNamedFramebufferRenderbuffer(picture.framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, picture.depth);
-}
-
-static void close_target(void)
-{
-	glDeleteFramebuffers(1, &picture.framebuffer);
-	glDeleteTextures(1, &picture.colour);
-	glDeleteRenderbuffers(1, &picture.depth);
+	return picture.pixels + 4 * (j * SIZE + i);
 }
 
 /* Looks straight down, parallel, at [-1, 1] x [-1, 1]: pixel (i, j) sees x to the right and -z up. */
@@ -82,19 +66,12 @@ static gi_view look_down(void)
 	return view;
 }
 
-/* The picture that is in `pixels` then is of this call alone. */
 static gi_result try_to_draw(gi_context *gi, const gi_view *view)
 {
 	if (!picture.framebuffer)
-		open_target();
-	const float black[4] = {0, 0, 0, 0}, far = 1;
-	glBindFramebuffer(GL_FRAMEBUFFER, picture.framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glClearBufferfv(GL_COLOR, 0, black);
-	glClearBufferfv(GL_DEPTH, 0, &far);
-	const gi_result result = gi_draw(gi, view);
+		picture = target_make(SIZE);
+	const gi_result result = target_try(&picture, gi, *view);
 	assert_int_equal(glGetError(), GL_NO_ERROR);
-	glGetTextureImage(picture.colour, 0, GL_RGBA, GL_FLOAT, sizeof picture.pixels, picture.pixels);
 	return result;
 }
 
@@ -179,24 +156,6 @@ typedef struct plate_kind {
 
 static const gi_material GREY = {.rho = {.5f, .5f, .5f}, .exitance = {.1f, .2f, .3f}};
 
-static void to_triangles(engine_mesh *mesh)
-{
-	uint32_t *indices = calloc(6 * (size_t)mesh->face_count, sizeof *indices);
-	uint32_t *counts = calloc(2 * (size_t)mesh->face_count, sizeof *counts);
-	assert_true(indices && counts);
-	for (uint32_t f = 0; f < mesh->face_count; f++) {
-		const uint32_t *q = mesh->indices + 4 * (size_t)f, corners[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
-		memcpy(indices + 6 * (size_t)f, corners, sizeof corners);
-		counts[2 * f] = counts[2 * f + 1] = 3;
-	}
-	free(mesh->indices);
-	free(mesh->face_counts);
-	mesh->indices = indices;
-	mesh->face_counts = counts;
-	mesh->index_count = 6 * mesh->face_count;
-	mesh->face_count *= 2;
-}
-
 /* One face of eight corners: those of a square and the middles of its edges. */
 static void to_polygon(engine_mesh *mesh)
 {
@@ -213,7 +172,7 @@ static gi_object add_plate(gi_context *gi, const plate_kind *kind)
 	gi_object object;
 	make_plate(kind->faces, &mesh);
 	if (kind->triangles)
-		to_triangles(&mesh);
+		harness_cut_quads(&mesh);
 	if (kind->polygon)
 		to_polygon(&mesh);
 	if (kind->skewed) /* faces that are no parallelograms */
@@ -254,7 +213,7 @@ static const float *texel_at(float u)
 
 static void expect_pixel(const char *name, int i, int j, const float wanted[3], float tolerance)
 {
-	const float *found = picture.pixels[j * SIZE + i];
+	const float *found = pixel_at(i, j);
 	for (int c = 0; c < 3; c++)
 		if (!(fabsf(found[c] - wanted[c]) <= tolerance * fmaxf(fabsf(wanted[c]), 1e-3f)))
 			fail_msg("%s: pixel %d %d, channel %d: %.8g is not %.8g", name, i, j, c, (double)found[c],
@@ -491,7 +450,7 @@ static void what_is_cut_out_is_not_drawn(void **state)
 		assert_gi(gi_set_textures(gi, plate, 0, &t));
 		draw(gi);
 		for (int i = 0; i < SIZE; i++)
-			assert_true((picture.pixels[7 * SIZE + i][3] > 0) == (i < SIZE / 2));
+			assert_true((pixel_at(i, 7)[3] > 0) == (i < SIZE / 2));
 		t.alpha_cutoff = .1f;
 		assert_gi(gi_set_textures(gi, plate, 0, &t));
 		draw(gi);
@@ -690,7 +649,7 @@ static void seams_deform(void **state)
 		for (int i = 0; i < SIZE; i++) {
 			float p[3], wanted[3];
 			place_of(i, 9, p);
-			const float *found = picture.pixels[9 * SIZE + i];
+			const float *found = pixel_at(i, 9);
 			for (int c = 0; c < 3; c++)
 				wanted[c] = (GREY.exitance[c] + texel_at(squeezed_u(p))[c] * SKY[c]) / PI;
 			if (fabsf(p[0]) < .5f)
@@ -850,7 +809,8 @@ static void deleted_textures_are_missed(void **state)
 	gi_view view = look_down();
 	assert_int_equal(try_to_draw(gi, &view), GI_ERROR_INVALID_ARGUMENT);
 	assert_non_null(strstr(harness_last_message(), "'plate', material 0"));
-	assert_true(picture.pixels[0][3] == 0);
+	glGetTextureImage(picture.colour, 0, GL_RGBA, GL_FLOAT, PIXEL_BYTES, picture.pixels);
+	assert_true(pixel_at(0, 0)[3] == 0);
 	assert_gi(gi_set_textures(gi, plate, 0, NULL));
 	draw(gi);
 
@@ -956,7 +916,7 @@ static void textures_go_with_all_else(void **state)
 			place_of(i, j, p);
 			const float *before = plain[j * SIZE + i];
 			if (p[2] > .35f) {
-				others += memcmp(before, picture.pixels[j * SIZE + i], sizeof *plain) == 0;
+				others += memcmp(before, pixel_at(i, j), sizeof *plain) == 0;
 				continue;
 			}
 			for (int c = 0; c < 3; c++)
@@ -998,7 +958,7 @@ static void multisampled_targets(void **state)
 		assert_gi(gi_draw(gi, &view));
 		glBlitNamedFramebuffer(framebuffer, picture.framebuffer, 0, 0, SIZE, SIZE, 0, 0, SIZE, SIZE,
 				       GL_COLOR_BUFFER_BIT, GL_NEAREST);
-		glGetTextureImage(picture.colour, 0, GL_RGBA, GL_FLOAT, sizeof picture.pixels, picture.pixels);
+		glGetTextureImage(picture.colour, 0, GL_RGBA, GL_FLOAT, PIXEL_BYTES, picture.pixels);
 		assert_int_equal(glGetError(), GL_NO_ERROR);
 		for (int k = 0; k < SIZE * SIZE; k++)
 			expect_pixel("samples", k % SIZE, k / SIZE, wanted[k], 1e-6f);
@@ -1135,7 +1095,7 @@ static void memory_runs_out_for_objects(void **state)
 static int close_all(void **state)
 {
 	if (picture.framebuffer)
-		close_target();
+		target_free(&picture);
 	return harness_close(state);
 }
 

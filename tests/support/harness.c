@@ -115,3 +115,21 @@ uint32_t harness_paths(uint32_t all)
 {
 	return harness_is_long() ? all : all / 4;
 }
+
+void harness_cut_quads(engine_mesh *mesh)
+{
+	uint32_t *indices = calloc(6 * (size_t)mesh->face_count, sizeof *indices);
+	uint32_t *counts = calloc(2 * (size_t)mesh->face_count, sizeof *counts);
+	assert_true(indices && counts);
+	for (uint32_t f = 0; f < mesh->face_count; f++) {
+		const uint32_t *q = mesh->indices + 4 * (size_t)f, corners[6] = {q[0], q[1], q[2], q[0], q[2], q[3]};
+		memcpy(indices + 6 * (size_t)f, corners, sizeof corners);
+		counts[2 * f] = counts[2 * f + 1] = 3;
+	}
+	free(mesh->indices);
+	free(mesh->face_counts);
+	mesh->indices = indices;
+	mesh->face_counts = counts;
+	mesh->index_count = 6 * mesh->face_count;
+	mesh->face_count *= 2;
+}

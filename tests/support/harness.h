@@ -41,6 +41,9 @@ typedef struct harness_object {
 	bool double_sided;
 } harness_object;
 
+/* Turns a mesh of quads into one of triangles, two each. */
+void harness_cut_quads(engine_mesh *mesh);
+
 gi_object harness_add(gi_context *gi, const harness_object *o, engine_mesh *mesh);
 
 /* RELUME_LONG is set: everything that takes minutes, too. */
