@@ -4,7 +4,7 @@
 #include "scene_files.h"
 
 #include "demos/file_scene.h"
-#include "harness.h"
+#include "target.h"
 
 #include <glad/gl.h>
 
@@ -61,32 +61,13 @@ static const char *write_scene(uint32_t n, bool mapped, const char *material)
 	return write_text("scene.gltf", text);
 }
 
-/* Looks straight down. */
+/* Seen from straight above. */
 static void draw(gi_context *gi, float pixels[SIZE * SIZE][4])
 {
-	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1};
-	const float clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.1f, 0, 0, 0, 0, 1};
-	const float black[4] = {0, 0, 0, 0}, far = 1;
-	gi_view view = gi_view_default();
-	GLuint parts[2], framebuffer;
-	memcpy(view.view_from_world, world, sizeof world);
-	memcpy(view.clip_from_view, clip, sizeof clip);
-	view.width = view.height = SIZE;
-	glCreateRenderbuffers(2, parts);
-	glNamedRenderbufferStorage(parts[0], GL_RGBA32F, SIZE, SIZE);
-	glNamedRenderbufferStorage(parts[1], GL_DEPTH_COMPONENT32F, SIZE, SIZE);
-	glCreateFramebuffers(1, &framebuffer);
-	glNamedFramebufferRenderbuffer(framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, parts[0]);
-	glNamedFramebufferRenderbuffer(framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, parts[1]);
-	glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-	glViewport(0, 0, SIZE, SIZE);
-	glClearBufferfv(GL_COLOR, 0, black);
-	glClearBufferfv(GL_DEPTH, 0, &far);
-	assert_gi(gi_draw(gi, &view));
-	glReadPixels(0, 0, SIZE, SIZE, GL_RGBA, GL_FLOAT, pixels);
-	assert_int_equal(glGetError(), GL_NO_ERROR);
-	glDeleteFramebuffers(1, &framebuffer);
-	glDeleteRenderbuffers(2, parts);
+	target picture = target_make(SIZE);
+	target_draw(&picture, gi, target_look_down(SIZE));
+	memcpy(pixels, picture.pixels, sizeof *pixels * SIZE * SIZE);
+	target_free(&picture);
 }
 
 static void draw_file(const char *path, uint32_t cage_faces, float pixels[SIZE * SIZE][4])

@@ -54,18 +54,6 @@ static const float *pixel_at(int i, int j)
 	return picture.pixels + 4 * (j * SIZE + i);
 }
 
-/* Looks straight down, parallel, at [-1, 1] x [-1, 1]: pixel (i, j) sees x to the right and -z up. */
-static gi_view look_down(void)
-{
-	gi_view view = gi_view_default();
-	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1};
-	const float clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.1f, 0, 0, 0, 0, 1};
-	memcpy(view.view_from_world, world, sizeof world);
-	memcpy(view.clip_from_view, clip, sizeof clip);
-	view.width = view.height = SIZE;
-	return view;
-}
-
 static gi_result try_to_draw(gi_context *gi, const gi_view *view)
 {
 	if (!picture.framebuffer)
@@ -77,7 +65,7 @@ static gi_result try_to_draw(gi_context *gi, const gi_view *view)
 
 static void draw_mode(gi_context *gi, gi_mode mode)
 {
-	gi_view view = look_down();
+	gi_view view = target_look_down(SIZE);
 	view.mode = mode;
 	assert_gi(try_to_draw(gi, &view));
 }
@@ -806,7 +794,7 @@ static void deleted_textures_are_missed(void **state)
 	assert_gi(gi_set_textures(gi, plate, 0, &t));
 	draw(gi);
 	glDeleteTextures(1, &texture);
-	gi_view view = look_down();
+	gi_view view = target_look_down(SIZE);
 	assert_int_equal(try_to_draw(gi, &view), GI_ERROR_INVALID_ARGUMENT);
 	assert_non_null(strstr(harness_last_message(), "'plate', material 0"));
 	glGetTextureImage(picture.colour, 0, GL_RGBA, GL_FLOAT, PIXEL_BYTES, picture.pixels);
@@ -903,7 +891,7 @@ static void textures_go_with_all_else(void **state)
 	memcpy(plain, picture.pixels, sizeof plain);
 	const gi_textures t = base_color(texture);
 	assert_gi(gi_set_textures(gi, plate, 0, &t));
-	gi_view view = look_down();
+	gi_view view = target_look_down(SIZE);
 	for (int overlay = 0; overlay < 2; overlay++) {
 		view.overlay = overlay ? GI_OVERLAY_WIREFRAME : GI_OVERLAY_NONE;
 		assert_gi(try_to_draw(gi, &view));
@@ -947,7 +935,7 @@ static void multisampled_targets(void **state)
 		gi_context *gi = open_scene(by);
 		const gi_object plate = add_plate(gi, &PLAIN);
 		const gi_textures t = base_color(texture);
-		const gi_view view = look_down();
+		const gi_view view = target_look_down(SIZE);
 		const float far = 1;
 		light(gi);
 		assert_gi(gi_set_textures(gi, plate, 0, &t));
@@ -1029,7 +1017,7 @@ static void memory_runs_out(void **state)
 		assert_gi(gi_create_light(gi, &sun, &handle));
 		const gi_object plate = add_halves(gi, false, false, false);
 		const gi_textures t = base_color(texture);
-		const gi_view view = look_down();
+		const gi_view view = target_look_down(SIZE);
 		light(gi);
 		draw(gi);
 		uint32_t failed = 1, number = 0;

@@ -3,6 +3,7 @@
 #include <glad/gl.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 target target_make(uint32_t size)
 {
@@ -52,4 +53,15 @@ void target_draw(target *t, gi_context *gi, gi_view view)
 	glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
 	assert_int_equal(bound, t->framebuffer);
 	assert_int_equal(glGetError(), GL_NO_ERROR);
+}
+
+gi_view target_look_down(uint32_t size)
+{
+	gi_view view = gi_view_default();
+	const float world[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1};
+	const float clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -.1f, 0, 0, 0, 0, 1};
+	memcpy(view.view_from_world, world, sizeof world);
+	memcpy(view.clip_from_view, clip, sizeof clip);
+	view.width = view.height = size;
+	return view;
 }

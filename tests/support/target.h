@@ -18,4 +18,8 @@ gi_result target_try(target *t, gi_context *gi, gi_view view);
 /* The same; fails the test on error, or where another framebuffer is bound in the end. */
 void target_draw(target *t, gi_context *gi, gi_view view);
 
+/* Of a picture of `size` pixels a side. Looks straight down, parallel, at [-1, 1] x [-1, 1]: pixel (i, j) sees x to the
+ * right and -z up. */
+gi_view target_look_down(uint32_t size);
+
 #endif
